@@ -7,7 +7,7 @@ STAMP := $(VENV)/.lidardraft-$(firstword $(shell echo "$(CURDIR)" | cksum))
 RUST := $(shell find rust -name '*.rs' 2>/dev/null) Cargo.toml Cargo.lock rust/python/Cargo.toml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench compare report-streets report-detail report-simulate report-generate report-clouds report-edits report-inputs report-two-sample report-sequences install weights
+.PHONY: help demo test check bench compare report-streets report-detail report-simulate report-generate report-clouds report-inputs report-outputs report-two-sample install weights
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 16
@@ -16,7 +16,7 @@ demo: install ## a sentence becomes labelled LiDAR scans, simulated and generate
 	$(BIN)/python examples/demo.py
 
 test: install ## all tests, Python and Rust
-	$(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest -n auto --dist worksteal
 	PYO3_PYTHON="$(abspath $(BIN)/python)" cargo test --workspace --quiet
 
 check: install ## formatters, linters, types, and the extension's types against its stub
@@ -50,14 +50,14 @@ report-generate: install ## generated scans beside simulated ones: recordings, u
 report-two-sample: install ## how well a classifier tells streets from recordings, by what it looks at
 	"$(BIN)/python" benches/report_two_sample.py
 
-report-sequences: install ## sequences: frames a second, rolling shutter, flicker, odometry by KISS-ICP
-	"$(BIN)/python" benches/report_sequences.py
-
 report-clouds: install ## how near the layouts of recordings come to them, and how long they take
 	"$(BIN)/python" benches/report_cloud.py
 
-report-edits: install ## how near cars put into the recordings come to recorded ones, and how many scans a second are augmented
+report-outputs: install ## sequences, generated frames, edits; exports in foreign readers; data sets killed twenty times
+	"$(BIN)/python" benches/report_sequences.py
+	"$(BIN)/python" benches/report_generated.py
 	"$(BIN)/python" benches/edit_recordings.py
+	"$(BIN)/python" -m pytest -q -m "" tests/formats/test_exports.py tests/cli/test_cli_dataset.py
 
 report-inputs: install ## how well sentences, scripts, pictures, clouds and sketches become layouts, and bad files end
 	"$(BIN)/python" benches/report_inputs.py

@@ -23,7 +23,7 @@ from lidardraft import Sensor
 from lidardraft.diffusion.codec import CONDITION_CHANNELS, STATE_CHANNELS, encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.networks import weight_file
-from lidardraft.networks.precision import has_bfloat16
+from lidardraft.networks.layers import has_bfloat16
 from lidardraft.networks.weight_file import PACKAGED
 
 

@@ -26,7 +26,7 @@ from torch.nn import functional
 
 from evidence import RECIPES
 from lidardraft.dataset.recipe import Recipe
-from lidardraft.networks.precision import reduced_precision
+from lidardraft.networks.layers import reduced_precision
 from markdown_table import Row, table
 
 REACH = 40.0  # m, of the view from above, to each side

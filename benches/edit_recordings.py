@@ -19,12 +19,12 @@ from lidardraft import Box, Sensor
 from lidardraft.errors import LayoutError
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.kitti_object import read_label_2
+from lidardraft.formats.pandaset import LABELS
 from lidardraft.formats.semantickitti import read_label
 from lidardraft.simulation.object_sampling import ObjectSampling
 from lidardraft.simulation.recorded_scan import INSERTED, RecordedScan, inside
 from lidardraft.simulation.scan_edits import Insert, Remove, edit_scan
 from lidardraft.simulation.solid_object import SolidObject
-from recordings import PANDASET
 
 _FEWEST = 50  # returns of a car that is compared
 _MARGIN = 0.15  # m around a box
@@ -64,11 +64,6 @@ def scans(folder: Path) -> Iterator[tuple[str, RecordedScan]]:
 
 
 def _pandaset(path: Path) -> RecordedScan:
-    from lidardraft.semantics import BY_NAME
-
-    table = np.zeros(256, np.uint8)
-    for name, numbers in PANDASET.items():
-        table[list(numbers)] = BY_NAME[name].id
     with np.load(path) as file:
         mine = file["device"] == 0
         boxes = [
@@ -76,7 +71,7 @@ def _pandaset(path: Path) -> RecordedScan:
                 float(file["box_yaw"][k]))
             for k in np.flatnonzero(file["box_class"] == "Car").tolist()
         ]  # fmt: skip
-        fields = {"intensity": file["intensity"][mine] / np.float32(255), "label": table[file["label"][mine]]}
+        fields = {"intensity": file["intensity"][mine] / np.float32(255), "label": LABELS[file["label"][mine]]}
         return RecordedScan.from_points(file["xyz"][mine], Sensor.preset("pandar64"), boxes=boxes, **fields)
 
 

@@ -35,7 +35,7 @@ from lidardraft.diffusion.denoiser_config import STEPS
 from lidardraft.diffusion.noise import karras_levels
 from lidardraft.diffusion.sampler import sample_multistep
 from lidardraft.evaluation import loss_by_other_layouts, score, unseen_streets, untrained_weights
-from lidardraft.networks.precision import reduced_precision
+from lidardraft.networks.layers import reduced_precision
 from lidardraft.streets import StreetPair
 from lidardraft.training import denoising, recipes
 from lidardraft.training.learner import Learner

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.formats.kitti import read_bin
+from lidardraft.formats.pandaset import LABELS
 from lidardraft.scene.layout import Layout
 from lidardraft.semantics import BY_NAME
-from recordings import PANDASET
 
 ROAD, OTHER = BY_NAME["road"].id, BY_NAME["other"].id
 _KITTI = {"Car": "car", "Van": "car", "Truck": "truck", "Tram": "train", "Pedestrian": "person", "Cyclist": "rider"}
@@ -89,10 +89,7 @@ def pandaset_frames(folder: Path) -> Iterator[LabelledBoxes]:
                     file["box_center"][chosen], file["box_size_lwh"][chosen], file["box_yaw"][chosen], strict=True
                 )
             ]
-        table = np.zeros(256, dtype=np.uint8)
-        for name, numbers in PANDASET.items():
-            table[list(numbers)] = BY_NAME[name].id
-        yield LabelledBoxes(points, table[raw], boxes, 2.1)
+        yield LabelledBoxes(points, LABELS[raw], boxes, 2.1)
 
 
 def recovered(frame: LabelledBoxes, layout: Layout, least_points: int = 100, least_iou: float = 0.5) -> tuple[int, int]:

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.formats.kitti import read_bin
+from lidardraft.formats.pandaset import LABELS
 from lidardraft.formats.pcd import parse_pcd
 from lidardraft.formats.recording import Recording, recording_of
 from lidardraft.formats.semantickitti import CLASS_FROM_RAW
@@ -30,22 +31,6 @@ _TRAINING_IDS = (
     *("none", "car", "bicycle", "motorcycle", "truck", "truck", "person", "rider", "rider", "road"),
     *("road", "sidewalk", "terrain", "building", "fence", "vegetation", "trunk", "terrain", "pole", "traffic-sign"),
 )
-PANDASET = {
-    "vegetation": (5,),
-    "terrain": (6,),
-    "road": (7, 8, 9, 10, 12),
-    "sidewalk": (11,),
-    "car": (13, 14),
-    "truck": (15, 16, 19, 20, 22),
-    "motorcycle": (18, 25),
-    "bus": (23,),
-    "bicycle": (24, 26),
-    "train": (27, 28, 29),
-    "person": (30, 31),
-    "traffic-sign": (36, 38),
-    "building": (41,),
-    "other": (17, 21, 34, 35, 37, 39, 40, 42),
-}
 _IKA = ("road", "sidewalk", "building", "pole", "vegetation", "person", "bicycle", "car", "truck", "bus", "none")
 # nuScenes' images: +12 to -30 degrees in 32 equal steps, here pixel centres.
 NUSCENES_GRID = Sensor(
@@ -256,13 +241,10 @@ def _pandaset(path: Path, angles: np.ndarray, columns: int) -> Sweep:
     with np.load(path) as file:
         mine = file["device"] == 0
         points, intensity, raw = file["xyz"][mine], file["intensity"][mine] / np.float32(255), file["label"][mine]
-    label = np.zeros(256, dtype=np.uint8)
-    for name, numbers in PANDASET.items():
-        label[list(numbers)] = BY_NAME[name].id
     seen = _from_sensor(points, angles)
     elevation = np.arctan2(seen[:, 2], np.hypot(seen[:, 0], seen[:, 1]))
     rows = np.searchsorted(-(angles[1:] + angles[:-1]) / 2, -elevation)
-    return Sweep.from_points(seen, rows, height=64, columns=columns, label=label[raw], intensity=intensity)
+    return Sweep.from_points(seen, rows, height=64, columns=columns, label=LABELS[raw], intensity=intensity)
 
 
 def _from_sensor(points: np.ndarray, angles: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ For each sensor of which there are recordings, and which is a preset: streets sc
 recordings are, in one table, worst property first. "Recorded vs recorded" is the mean distance between recordings of
 two drives or places, "streets vs recorded" that between as many streets and each of them; a ratio of 1 says that
 streets differ from a drive as another drive does. The recordings are looked for in the folder LIDARDRAFT_DATA or
---data.
+--data. With --text the scans are those of a sentence and its surroundings, a seed each.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 
 import recordings
+from lidardraft import simulate
 from lidardraft.cli.arguments import read_sensor
 from lidardraft.metrics import lifelike
 from lidardraft.metrics.lifelike import CLASS_SETS, Comparison, Features, Property
@@ -56,6 +57,7 @@ def main() -> None:
     parser.add_argument("--sensors", default=",".join(READERS), help=f"some of {', '.join(READERS)}")
     parser.add_argument("--data", type=Path, default=Path(os.environ.get("LIDARDRAFT_DATA", "")), help="recordings")
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="sensors at a time")
+    parser.add_argument("--text", help="a sentence, whose scans take the place of those of streets")
     parser.add_argument("--scan-with", help="the file of a sensor like the one in --sensors, to scan the streets with")
     parser.add_argument("--without", help="a group of recordings to leave out, such as the drive that it is fitted to")
     parser.add_argument("--json", type=Path, help="write what was measured, pooled by group, to this file")
@@ -69,7 +71,7 @@ def main() -> None:
         wanted = PRESETS[names[0]].shape
         parser.error(f"{given.scan_with} has {shape[0]} x {shape[1]} pixels; {names[0]} has {wanted[0]} x {wanted[1]}")
     with ProcessPoolExecutor(given.jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
-        about = given.data, given.num, given.scan_with, given.without
+        about = given.data, given.num, given.text, given.scan_with, given.without
         sections = [pool.submit(_section, name, *about) for name in names]
         pooled = {}
         for name, section in zip(names, sections, strict=True):
@@ -79,7 +81,9 @@ def main() -> None:
         given.json.write_text(json.dumps(pooled))
 
 
-def _section(name: str, folder: Path, num: int, scan_with: str | None, without: str | None) -> tuple[str, Pooled]:
+def _section(
+    name: str, folder: Path, num: int, text: str | None, scan_with: str | None, without: str | None
+) -> tuple[str, Pooled]:
     reason = _missing(name, folder)
     if not reason:
         recorded = READERS[name](folder, PRESETS[name].columns)
@@ -88,8 +92,8 @@ def _section(name: str, folder: Path, num: int, scan_with: str | None, without: 
         return f"### {name}\n\nSkipped: {reason}.\n", {}
     if without:
         recorded = without_group(recorded, without)
-    comparisons, pooled = report(recorded, read_sensor(scan_with or name), num)
-    return markdown(recorded, comparisons, num), pooled
+    comparisons, pooled = report(recorded, read_sensor(scan_with or name), num, text)
+    return markdown(recorded, comparisons, f"{num} scans of {text or 'streets'}"), pooled
 
 
 def without_group(recorded: Recordings, left_out: str) -> Recordings:
@@ -108,8 +112,9 @@ def _missing(name: str, folder: Path) -> str:
     return "" if folder.name and folder.is_dir() else "no recordings; name their folder in LIDARDRAFT_DATA or --data"
 
 
-def report(recorded: Recordings, sensor: Sensor, num: int) -> tuple[list[Comparison], Pooled]:
-    """All comparisons, and what they are of: sums over the sweeps of each group and of the streets, by property."""
+def report(recorded: Recordings, sensor: Sensor, num: int, text: str | None = None) -> tuple[list[Comparison], Pooled]:
+    """All comparisons, and what they are of: sums over the sweeps of each group and of the streets, or of the scans of
+    a sentence, by property."""
     with_intensity = all(sweep.intensity is not None for sweeps in recorded.plain.values() for sweep in sweeps)
     plain = [one for one in lifelike.PROPERTIES if not (recorded.halves and one.name.startswith("top view"))]
     labelled = list(lifelike.class_properties())
@@ -117,7 +122,7 @@ def report(recorded: Recordings, sensor: Sensor, num: int) -> tuple[list[Compari
     generated: dict[str, list[np.ndarray]] = {one.name: [] for one in (*plain, *labelled)} | {"class counts": []}
     open_plain = unhidden(recorded.plain, sensor, recorded.fov)
     open_labelled = open_plain if recorded.spherical else unhidden(recorded.labelled, sensor, recorded.fov)
-    for number, image in enumerate(_progress(sensor, num)):
+    for number, image in enumerate(_progress(sensor, num, text)):
         image = _in_units(image, recorded.range_step)
         values = _measured(plain, _windowed(Sweep.by_azimuth(image.keep(open_plain)), recorded, number))
         if recorded.labelled:
@@ -191,12 +196,14 @@ def _in_units(image: RangeImage, step: float) -> RangeImage:
     return replace(image, depth=np.rint(image.depth / np.float32(step)) * np.float32(step)) if step else image
 
 
-def _progress(sensor: Sensor, num: int) -> Iterator[RangeImage]:
+def _progress(sensor: Sensor, num: int, text: str | None) -> Iterator[RangeImage]:
     start = time.monotonic()
-    for done, pair in enumerate(
-        itertools.islice(streets(SEED, StreetConfig(sensor=sensor, poses_per_street=POSES)), num)
-    ):
-        yield pair.scan
+    if text is None:
+        scans = (pair.scan for pair in streets(SEED, StreetConfig(sensor=sensor, poses_per_street=POSES)))
+    else:
+        scans = (simulate(text, sensor, seed=seed).image for seed in itertools.count())
+    for done, scan in enumerate(itertools.islice(scans, num)):
+        yield scan
         if (done + 1) % 20 == 0 or done + 1 == num:
             print(
                 f"{sensor.name}: {done + 1} of {num} scans, {time.monotonic() - start:.0f} s",
@@ -236,12 +243,12 @@ def _pooled(groups: dict[str, list[np.ndarray]]) -> dict[str, list[float]]:
     return {name: np.sum(values, axis=0).tolist() for name, values in groups.items() if len(values)}
 
 
-def markdown(recorded: Recordings, comparisons: list[Comparison], num: int) -> str:
+def markdown(recorded: Recordings, comparisons: list[Comparison], scans: str) -> str:
     """The table of a sensor, in Markdown."""
     said = [f"{name} ({len(sweeps)})" for name, sweeps in {**recorded.plain, **recorded.labelled}.items()] + list(
         recorded.shares
     )
-    text = [f"### {recorded.sensor}", "", f"{num} scans of streets beside {', '.join(said)}.", ""]
+    text = [f"### {recorded.sensor}", "", f"{scans} beside {', '.join(said)}.", ""]
     text += [
         "| property | recorded | streets | recorded vs recorded | streets vs recorded | ratio |",
         "|---|---:|---:|---:|---:|---:|",

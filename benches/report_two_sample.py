@@ -23,7 +23,7 @@ from lidardraft.calibration.fit import fit_sensor
 from lidardraft.cli.arguments import read_sensor
 from lidardraft.formats.recording import read_recording
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.metrics.two_sample import ALL, FAMILIES, TwoSample, open_pixels, two_sample
+from lidardraft.metrics.two_sample import ALL, FAMILIES, TwoSample, shown_pixels, two_sample
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.streets import StreetConfig, streets
@@ -50,7 +50,7 @@ def main() -> None:
         print("Skipped: no recordings under kitti/; name their folder in LIDARDRAFT_DATA or --data.")
         return
     drives = recordings.hdl64e(given.data, COLUMNS).plain
-    shown = open_pixels([sweep for sweeps in drives.values() for sweep in sweeps])
+    shown = shown_pixels([sweep for sweeps in drives.values() for sweep in sweeps])
     judges = parted({name: sweeps for name, sweeps in drives.items() if name != FITTED_TO})
     made: dict[str, Callable[[], list[Sweep]]] = {
         f"streets, {name}": lambda name=name: street_sweeps(read_sensor(name), given.num) for name in given.sensor

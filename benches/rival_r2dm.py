@@ -23,8 +23,7 @@ from generator_arms import ARMS, CONFIG, OURS, Arm, compare
 from lidardraft.diffusion.codec import STATE_CHANNELS
 from lidardraft.diffusion.denoiser import what_counts
 from lidardraft.diffusion.noise import add_noise
-from lidardraft.networks.convolution import RangeImageConv, fold, pad_columns, unfold
-from lidardraft.networks.residual import modulated
+from lidardraft.networks.layers import RangeImageConv, fold, modulated, pad_columns, unfold
 
 FREQUENCIES = 8
 MULTIPLES = (1, 2, 4, 8)

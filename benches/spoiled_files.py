@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 import io
 import json
 import os
@@ -23,7 +24,7 @@ from PIL import Image
 import lidardraft
 from lidardraft.array_files import read_npy
 from lidardraft.errors import LidarDraftError
-from lidardraft.files import named
+from lidardraft.files import named, read_bytes
 from lidardraft.formats.blender_script import write_blender_script
 from lidardraft.formats.box_files import read_box_file, read_custom_labels
 from lidardraft.formats.boxes import read_boxes, write_boxes
@@ -41,14 +42,17 @@ from lidardraft.formats.nuscenes_tables import read_annotations
 from lidardraft.formats.obj import write_obj
 from lidardraft.formats.ouster import read_ouster_metadata
 from lidardraft.formats.pairs import Pair, read_shard, write_pairs
+from lidardraft.formats.pandaset import read_cuboids, read_sweep
 from lidardraft.formats.pcd import read_pcd
+from lidardraft.formats.pickled_table import read_pickled_table
 from lidardraft.formats.picture import read_picture
 from lidardraft.formats.ply import read_ply, write_ply
-from lidardraft.formats.recording import read_labels, read_points, read_recording, returns
+from lidardraft.formats.recording import read_labels, read_points, read_recording, read_semantic_map, returns
 from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
+from pandaset_files import pandas_pickle, pandaset
 
 SECONDS, BYTES = 2.0, 2**30  # that a reader may take of a processor and of memory
 _MIB = 2**20
@@ -153,6 +157,28 @@ def _annotations(path: Path) -> object:
         return read_annotations(Path(folder, "samples", "LIDAR_TOP", "a.pcd.bin"))
 
 
+def _drive_with(part: str) -> Callable[[Path], object]:
+    """Reads a drive of PandaSet in which the file stands in for one of its own."""
+
+    def read(path: Path) -> object:
+        with tempfile.TemporaryDirectory() as folder, named(path):
+            sweep = pandaset(Path(folder))
+            file = sweep.parents[1] / part
+            file.unlink()
+            file.symlink_to(path.absolute())
+            return read_sweep(sweep), read_cuboids(sweep.parents[1] / "annotations" / "cuboids" / sweep.name)
+
+    return read
+
+
+def _program(path: Path) -> object:
+    """What a table is of which the file is the program."""
+    with tempfile.TemporaryDirectory() as folder, named(path):
+        packed = Path(folder, "a.pkl.gz")
+        packed.write_bytes(gzip.compress(read_bytes(path), 1))
+        return read_pickled_table(packed)
+
+
 def _written(write: Callable[[Path], object], ending: str) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"a{ending}"
@@ -179,6 +205,15 @@ def readers() -> dict[str, Reader]:
     def sketch(path: Path) -> Layout:
         return lidardraft.layout_from_sketch(path, metres_per_pixel=0.1)
 
+    with tempfile.TemporaryDirectory() as folder:
+        sweep = pandaset(Path(folder))
+        parts = ("lidar/00.pkl.gz", "lidar/poses.json", "lidar/timestamps.json", "annotations/cuboids/00.pkl.gz")
+        drives = {
+            f"pandaset {part}": Reader(
+                _drive_with(part), "".join(Path(part).suffixes), (sweep.parents[1] / part).read_bytes()
+            )
+            for part in parts
+        }
     packed = PCD[: PCD.index(b"ascii")] + b"binary_compressed\n" + struct.pack("<2I", 17, 16) + bytes([15, *range(16)])
     return {
         "bin": Reader(read_bin, ".bin", _written(lambda p: write_bin(p, points, np.ones(100)), ".bin")),
@@ -190,6 +225,7 @@ def readers() -> dict[str, Reader]:
             _written(lambda p: write_label(p, np.ones(4, np.uint8), np.ones(4, np.uint32)), ".label"),
         ),
         "labels": Reader(lambda path: read_labels(path, 4, of="a scan"), ".bin", np.ones(4, "<i8").tobytes()),
+        "semantic map": Reader(lambda path: read_semantic_map(path, SENSOR), ".npy", _npy(np.ones((3, 16), np.uint8))),
         "las": Reader(read_las, ".las", _written(_las, ".las")),
         "boxes of lines": Reader(read_custom_labels, ".txt", BOX_LINES),
         "box file": Reader(read_box_file, ".txt", BOX_LINES),
@@ -220,6 +256,8 @@ def readers() -> dict[str, Reader]:
         "blender": Reader(
             lidardraft.layout_from_blender, ".py", _written(lambda p: write_blender_script(p, LAYOUT), ".py")
         ),
+        "pickled table": Reader(_program, ".pkl", pandas_pickle(a=np.arange(3), b=np.array(["c", None, 1.5], object))),
+        **drives,
         "picture": Reader(read_picture, ".jpg", _picture("jpeg")),
         "train ids": Reader(read_semantics, ".png", _picture("png")),
         "masks": Reader(read_masks, ".npz", _zip("masks", _npy(np.ones((2, 3, 4), bool)))),
@@ -367,6 +405,14 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
     yield "points", "a field of many axes", _zip("xyz", _npy(np.ones((9, 3, 2))))
     yield "points", "packed slowly", _zip("xyz", _npy(np.ones((9, 3))), kind=zipfile.ZIP_LZMA)
     yield "sensor", "a long name", SENSOR.to_json().replace("few", "few" * 400_000).encode()
+    yield "pickled table", "a call", b"\x80\x03cos\n_exit\n(K\x01tR."
+    yield "pickled table", "a table of another pandas", b"\x80\x03cpandas.core.frame\nDataFrame\n)\x81."
+    yield "pickled table", "nested tuples", b"\x80\x03)" + b"q\x00h\x00\x86" * 60 + b"q\x00}h\x00Ns."
+    yield "pickled table", "a million lists", b"\x80\x03(" + b"]" * 2**20 + b"l."
+    yield "pickled table", "a memory of thousands of millions", b"\x80\x03Nr\xff\xff\xff\x7f."
+    yield "pickled table", "a text that is not there", b"\x80\x03B\xff\xff\xff\xff."
+    yield "pickled table", "pointers for objects", pandas_pickle(a=np.arange(3)).replace(b"i8", b"O8")
+    yield "pandaset lidar/00.pkl.gz", "a bomb", gzip.compress(bytes(200 * _MIB), 9)
     yield "layout", "two million fields", b"{" + b'"a":1,' * 2_000_000 + b'"a":1}'
     yield (
         "sketch of shapes",

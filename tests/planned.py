@@ -44,7 +44,7 @@ def corners_of(space: np.ndarray) -> np.ndarray:
 
 
 def overlap(one: np.ndarray, two: np.ndarray) -> bool:
-    """Whether two upright boxes overlap, by projecting their corners: another way than `touch`."""
+    """Whether two upright boxes overlap, by projecting their corners: another way than `penetration`."""
     if one[6] >= two[7] or two[6] >= one[7]:
         return False
     a, b = corners_of(one), corners_of(two)

@@ -226,7 +226,7 @@ def _broken_heading(group: ObjectGroup, one: Placed, road: Road) -> list[str]:
     if group.heading.startswith("across") and (group.record.walks or road.junction is not None):
         way = {"across-left": sin > 0.6, "across-right": sin < -0.6}.get(group.heading, abs(sin) > 0.6)
         return [] if way else ["not crossing"]
-    if group.record.walks:
+    if group.record.walks and group.heading not in ("with", "against"):
         return []
     placed = group.places or group.lane or group.relation or group.not_places
     if group.heading == "against" and not placed and one.along < 0:

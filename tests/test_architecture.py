@@ -13,7 +13,6 @@ import pytest
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "python" / "lidardraft"
 FILES = sorted(PACKAGE.rglob("*.py"))
-
 BASE = {"errors", "semantics", "files", "array_files", "json_fields"}
 ALLOWED = {
     "errors": set(),

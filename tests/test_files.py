@@ -25,14 +25,6 @@ from lidardraft.files import (
 )
 
 
-def test_a_file_is_there_when_the_block_ends(tmp_path: Path) -> None:
-    with written_whole(tmp_path / "a.txt") as temporary:
-        temporary.write_text("new")
-        assert not (tmp_path / "a.txt").exists()
-        assert temporary.parent == tmp_path  # on the same disk
-    assert [file.name for file in tmp_path.iterdir()] == ["a.txt"]
-
-
 def test_a_failure_keeps_what_was_there(tmp_path: Path) -> None:
     (tmp_path / "a.txt").write_text("old")
 
@@ -102,6 +94,7 @@ def test_a_written_file_has_the_mode_of_any_other(tmp_path: Path) -> None:
     (tmp_path / "usual.txt").write_text("")
     with written_whole(tmp_path / "a.txt") as temporary:
         temporary.write_text("")
+        assert temporary.parent == tmp_path  # on the same disk
     modes = [stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("usual.txt", "a.txt")]
     assert modes[0] == modes[1]
 
@@ -158,13 +151,6 @@ def test_a_file_that_does_not_fit_into_memory_is_refused(tmp_path: Path) -> None
         os.truncate(tmp_path / "large", limit + 1)
         with pytest.raises(FormatError, match=rf"large has {limit + 1} bytes; such files of up to {limit} are read"):
             read(tmp_path / "large")
-
-
-def test_errors_of_ours_get_a_name_and_keep_their_kind() -> None:
-    with pytest.raises(LayoutError, match=r"^a.json: car_1: wrong$"), named("a.json"), named("car_1"):
-        raise LayoutError("wrong")
-    with pytest.raises(KeyError), named("a.json"):
-        raise KeyError
 
 
 def test_a_text_is_written_where_it_can_be_read(tmp_path: Path) -> None:

@@ -7,10 +7,6 @@ from lidardraft.errors import FormatError
 from lidardraft.json_fields import are_numbers, check_fields, is_number, parse_list, parse_object
 
 
-def test_an_object_is_parsed() -> None:
-    assert parse_object('{"a": [1, 2.5, null]}') == {"a": [1, 2.5, None]}
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -7,13 +7,18 @@ import warnings
 import numpy as np
 import pytest
 import torch
+from scipy.spatial import cKDTree
 
-from lidardraft import Layout, Pipeline, RangeImage, Sensor, layout_from_text, raycast, simulate
+from lidardraft import Layout, Pipeline, RangeImage, Scan, Sensor, layout_from_text, raycast, simulate
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.sensor_limits import SensorLimits
-from lidardraft.pipeline import merged
+from lidardraft.errors import CheckpointError
+from lidardraft.pipeline import _cast_and_open, merged
+from lidardraft.scene import edit
+from lidardraft.scene.semantic_map import standing_on_ground
 from lidardraft.scene.visibility import open_pixels
+from lidardraft.simulation.sequence import SequenceSimulator
 from lidardraft.training import recipes
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
@@ -197,3 +202,52 @@ def test_columns_are_those_of_a_full_turn() -> None:
     sector = dataclasses.replace(THREE_BEAMS, azimuth_start=math.pi / 4, azimuth_span=math.pi / 2)
     limits = SensorLimits(beams=(3, 3), columns=(390, 410), elevation=(-10.0, 10.0), mount_height=(1.0, 2.0))
     assert limits.difference(sector) is None
+
+
+def test_a_semantic_map_becomes_a_scan_and_weights_that_see_classes_alone_heed_no_ranges(pipeline: Pipeline) -> None:
+    label = raycast(layout_from_text("a car ahead", seed=0), SMALL).label
+    with pytest.raises(CheckpointError, match="a semantic map needs others, such as paper"):
+        pipeline.from_map(label, sensor=SMALL)
+    for parts in (("depth", "class"), ("class",)):
+        made = of(dataclasses.replace(CONTROLLED, condition=parts))
+        image = made.from_map(label, sensor=SMALL)
+        assert image.valid.any()
+        lower = dataclasses.replace(SMALL, mount_height=1.2)  # of a lower sensor ranges are shorter
+        guessed = (standing_on_ground(label, sensor) for sensor in (SMALL, lower))
+        scans = [made.generate(given := dataclasses.replace(cast, sensor=SMALL), given) for cast in guessed]
+        assert np.array_equal(scans[0].depth, scans[1].depth) == (parts == ("class",))
+
+
+def test_an_edit_changes_nothing_outside_of_the_object_and_what_it_hid(pipeline: Pipeline, layout: Layout) -> None:
+    before = pipeline(layout, sensor=SMALL, seed=1)
+    for edited in (edit.remove(layout, "car_1"), edit.move(layout, "car_1", (6.0, 0.0, 0.0))):
+        after = pipeline(edited, sensor=SMALL, seed=1, after=before)
+        casts = [raycast(one, SMALL, SMALL.pose(), primitive=True).depth for one in (layout, edited)]
+        outside = (casts[0] == casts[1]) & (before.image.valid | after.image.valid)
+        near = np.abs(after.image.depth - before.image.depth) < 0.05
+        assert outside.sum() > 500
+        assert near[outside].mean() >= 0.99
+        assert (after.image.label == before.image.label)[outside].mean() >= 0.99
+
+
+def test_frames_show_what_earlier_ones_made_up(pipeline: Pipeline) -> None:
+    simulator = SequenceSimulator("a straight road, a car 15 m ahead", SMALL, frames=3, speed=5.0)
+    one, *_, last = pipeline.frames(simulator)
+    alone = pipeline._made(simulator.frame(2), 7, None, None)
+
+    def made_up(scan: Scan) -> np.ndarray:
+        _, where = _cast_and_open(scan)
+        return scan.image.keep(where).points(scan.poses())
+
+    off = [cKDTree(made_up(one)).query(made_up(scan))[0] for scan in (last, alone)]
+    shares = [float((each < 0.25).mean()) for each in off]
+    assert shares[0] > 1.5 * shares[1] > 0, shares
+
+
+def test_other_weights_and_sensors_go_on_from_no_scan(pipeline: Pipeline, layout: Layout) -> None:
+    scan, other = simulate(layout, SMALL), dataclasses.replace(SMALL, columns=64)
+    for one, sensor in ((of(CONTROLLED), SMALL), (pipeline, other)):
+        with pytest.raises(CheckpointError, match="go on from an earlier scan"):
+            one(layout, sensor=sensor, after=scan)
+    with pytest.raises(CheckpointError, match="go on from an earlier scan"):
+        next(of(CONTROLLED).frames(SequenceSimulator(layout, SMALL, frames=2)))

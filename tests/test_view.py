@@ -97,6 +97,15 @@ def test_boxes_with_returns_are_drawn_around_them() -> None:
     assert np.ptp(columns) == pytest.approx(2 * 5.6, abs=2)
 
 
+def test_boxes_of_a_recording_are_drawn_though_it_does_not_say_whose_its_returns_are() -> None:
+    image = raycast(LAYOUT, SENSOR)
+    recorded = replace(image, instance=np.zeros_like(image.instance))
+    points, boxes = view.points_on_road(image), LAYOUT.boxes()
+    np.testing.assert_array_equal(
+        view.render_returns(recorded, points, boxes=boxes), view.render_returns(image, points, boxes=boxes)
+    )
+
+
 def test_objects_have_the_colours_of_classes_and_the_rest_those_of_heights() -> None:
     scan = raycast(LAYOUT, SENSOR)
     z = view.points_on_road(scan)[:, 2]

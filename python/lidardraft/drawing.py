@@ -98,18 +98,20 @@ class Drawing:
     def __init__(self, eye: Eye, rings: Iterable[int] = (10, 20, 30, 40, 50, 60)) -> None:
         self.eye, self.line = eye, max(1, round(eye.height / _USUAL))
         share = np.linspace(0.0, 1.0, eye.height)[:, None] ** 0.7
-        self._pixels = np.full((eye.height, eye.width, 4), 255, dtype=np.uint8)
-        self._pixels[..., :3] = np.rint(np.array(_TOP) * (1 - share) + np.array(_BOTTOM) * share)[:, None]
+        rows = np.full((eye.height, 4), 255, dtype=np.uint8)
+        rows[:, :3] = np.rint(np.array(_TOP) * (1 - share) + np.array(_BOTTOM) * share)
+        # a pixel is one number of four bytes: three bytes each take three times as long
+        self._pixels = np.repeat(rows.view(np.uint32), eye.width, axis=1)
         # Points are written into the memory that the pen draws on: copies would take as long as the points.
-        canvas = Image.frombuffer("RGBA", (eye.width, eye.height), self._pixels, "raw", "RGBA", 0, 1)
-        canvas.readonly = 0
-        self._pen = ImageDraw.Draw(canvas)
+        self._canvas = Image.frombuffer("RGBA", (eye.width, eye.height), self._pixels, "raw", "RGBA", 0, 1)
+        self._canvas.readonly = 0
+        self._pen = ImageDraw.Draw(self._canvas)
         for radius in rings:
             self._ring(radius)
 
     def picture(self) -> np.ndarray:
         """uint8 [H, W, 3]."""
-        return self._pixels[..., :3]
+        return np.asarray(self._canvas.convert("RGB"))
 
     def _ring(self, radius: int) -> None:
         eye, angle = self.eye, np.linspace(0.0, math.tau, 121)
@@ -139,14 +141,14 @@ class Drawing:
         kept = kept[np.argsort(((depth.max() - depth) / step).astype(np.uint16), kind="stable")]
         wide = np.clip(eye.focal * _POINT / ahead[kept], _LEAST * self.line, most).astype(np.int64)
         pixel = row[kept].astype(np.int64) * eye.width + column[kept].astype(np.int64)
-        # a pixel is one number of four bytes: three bytes each take three times as long
         opaque = np.full((len(kept), 4), 255, dtype=np.uint8)
         opaque[:, :3] = colours[kept]
-        colour, flat = opaque.view(np.uint32)[:, 0], self._pixels.view(np.uint32).reshape(-1)
+        colour, flat = opaque.view(np.uint32)[:, 0], self._pixels.reshape(-1)
         for size in range(int(wide.min()), int(wide.max()) + 1):  # those that are large are near
             some = wide == size
+            corner, paint = pixel[some], colour[some]
             for down, right in itertools.product(range(size), repeat=2):
-                flat[pixel[some] + (down * eye.width + right)] = colour[some]
+                flat[corner + (down * eye.width + right)] = paint
 
     def boxes(self, boxes: Sequence[Box], colours: Sequence[Colour]) -> None:
         """The edges of boxes, and a line on the ground from the middle of each to where it looks."""

@@ -20,7 +20,7 @@ def nearest_name(names: Iterable[str], value: object) -> str | None:
     """The one of `names` that a misspelled `value` most probably means, which begins as it does; None where none is."""
     import difflib  # only what has gone wrong waits for it
 
-    typed = str(value).lower()
+    typed = str(value)[:100].lower()
     known = {name.lower(): name for name in names if name[:1].lower() == typed[:1]}
     similar = difflib.get_close_matches(typed, known, n=1, cutoff=0.7)
     return known[similar[0]] if similar else None

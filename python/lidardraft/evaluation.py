@@ -19,7 +19,7 @@ from lidardraft.metrics.lifelike import CLASS_SETS, class_counts, mean_known, po
 from lidardraft.metrics.profiles import height_histogram, intensity_histogram, range_histogram
 from lidardraft.metrics.returns import lone_returns, near_holes
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.networks.precision import reduced_precision
+from lidardraft.networks.layers import reduced_precision
 from lidardraft.pipeline import Pipeline, merged
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage

@@ -189,6 +189,14 @@ def read_text(path: str | os.PathLike[str], most: int = MAX_TEXT) -> str:
         raise FormatError(f"{os.fspath(path)} is no text in UTF-8: byte {error.start} is wrong") from None
 
 
+def read_sentences(path: str | os.PathLike[str]) -> dict[int, str]:
+    """The sentences of a file by their lines, each of which holds one or nothing; raises `FormatError` for none."""
+    lines = enumerate(map(str.strip, read_text(path).splitlines()), start=1)
+    if not (sentences := {number: line for number, line in lines if line}):
+        raise FormatError(f"{os.fspath(path)} holds no sentence; it must hold one a line")
+    return sentences
+
+
 @contextmanager
 def named(name: str | os.PathLike[str]) -> Iterator[None]:
     """Errors of the block begin with the name of the file, or of the part of it, that they are about."""

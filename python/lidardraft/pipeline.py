@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import os
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import torch
@@ -23,9 +23,14 @@ from lidardraft.scene.labelling import label_by_agreement
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
+from lidardraft.scene.reprojection import reprojected
+from lidardraft.scene.semantic_map import standing_on_ground
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.visibility import open_pixels
+from lidardraft.simulation.sequence import SequenceSimulator
 from lidardraft.simulation.simulate import simulate
+
+_ONE_WORLD = "only weights that complete, such as street, go on from an earlier scan, and only of the same sensor"
 
 
 class Pipeline:
@@ -88,27 +93,73 @@ class Pipeline:
         sensor: Sensor | None = None,
         seed: int = 0,
         speed: float = 0.0,
+        after: Scan | None = None,
         on_step: Callable[[], object] | None = None,
     ) -> Scan:
         """The scan of a sentence or a layout, by a sensor that moves ahead with `speed` [m/s] while it sweeps.
 
-        Same arguments, same scan; another seed gives another one (of a sentence, with another layout too). `on_step` is
-        called after each sampling step. A layout that leaves nothing open to weights that complete is a `UserWarning`.
+        Same arguments, same scan; another seed gives another one (of a sentence, with another layout too). What weights
+        that complete made up in the scan `after`, of this layout before an edit, stays where it is open and seen.
+        `on_step` is called after each sampling step. A layout that leaves nothing open to weights that complete is a
+        `UserWarning`; `after` with others, or of another sensor, is a `CheckpointError`.
         """
         check_type("source", source, str, Layout)
         sensor = sensor or Sensor.preset("hdl64e")
         layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
-        simulated = simulate(layout, sensor, seed=seed, speed=speed)
-        poses = simulated.poses()
-        condition_image = raycast(layout, sensor, poses=poses, primitive=True)
-        is_open = open_pixels(layout, condition_image, simulated.pose)
-        if self.denoiser.config.completes and not is_open.any():
-            warnings.warn("the layout leaves nothing open: the scan is the simulated one", stacklevel=2)
-            return simulated
-        image = self.generate(condition_image, simulated.image, is_open, seed=seed, on_step=on_step)
+        return self._made(simulate(layout, sensor, seed=seed, speed=speed), seed, after, on_step)
+
+    def frames(self, simulator: SequenceSimulator, *, on_step: Callable[[], object] | None = None) -> Iterator[Scan]:
+        """The frames of a sequence; what one makes up, the next ones show from where the sensor is then.
+
+        Raises `CheckpointError` with weights that do not complete.
+        """
         if not self.denoiser.config.completes:
-            image = label_by_agreement(image, (simulated.image, condition_image), layout, poses)
+            raise CheckpointError(_ONE_WORLD)
+        before: Scan | None = None
+        for simulated in simulator:
+            before = self._made(simulated, simulator.seed, before, on_step)
+            yield before
+
+    def _made(self, simulated: Scan, seed: int, after: Scan | None, on_step: Callable[[], object] | None) -> Scan:
+        """What becomes of a simulated scan."""
+        completes, poses = self.denoiser.config.completes, simulated.poses()
+        cast, is_open = _cast_and_open(simulated)
+        if completes and not is_open.any():
+            warnings.warn("the layout leaves nothing open: the scan is the simulated one", stacklevel=3)
+            return simulated
+        given = simulated.image
+        if after is not None:
+            if not completes or after.image.sensor != given.sensor:
+                raise CheckpointError(_ONE_WORLD)
+            old, known = reprojected(after.image, _cast_and_open(after)[1], after.poses(), poses)
+            known &= is_open
+            given, cast, is_open = merged(given, old, known), merged(cast, old, known), is_open & ~known
+        image = given
+        if is_open.any() or not completes:
+            image = self.generate(cast, given, is_open, seed=seed, on_step=on_step)
+        if not completes:
+            image = label_by_agreement(image, (given, cast), simulated.layout, poses)
         return dataclasses.replace(simulated, image=image)
+
+    def from_map(
+        self,
+        label: np.ndarray,
+        *,
+        sensor: Sensor | None = None,
+        seed: int = 0,
+        on_step: Callable[[], object] | None = None,
+    ) -> RangeImage:
+        """The scan of a semantic map, class ids [H, W] of the sensor's rays, with the classes that the network gives.
+
+        Weights that see ranges too are given guessed ones (`standing_on_ground`). Raises `FormatError` on a map that is
+        not of the sensor, `CheckpointError` with weights that complete the simulated scan of a layout.
+        """
+        if self.denoiser.config.completes:
+            raise CheckpointError(
+                "these weights complete the scan of a layout; a semantic map needs others, such as paper"
+            )
+        image = standing_on_ground(label, sensor or Sensor.preset("hdl64e"))
+        return self.generate(image, image, seed=seed, on_step=on_step)
 
     @torch.inference_mode()
     def generate(
@@ -151,8 +202,17 @@ class Pipeline:
         return merged(simulated, made, is_open) if config.completes and is_open is not None else made
 
 
+def _cast_and_open(scan: Scan) -> tuple[RangeImage, np.ndarray]:
+    """The cast of the layout of a scan, and what it leaves open, bool [H, W]."""
+    cast = raycast(scan.layout, scan.image.sensor, poses=scan.poses(), primitive=True)
+    return cast, open_pixels(scan.layout, cast, scan.pose)
+
+
 def merged(given: RangeImage, made: RangeImage, is_open: np.ndarray) -> RangeImage:
     """`made` where `is_open`, bool [H, W], and `given` elsewhere."""
     names = ("depth", "label", "instance", "intensity")
-    images = {name: np.where(is_open, getattr(made, name), getattr(given, name)) for name in names}
+    pairs = {name: (getattr(made, name), getattr(given, name)) for name in names}
+    images = {
+        name: np.where(is_open, *pair) for name, pair in pairs.items() if pair[0] is not None and pair[1] is not None
+    }
     return RangeImage(sensor=given.sensor, **images)

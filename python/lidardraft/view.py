@@ -219,6 +219,8 @@ def _with_returns(boxes: Sequence[Box], image: RangeImage) -> list[Box]:
     """Those boxes of objects that more than a stray return came from."""
     if not boxes:
         return []
+    if not image.instance.any():  # a recording does not say whose its returns are
+        return list(boxes)
     instances, counts = np.unique(image.instance[image.valid], return_counts=True)
     seen = set(instances[counts >= _SEEN].tolist())
     return [box for box in boxes if box.instance in seen]
@@ -269,11 +271,12 @@ def _colour_of(number: int) -> Colour:
 def _strips(image: RangeImage) -> dict[str, np.ndarray]:
     """Range, class, and intensity where there is one, uint8 [H, W, 3] each: a column is one azimuth, also where beams
     look aside from the column that they fire in."""
-    strips = {"range": colour_by_depth(image.depth), "class": PALETTE[image.label]}
+    rows, columns, _ = image.sensor.azimuth_grid() if image.sensor.wraps else (..., ..., None)
+    strips = {"range": colour_by_depth(image.depth[rows, columns]), "class": PALETTE[image.label[rows, columns]]}
     if image.intensity is not None:
-        grey = (np.sqrt(np.clip(image.intensity, 0, 1)) * 255).astype(np.uint8)
+        grey = (np.sqrt(np.clip(image.intensity, 0, 1)) * 255).astype(np.uint8)[rows, columns]
         strips["intensity"] = np.repeat(grey[..., None], 3, axis=2)
-    return {name: _by_azimuth(strip, image.sensor) for name, strip in strips.items()}
+    return strips
 
 
 def _over_strips(picture: np.ndarray, image: RangeImage, most: int = 3) -> np.ndarray:
@@ -290,14 +293,6 @@ def render_image(image: RangeImage) -> np.ndarray:
     """The range image itself, depth over label (over intensity, where it has one): uint8 [H', W, 3]."""
     scale = max(1, round(128 / image.sensor.shape[0]))
     return stack([np.repeat(strip, scale, axis=0) for strip in _strips(image).values()])
-
-
-def _by_azimuth(picture: np.ndarray, sensor: Sensor) -> np.ndarray:
-    """Rows [H, W, 3] of a sensor whose beams look to different azimuths, shifted so that what is upright looks so."""
-    if not sensor.wraps:
-        return picture
-    rows, columns, _ = sensor.azimuth_grid()
-    return picture[rows, columns]
 
 
 def render_preview(layout: Layout, scan: RangeImage, pose: np.ndarray) -> np.ndarray:

@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from lidardraft.arranging.occupancy import box_space, touch
 from lidardraft.scene.road import PavedArea, Road
-from planned import empty, frame_corners, occupancies, overlap
+from planned import empty, frame_corners, occupancies
 
 PRIVATE = {"fence", "garden_wall", "hedge", "mesh_fence", "house", "block", "shed"}
 RIDDEN = ("cyclist", "motorcyclist")
@@ -30,26 +29,6 @@ def test_a_car_may_stand_under_a_crown_but_not_in_a_trunk():
     assert not occupancy.place("suv", 0.0, 12.0, (4.0, 1.8, 1.5))
     assert occupancy.place("suv", 0.0, 14.0, (4.0, 1.8, 1.5))
     assert not occupancy.place("house", 7.0, 12.0, (9.0, 9.0, 8.0), clearance=6.0)
-
-
-def test_overlap_is_symmetric_and_right():
-    rng = np.random.default_rng(1)
-    yaws = rng.uniform(0, 6.3, 60)
-    spaces = np.column_stack(
-        [
-            rng.uniform(-4, 4, (60, 2)),
-            np.cos(yaws),
-            np.sin(yaws),
-            rng.uniform(0.2, 2.0, (60, 2)),
-            np.zeros(60),
-            np.ones(60),
-        ]
-    )
-    rows = [tuple(space) for space in spaces.tolist()]
-    found = np.array([[touch(one, two) for two in rows] for one in rows])
-    assert (found == found.T).all()
-    assert (found == [[overlap(one, two) for two in spaces] for one in spaces]).all()
-    assert 0.05 < found.mean() < 0.95
 
 
 def test_instances_are_numbered_without_gaps():
@@ -103,7 +82,6 @@ def test_what_is_free_and_private_is_what_place_says():
     assert occupancy.is_free(x, y, yaw, (4.0, 1.8, 1.5))
     assert occupancy.is_private(x, y, yaw, (4.0, 1.8, 1.5))
     assert not occupancy.is_private(*road.at(30.0, 0.0), (4.0, 1.8, 1.5))
-    assert not touch(box_space(x, y, yaw, (1.0, 1.0), 0.0, 1.0), box_space(x, y, yaw, (1.0, 1.0), 1.0, 2.0))
 
 
 def test_nothing_is_placed_beyond_the_ground():

@@ -13,7 +13,7 @@ import peer_fresh
 import peer_triangles
 from compare_table import COLUMNS, Results, agreement, markdown
 from peer_lidardraft import Peer
-from scenes import SCENES, Body, Pattern, Scene, column_poses, hdl64, pose, poses, small
+from scenes import Pattern, Scene, column_poses, hdl64, pose, poses, small
 
 COMPARE = Path(__file__).parents[2] / "benches" / "compare.py"
 
@@ -61,25 +61,6 @@ def test_rows_hold_medians_and_ratios() -> None:
     assert (row["Open3D"], row["packet Embree"], row["analytic"], row["triangles"]) == ("20.0", "8.00", "0.200", "")
     assert (row["analytic / Open3D"], row["analytic / packets"], row["triangles / Open3D"]) == ("100x", "40.0x", "")
     assert row["same analytic"] == "100.000%, 99.998%"
-
-
-def in_own_frame(body: Body) -> np.ndarray:
-    """The vertices of a body where it is the unit shape."""
-    cos, sin = np.cos(body.yaw), np.sin(body.yaw)
-    turn = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])
-    return (body.verts - np.array(body.center)) @ turn.T / np.array(body.half)
-
-
-@pytest.mark.parametrize("name", ["small", "street"])
-def test_the_triangles_lie_on_the_shapes_and_close_them(name: str) -> None:
-    for body in SCENES[name]().primitives:
-        if body.kind == "plane":
-            continue
-        unit = in_own_frame(body)
-        away = np.abs(unit).max(axis=1) if body.kind == "cuboid" else np.linalg.norm(unit, axis=1)
-        np.testing.assert_allclose(away, 1.0, atol=1e-4)
-        edges = np.sort(body.faces[:, [[0, 1], [1, 2], [2, 0]]], axis=2).reshape(-1, 2)
-        assert set(np.unique(edges, axis=0, return_counts=True)[1]) == {2}
 
 
 SCENE = small()

@@ -20,12 +20,9 @@ def test_twenty_drafts_leave_something_open() -> None:
         assert open_pixels(layout, raycast(layout, sensor, pose=pose, primitive=True), pose).any(), name
 
 
-@pytest.mark.parametrize("name", ["street", "paper"])
-def test_a_row_each_layout_and_a_column_each_weights(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_row_each_layout_and_a_column_each_weights(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     sizes = []
-    for weights in ([name], [name, name]):
+    for weights in (["street"], ["street", "street"]):
         file = tmp_path / "look.png"
         argv = ["generated_pictures.py", *weights, "--steps", "1", "--rows", "2", "-o", str(file)]
         monkeypatch.setattr("sys.argv", argv)

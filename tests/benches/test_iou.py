@@ -26,16 +26,6 @@ def test_scores_by_hand():
     assert math.isnan(scores.mean([]))
 
 
-def test_scans_add_up():
-    halves = confusion_matrix(TRUTH[:5], FOUND[:5], 5) + confusion_matrix(TRUTH[5:], FOUND[5:], 5)
-    np.testing.assert_array_equal(halves, confusion_matrix(TRUTH, FOUND, 5))
-
-
-def test_all_right_is_one():
-    truth = np.arange(1, 5, dtype=np.uint8).reshape(2, 2)
-    assert ClassScores.from_confusion(confusion_matrix(truth, truth, 5)).mean([1, 2, 3, 4]) == 1.0
-
-
 def test_images_that_do_not_fit():
     with pytest.raises(LidarDraftError, match=r"truth is \(10,\) and the labels found are \(9,\)"):
         confusion_matrix(TRUTH, FOUND[:9], 5)

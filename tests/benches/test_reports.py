@@ -17,10 +17,8 @@ from lidardraft.metrics.lifelike import CLASS_SETS
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
-from lidardraft.streets import StreetConfig, streets
 from markdown_table import table
 from object_labels import FittedBox, LabelledBoxes, iou, recovered
-from recordings import Recordings
 from report_cloud import Group, measure
 from report_detail import SENTENCES, new_counts, of_sentences, of_streets
 from report_simulate import EQUAL, losses, markdown, report, table_of
@@ -33,23 +31,6 @@ needs_recordings = pytest.mark.skipif(
 
 def data() -> Path:
     return Path(os.environ["LIDARDRAFT_DATA"])
-
-
-def street_sweeps(seed: int, count: int) -> list[Sweep]:
-    pairs = streets(seed, StreetConfig(sensor=PRESETS["vlp16"], poses_per_street=count))
-    return [Sweep.from_image(next(pairs).scan) for _ in range(count)]
-
-
-def test_other_streets_are_as_lifelike_as_streets() -> None:
-    groups = {"a": street_sweeps(1, 3), "b": street_sweeps(3, 3)}
-    real = Recordings(sensor="vlp16", plain=groups, labelled=groups)
-    lines, pooled = report_streets.report(real, PRESETS["vlp16"], 8)
-    ratios = {line.name: line.ratio for line in lines}
-    assert set(ratios) >= {"return rate by laser", "intensity (JSD)", "roughness of road (JSD)", "share of road"}
-    assert 0.3 < np.nanmedian(list(ratios.values())) < 3.0
-    known = [line.ratio for line in lines if not np.isnan(line.ratio)]
-    assert known == sorted(known, reverse=True)
-    assert set(pooled["range (JSD)"]) == {"a", "b", "streets"}
 
 
 def counts(**by_set: float) -> np.ndarray:

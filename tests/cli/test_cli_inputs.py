@@ -124,7 +124,8 @@ def test_a_scan_is_read_from_the_height_of_its_own_sensor() -> None:
 
 
 def test_scans_are_read_from_other_files_than_kittis(refused: Callable[..., str]) -> None:
-    """The same points as KITTI's .bin, an .npz, a .pcd of text and a sweep of nuScenes are the same layout."""
+    """The same points as KITTI's .bin, an .npz and a .pcd of text are the same layout; a sweep of nuScenes is one by
+    its sensor, which stands higher."""
     y, x = np.meshgrid(np.linspace(-8, 8, 60), np.linspace(2, 20, 60))
     points = np.stack([x, y, np.full_like(x, -1.73)], axis=-1).reshape(-1, 3).astype(np.float32)
     label = np.full(len(points), BY_NAME["road"].id)
@@ -142,7 +143,10 @@ def test_scans_are_read_from_other_files_than_kittis(refused: Callable[..., str]
     for name, labels in (("a.pcd.bin", "a.label"), ("a.pcd", "one_more.label"), ("a.npz", None), ("a.bin", None)):
         given = ["--labels", labels] if labels else []
         assert cli.main([*draft, name, *given, "-o", f"{name}.json"]) == 0
-        assert Layout.load(f"{name}.json") == Layout.load("a.pcd.bin.json")
+    assert Layout.load("a.bin.json") == Layout.load("a.npz.json") == Layout.load("a.pcd.json")
+    higher = Sensor.preset("hdl32e").mount_height - Sensor.preset("hdl64e").mount_height
+    roads = [part.center[2] for part in Layout.load("a.pcd.bin.json") if part.label == "road"]
+    np.testing.assert_allclose(roads, higher, atol=0.02)
     assert "a.xyz: a recorded scan is one of .bin, .pcd.bin, .pcd, .ply, .npz, .npy, .las" in refused(
         *draft, "a.xyz", "-o", "b.json"
     )
@@ -308,6 +312,15 @@ def test_what_is_wrong_with_a_blender_script(refused: Callable[..., str]) -> Non
     assert "did you mean 'car'?" in refused(*draft, "--class", "Blob=carr")
     Path("scene.py").write_text("import bpy\nimport os\nos.system('ls')\n")
     assert "scene.py: line 3: os.system is not supported" in refused(*draft)
+
+
+def test_what_a_sentence_became_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
+    text = "a black car ahead, a wibble"
+    assert cli.main(["draft", "--text", text, "--explain", "--no-preview", "-o", "a.json"]) == 0
+    said = capsys.readouterr().err
+    assert "a black car  car [0]: 1, in front, dark paint" in said
+    assert "a wibble     not understood\n" in said
+    assert "\\n" not in said
 
 
 def test_what_is_drafted_is_read_again(capsys: pytest.CaptureFixture[str]) -> None:

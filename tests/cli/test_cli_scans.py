@@ -244,6 +244,27 @@ def test_guidance_is_that_of_the_pipeline() -> None:
         np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
 
 
+def test_generate_from_a_semantic_map(capsys: pytest.CaptureFixture[str], refused: Callable[..., str]) -> None:
+    label = simulate(layout_from_text("a car ahead"), Sensor.load("small.json")).image.label
+    np.save("map.npy", label)
+    argv = ["generate", "--map", "map.npy", "-n", "2", "-o", "out", *QUICK]
+    assert cli.main([*argv, "--weights", "paper"]) == 0
+    assert "out: 2 scans, 000000.bin to 000001.bin, each with .label and .png" in capsys.readouterr().out
+    with pytest.warns(UserWarning, match="its scans may be poor"):
+        expected = pipeline.Pipeline.from_pretrained("paper", steps=2).from_map(
+            label, sensor=Sensor.load("small.json"), seed=1
+        )
+    np.testing.assert_array_equal(kitti.read_bin("out/000001.bin")[0], expected.points())
+    assert "these weights complete the scan of a layout; a semantic map needs others" in refused(*argv, "--overwrite")
+    paper = [*argv, "--overwrite", "--weights", "paper"]
+    assert "--speed, --after and --surroundings go with a layout; a semantic map has none" in refused(
+        *paper, "--speed", "3"
+    )
+    np.save("map.npy", label[:8])
+    assert "map.npy: the map is uint32 (8, 128); small needs whole numbers (16, 128)" in refused(*paper)
+    assert "--labels goes with --points" in refused(*paper, "--labels", "map.label")
+
+
 @pytest.fixture
 def cast() -> RangeImage:
     """A cast of ours, in cast.npz."""

@@ -16,7 +16,6 @@ from lidardraft.scan import SCAN_ENDINGS
 from lidardraft.training.sources import PairFolder
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="there is no process table in /proc")
-
 ENDLESS = ("streets", "--sensor", "small.json", "--num", "1000000", "--poses", "32", "--output", "pairs")
 
 
@@ -94,15 +93,6 @@ def test_a_folder_that_is_being_written_is_refused(start: Callable[..., Command]
     held = len(PairFolder("pairs"))
     assert start(*argv, str(held + 1)).ended()[0] == 0
     assert [note["index"] for note in PairFolder("pairs").notes] == list(range(held + 1))
-
-
-def test_two_that_start_together_leave_one_whole_folder(start: Callable[..., Command]) -> None:
-    argv = ("streets", "--sensor", "small.json", "--poses", "32", "--num", "128", "--workers", "1", "--output", "pairs")
-    both = [start(*argv, "--seed", seed) for seed in ("0", "1")]
-    statuses = sorted(command.ended()[0] for command in both)
-    assert statuses == [0, 2]
-    pairs = PairFolder("pairs")
-    assert [note["index"] for note in pairs.notes] == list(range(128))
 
 
 @pytest.mark.parametrize("terminal", [True, False])

@@ -1,6 +1,7 @@
 """`lidardraft-train`, from nothing to weights and to the table of the ablation; and `lidardraft evaluate`."""
 
 import dataclasses
+import os
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -9,12 +10,14 @@ import numpy as np
 import pytest
 import torch
 
-from lidardraft import evaluation
+from lidardraft import evaluation, layout_from_text, simulate
 from lidardraft.cli import main as cli
 from lidardraft.cli import train
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.sensor_limits import SensorLimits
+from lidardraft.formats.kitti import write_bin
 from lidardraft.formats.pairs import Pair, write_pairs
+from lidardraft.formats.semantickitti import write_label
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter
 from lidardraft.pipeline import Pipeline
@@ -25,6 +28,7 @@ from lidardraft.streets import StreetPair
 from lidardraft.training import recipes
 from lidardraft.training.recipes import ARMS
 
+DATA = Path(os.environ.get("LIDARDRAFT_DATA", "nowhere"))
 ARGV = ["street", "--recipe", "tiny", "--sensor", "small.json", "--work", "work", "-o", "tiny.safetensors"]
 SHORT = ["--steps", "2", "--evaluate", "1"]
 
@@ -133,6 +137,34 @@ def test_training_goes_on_with_given_weights_and_own_pairs(capsys: pytest.Captur
         "75% streets of seed 0, 4 poses each, small; 25%"
     )
     capsys.readouterr()
+
+
+def test_a_data_set_becomes_the_papers_training(capsys: pytest.CaptureFixture[str]) -> None:
+    tiny = Sensor(name="tiny", elevations=tuple(np.deg2rad(np.linspace(2, -24, 8)).tolist()), columns=32)
+    tiny.save("tiny.json")
+    for name in ("velodyne", "labels"):
+        Path("set/sequences/00", name).mkdir(parents=True)
+    for number in range(2):
+        scan = simulate(layout_from_text("a car ahead, a street with houses", seed=number), tiny, seed=number)
+        write_bin(f"set/sequences/00/velodyne/{number:06d}.bin", scan.points(), scan.intensities())
+        write_label(f"set/sequences/00/labels/{number:06d}.label", scan.labels(), scan.instances())
+    argv = ["pairs", "--dataset", "semantickitti", "set", "--split", "train", "--sensor", "tiny.json", "-o", "pairs"]
+    assert cli.main(argv) == 0
+    assert "pairs: 2 pairs, 2 of them new" in capsys.readouterr().out
+    argv = ["street", "--data", "pairs=1", "--recipe", "paper", "--work", "work", "-o", "paper.safetensors"]
+    assert train.main([*argv, "--steps", "1", "--batch", "1", "--evaluate", "1"]) == 0
+    denoiser, card = weight_file.load("paper.safetensors", Denoiser), weight_file.read_card("paper.safetensors")
+    assert denoiser.config == recipes.paper()[-1].denoiser
+    assert [stage["step"] for stage in card["stages"]] == [1, 1]
+    assert card["data"] == "recordings, tiny"
+
+
+@pytest.mark.skipif(not (DATA / "kitti/object").is_dir(), reason="LIDARDRAFT_DATA holds no objects of KITTI")
+def test_real_scans_become_a_training() -> None:
+    Path("set").symlink_to(DATA / "kitti/object")
+    assert cli.main(["pairs", "--dataset", "kitti", "set", "-o", "pairs"]) == 0
+    argv = ["street", "--data", "pairs", "--recipe", "tiny-paper", "--work", "work", "-o", "real.safetensors"]
+    assert train.main([*argv, "--steps", "2", "--batch", "1", "--evaluate", "1"]) == 0
 
 
 def test_a_run_that_is_stopped_goes_on_with_the_same_call(capsys: pytest.CaptureFixture[str]) -> None:

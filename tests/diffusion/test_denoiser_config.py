@@ -28,18 +28,6 @@ def test_a_condition_stands_beside_the_rays_unless_a_controlnet_sees_it() -> Non
     assert len(CONDITIONED.condition_channels) == 2 + 5 + 8
 
 
-def test_weights_that_see_what_is_open_complete() -> None:
-    assert dataclasses.replace(TINY, condition=("simulated", "open")).completes
-    assert not CONDITIONED.completes
-
-
-def test_the_config_survives_json() -> None:
-    for config in (TINY, CONDITIONED, dataclasses.replace(CONTROLLED, cell=(1, 1))):
-        assert DenoiserConfig.from_dict(config.to_dict()) == config
-    with pytest.raises(TypeError):
-        DenoiserConfig.from_dict({**TINY.to_dict(), "depth": 3})
-
-
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
@@ -48,14 +36,8 @@ def test_the_config_survives_json() -> None:
         ({"cell": (2, 4, 1)}, r"cell is \(2, 4, 1\); it must be \(rows, columns\)"),
         ({"strides": (1, 2)}, r"strides \(1, 2\) and dilations \(1, 1, 1, 2\) must match"),
         ({"blocks": 0}, "blocks is 0; it must be 1 to 64"),
-        (
-            {"condition": ("class", "depth")},
-            r"condition is \('class', 'depth'\); it must be some of depth, class, simul",
-        ),
-        (
-            {"condition": ("smell",)},
-            r"condition is \('smell',\); it must be some of depth, class, simulated, open, in ",
-        ),
+        ({"condition": ("class", "depth")}, r"condition is \('class', 'depth'\); it must be some of depth, class"),
+        ({"condition": ("smell",)}, r"condition is \('smell',\); it must be some of depth, class, simulated, open"),
         ({"controlnet": True}, r"condition is \(\); a ControlNet sees depth, class or both"),
         ({"condition": ("simulated",), "controlnet": True}, "a ControlNet sees depth, class or both"),
         ({"condition": ("open",)}, "completed in the simulated scan; the condition must have it"),

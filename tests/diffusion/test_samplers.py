@@ -16,7 +16,7 @@ from lidardraft.diffusion.denoiser_config import STEPS, DenoiserConfig
 from lidardraft.diffusion.noise import add_noise, geometric_levels, karras_levels, score_from_denoised, training_levels
 from lidardraft.diffusion.sampler import Denoise, langevin_step, sample, sample_langevin, sample_multistep
 from lidardraft.errors import LidarDraftError, SensorError
-from lidardraft.networks.precision import reduced_precision
+from lidardraft.networks.layers import reduced_precision
 from lidardraft.pipeline import Pipeline
 from lidardraft.scene.sensor import Sensor
 

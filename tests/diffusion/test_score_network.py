@@ -1,10 +1,12 @@
 """The score network: shapes, the noise level, its context, and what it sees beside a crop."""
 
+import pytest
 import torch
 
 from lidardraft.diffusion.codec import RAY_CHANNELS, STATE_CHANNELS
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
-from lidardraft.diffusion.score_network import ScoreNetwork
+from lidardraft.diffusion.score_network import ChainedPooling, RefineBlock, ScoreNetwork
+from lidardraft.networks.layers import pad_columns
 
 
 def small() -> ScoreNetwork:
@@ -79,3 +81,23 @@ def test_control_is_added_to_the_skips_and_to_what_the_head_sees() -> None:
     for place in range(len(nothing)):
         control = [told + 1 if place == other else told for other, told in enumerate(nothing)]
         assert not torch.allclose(network(X, LEVEL, CONTEXT, True, control), plain)
+
+
+@pytest.mark.parametrize("wraps", [True, False])
+def test_max_pooling_by_rows_and_columns_is_the_square_one(wraps: bool) -> None:
+    torch.manual_seed(0)
+    pooling, x = ChainedPooling(2, 1), torch.rand(1, 2, 7, 9)
+    with torch.no_grad():
+        pooling.convs[0].weight.zero_()
+        pooling.convs[0].bias.zero_()
+        pooling.convs[0].weight[[0, 1], [0, 1], 1, 1] = 1.0
+    act = torch.nn.functional.silu(x)
+    square = torch.nn.functional.max_pool2d(pad_columns(act, 2, wraps), 5, stride=1, padding=(2, 0))
+    torch.testing.assert_close(pooling(x, wraps), act + square)
+
+
+def test_a_refine_block_fuses_a_coarser_stage_of_any_size() -> None:
+    block = RefineBlock(4, 6, 5, units=1, pools=1, groups=2)
+    assert block(torch.zeros(1, 4, 8, 15), torch.zeros(1, 6, 4, 8), True).shape == (1, 5, 8, 15)
+    last = RefineBlock(4, None, 5, units=2, pools=2, groups=2)
+    assert last(torch.zeros(1, 4, 8, 15), None, True).shape == (1, 5, 8, 15)

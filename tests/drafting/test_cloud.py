@@ -54,15 +54,9 @@ def test_a_scanned_street_is_scanned_again():
     layout = layout_from_cloud(points, labels, instances=instances)
     scan, condition_image = raycast(STREET, SENSOR), raycast(layout, SENSOR)
     good = agrees(scan, condition_image)
-    for name, least in {
-        "road": 0.97,
-        "car": 0.95,
-        "building": 0.95,
-        "pole": 0.6,
-        "person": 0.9,
-        "vegetation": 0.7,
-    }.items():
-        assert good[scan.label == BY_NAME[name].id].mean() > least, name
+    least = {"road": 0.97, "car": 0.95, "building": 0.95, "pole": 0.6, "person": 0.9, "vegetation": 0.7}
+    for name, share in least.items():
+        assert good[scan.label == BY_NAME[name].id].mean() > share, name
 
 
 @pytest.mark.parametrize("numbered", [True, False])
@@ -226,13 +220,10 @@ POINTS, LABELS = np.ones((4, 3)), np.ones(4, dtype=np.uint8)
         (POINTS, LABELS[:3], None, r"labels have shape \(3,\); 4 points need \(4,\)"),
         (POINTS, LABELS, np.zeros(5, dtype=int), r"instances have shape \(5,\); 4 points need \(4,\)"),
         (np.array([[0, 0, 1.0], [np.nan, 0, 1]]), LABELS[:2], None, r"point 1 is \[nan, 0.0, 1.0\]; every coordinate"),
-        (np.array([[0, 0, -np.inf]]), LABELS[:1], None, r"point 0 is \[0.0, 0.0, -inf\]; every coordinate"),
         (POINTS, LABELS * 21, None, r"point 0 has label 21; it must be 0 to 20"),
         (POINTS, LABELS * 0, None, r"all 4 points have label 0, unlabelled"),
-        (POINTS * np.nan, LABELS, None, r"point 0 is \[nan, nan, nan\]; every coordinate must be finite"),
         (POINTS * 1e9, LABELS, None, r"point 0 is \[1000000000.0, .*\]; a scan reaches 1000 m"),
         (POINTS, LABELS * 1.5, None, r"labels are float64; they must be whole numbers"),
-        (POINTS, LABELS[:1], None, r"labels have shape \(1,\); 4 points need \(4,\)"),
         (POINTS, lambda _: LABELS[:2], None, r"labels have shape \(2,\); 4 points need \(4,\)"),
     ],
 )

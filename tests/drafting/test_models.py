@@ -66,9 +66,3 @@ def test_a_group_of_several_is_not_one_thing(group: str, names: tuple[str, ...])
 )
 def test_a_group_of_parts_is_one_thing(group: str, names: tuple[str, ...]) -> None:
     assert instances_below(group, *names) == [1, 1]
-
-
-def test_a_node_in_a_node_of_its_name_is_a_part_of_it() -> None:
-    paths = [((k, 1, 0), (f"Car_{k}", "Car", "Car", "")) for k in (2, 3)]
-    ids = PieceIds([], {}, paths)
-    assert [ids.id_of(*path, "car") for path in paths] == ["Car.Car_2", "Car.Car_3"]

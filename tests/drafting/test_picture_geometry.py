@@ -23,20 +23,6 @@ def test_rays_of_a_matrix_worked_out_by_hand():
     np.testing.assert_allclose(rays, [(1, 0, 0), (1, -0.1, 0), (1, 0, -0.1)])
 
 
-def test_a_field_of_view_is_the_angle_between_the_edges():
-    camera = Pinhole.from_hfov(math.radians(80), 640, 480)
-    right, left = camera.rays(np.array(239.5), np.array([639.5, -0.5]))
-    assert math.degrees(math.atan2(left[1], left[0])) == pytest.approx(40)
-    assert math.degrees(math.atan2(right[1], right[0])) == pytest.approx(-40)
-    assert camera.fx == camera.fy
-
-
-def test_a_focal_length_of_film():
-    """A picture of 3 : 2, the shape of the film: 36 mm see as wide as the film, 53 degrees."""
-    camera = Pinhole.from_film(36.0, 300, 200)
-    assert 2 * math.degrees(math.atan(150 / camera.fx)) == pytest.approx(53.13, abs=0.01)
-
-
 def test_a_resized_picture_has_the_same_edges():
     camera = Pinhole.from_matrix(K, 800, 600)
     small = camera.resized(200, 100)
@@ -75,23 +61,8 @@ def test_fields_of_view_that_cannot_be(degrees):
 
 
 ROAD, TERRAIN, CAR, POLE, BUILDING = (BY_NAME[name].id for name in ("road", "terrain", "car", "pole", "building"))
-
-
 FINE_CAMERA = Pinhole.from_hfov(math.radians(8), 100, 60)  # a pixel is one cell
-
-
 NONE = np.zeros((60, 100), dtype=np.int64)
-
-
-def test_points_lie_where_the_rays_end():
-    depth = np.full((60, 100), 10.0)
-    cloud = pseudo_cloud(depth, NONE + BUILDING, NONE + 3, FINE_CAMERA)
-    assert len(cloud.points) == 6000
-    np.testing.assert_allclose(cloud.points[:, 0], 10)
-    assert cloud.points[:, 1].max() == -cloud.points[:, 1].min() > 0
-    assert cloud.points[0, 1] > 0 > cloud.points[99, 1]  # the left of the picture is on the left
-    assert cloud.points[0, 2] > 0 > cloud.points[-1, 2]
-    assert set(cloud.instances) == {3}
 
 
 def test_what_has_no_depth_or_no_class_has_no_point():
@@ -197,32 +168,13 @@ def test_the_road_counts_before_the_grass_beside_it():
     assert find_road_plane(points[100 + 300 :], labels[400:]).height == pytest.approx(1.2)
 
 
-def test_no_ground_is_said():
-    with pytest.raises(
-        LayoutError, match="no ground is visible: 0 points of the picture are road, sidewalk or terrain"
-    ):
-        find_road_plane(ground(), np.full(2000, CAR))
-
-
-def test_a_ground_that_is_no_plane_is_said():
-    points = np.random.default_rng(0).uniform((2, -20, -9), (40, 20, 0), (2000, 3))
-    with pytest.raises(
-        LayoutError, match=r"no plane of the ground is found: .* of 2000 points of the ground lie on one"
-    ):
-        find_road_plane(points, np.full(2000, ROAD))
-
-
 def test_a_picture_upside_down_is_said():
     with pytest.raises(LayoutError, match="is the depth metric, and the picture upright"):
         find_road_plane(ground() * (1, -1, -1), np.full(2000, ROAD))
 
 
 CAMERA = Pinhole.from_hfov(math.radians(60), 300, 200)
-
-
 HEIGHT = 1.65  # m
-
-
 PLANE = RoadPlane(level=np.eye(3), height=HEIGHT)
 
 
@@ -257,11 +209,6 @@ def test_far_depth_is_moved_less():
     moved = 1 - corrected_depth(1.024 * true, labels, CAMERA, PLANE, HEIGHT) / np.where(true > 0, 1.024 * true, 1)
     near, far = (moved[np.abs(true - depth) < 0.1 * depth].mean() for depth in (6.0, 60.0))
     assert near > 4 * far > 0
-
-
-def test_without_a_road_nothing_moves():
-    depth, labels = flat_road()
-    np.testing.assert_allclose(corrected_depth(depth, labels * 0 + CAR, CAMERA, PLANE, HEIGHT), depth)
 
 
 @pytest.mark.parametrize("unit", [0.3, 2.0, 100.0])

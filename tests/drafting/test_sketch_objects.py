@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from lidardraft.drafting.sketch.objects import NotDrawnError, Placed, kind_of, objects_of_blob, objects_of_stroke
-from lidardraft.drafting.sketch.shapes import MOST_SHAPES, Blob, Sketch, Stroke
+from lidardraft.drafting.sketch.shapes import Blob, Sketch, Stroke
 from lidardraft.drafting.sketch.surfaces import Nearest, drawn_surfaces, ground_primitives, heading, height_at
-from lidardraft.errors import FormatError
 from lidardraft.objects.coarse_shapes import extents
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.road import KERB_HEIGHT
@@ -46,14 +45,6 @@ def size_of(placed: Placed) -> tuple[float, float, float]:
 
 def surfaces(*strokes: Stroke) -> list[Primitive]:
     return list(ground_primitives(drawn_surfaces(Sketch(1.0, False, strokes=list(strokes)))))
-
-
-def test_a_sketch_has_so_many_shapes_at_most() -> None:
-    sketch = Sketch(0.1, False)
-    sketch.add([blob("car", 4, 2), stroke("wall", np.zeros((2, 2)), 0.3), blob("car", 4, 2)])
-    assert (len(sketch.blobs), len(sketch.strokes)) == (2, 1)
-    with pytest.raises(FormatError, match=f"more than {MOST_SHAPES} shapes"):
-        sketch.add(blob("car", 4, 2) for _ in iter(int, 1))  # without end
 
 
 # Kinds

@@ -1,9 +1,7 @@
-import io
 import math
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from drawn_sketches import DrawnBox, DrawnLine, Hand, painted
 from lidardraft.drafting.sketch.painting import (
@@ -166,18 +164,6 @@ def test_smooth_edges_show_no_other_class(label: str) -> None:
     )
     found, _ = without_specks(classes_of_pixels(pixels), 8)
     assert {CLASSES[k].name for k in np.unique(found)} == {"none", label}
-
-
-def test_noise_of_a_jpeg_file_is_told_from_shapes() -> None:
-    pixels = painted(
-        [DrawnLine("road", np.array([(-40, 0), (40, 0)]), 7.0), DrawnBox("car", (8.0, 0.0), 4.2, 1.8, 0.2)]
-    )
-    file = io.BytesIO()
-    Image.fromarray(pixels).save(file, format="JPEG", quality=85)
-    found, _ = without_specks(classes_of_pixels(np.asarray(Image.open(file))), 8)
-    exact, _ = without_specks(classes_of_pixels(pixels), 8)
-    assert np.mean(found == exact) > 0.995
-    assert set(np.unique(found)) == set(np.unique(exact))
 
 
 def test_specks_lines_of_a_pixel_and_unknown_colours_become_what_is_around_them() -> None:

@@ -74,8 +74,6 @@ def test_nothing_is_written_of_bad_boxes(tmp_path):
 
 
 SENSOR = Sensor(name="few", elevations=(0.1, 0.0, -0.1), columns=16)
-
-
 IMAGES = {"depth": np.full((3, 16), 9.0), "label": np.ones((3, 16), np.int64)}
 
 

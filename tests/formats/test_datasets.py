@@ -1,8 +1,10 @@
 """Whole data sets: their files, and on real samples of them what boxes and labels say of the points."""
 
+import gzip
 import json
 import math
 import os
+import pickle
 from functools import partial
 from pathlib import Path
 
@@ -13,10 +15,20 @@ from lidardraft.errors import FormatError
 from lidardraft.formats.datasets import RecordedFile, dataset_files
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.kitti_object import read_label_2
-from lidardraft.formats.nuscenes import labelled_sweeps, read_lidarseg
-from lidardraft.semantics import BY_NAME
+from lidardraft.formats.nuscenes import labelled_sweeps
+from lidardraft.formats.pickled_table import read_pickled_table
+from lidardraft.formats.recording import read_points
+from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import BY_NAME, CLASSES
+from lidardraft.training.recorded_pairs import LabelledCloud, beside_beams
+from pandaset_files import pandas_pickle, pandaset
 
 DATA = Path(os.environ.get("LIDARDRAFT_DATA", "nowhere"))
+NUMBERS_OF_BOXES = (
+    "yaw",
+    "cuboids.sensor_id",
+    *(f"{name}.{axis}" for name in ("position", "dimensions") for axis in "xyz"),
+)
 CALIBRATION = "R0_rect: 1 0 0 0 1 0 0 0 1\nTr_velo_to_cam: 0 -1 0 0 0 0 -1 -0.08 1 0 0 -0.27\n"
 CAR = "Car 0.00 0 1.85 387.63 181.54 423.81 203.12 1.5 1.8 4.0 -3.0 1.6 14.0"
 
@@ -66,17 +78,19 @@ def test_nuscenes_has_labels_by_its_tables(tmp_path: Path) -> None:
     tables(tmp_path)
     (file,) = dataset_files("nuscenes", tmp_path)
     assert file.scan == tmp_path / "samples/LIDAR_TOP/a.pcd.bin"
-    assert file.lidarseg is not None
-    file.lidarseg.parent.mkdir(parents=True)
-    file.lidarseg.write_bytes(bytes([24, 17, 2, 31]))
-    labels = file.labels(4)
-    assert labels is not None
+    file.scan.parent.mkdir(parents=True)
+    file.scan.write_bytes(np.ones((4, 5), "<f4").tobytes())
+    lidarseg = tmp_path / "lidarseg/v1.0-mini/l_lidarseg.bin"
+    lidarseg.parent.mkdir(parents=True)
+    lidarseg.write_bytes(bytes([24, 17, 2, 31]))
+    labels = read_points(file.scan)[1]["label"]
     assert labels.tolist() == [BY_NAME[name].id for name in ("road", "car", "person", "none")]
-    with pytest.raises(FormatError, match=r"l_lidarseg.bin has 4 labels; the sweep has 5 points"):
-        file.labels(5)
-    file.lidarseg.write_bytes(bytes([24, 17, 2, 32]))
+    lidarseg.write_bytes(bytes([24, 17, 2]))
+    with pytest.raises(FormatError, match=r"l_lidarseg.bin has 3 labels; the sweep has 4 points"):
+        read_points(file.scan)
+    lidarseg.write_bytes(bytes([24, 17, 2, 32]))
     with pytest.raises(FormatError, match=r"l_lidarseg.bin has class 32; lidarseg has 0 to 31"):
-        read_lidarseg(file.lidarseg, 4)
+        read_points(file.scan)
 
 
 DRIVE = "2013_05_28_drive_0003_sync"
@@ -168,12 +182,120 @@ def test_a_real_street_of_kitti360s_tool_has_cars_of_the_size_of_cars(tmp_path: 
     assert ((sizes > (3.0, 1.4, 1.2)) & (sizes < (6.5, 3.5, 3.0))).all()
 
 
+def test_a_sweep_of_pandaset_comes_in_the_frame_of_its_sensor(tmp_path: Path) -> None:
+    sweep = pandaset(tmp_path)
+    (file,) = dataset_files("pandaset", tmp_path)
+    assert file.scan == sweep
+    points, fields = read_points(sweep)
+    (car,) = file.boxes()
+    assert points.shape == (2, 3)  # the third is the PandarGT's
+    # the vehicle looks along y from (5, 7, 0); its sensor stands 0.82 m ahead, 1.86 m up, and looks up by 0.9 degrees
+    ahead, up = 10 - 0.82, 1 - 1.86
+    np.testing.assert_allclose(points[0], (ahead + 0.0157 * up, 0, up - 0.0157 * ahead), atol=2e-3)
+    np.testing.assert_allclose(points[1] - points[0], (0, -3, 0), atol=1e-6)
+    np.testing.assert_allclose(car.center, points[0] - (0, 0, 0.25), atol=5e-3)
+    assert (car.size, car.yaw) == ((4.2, 1.8, 1.5), pytest.approx(0.5, abs=1e-3))  # a yaw of 0 is along y
+    np.testing.assert_allclose(fields["intensity"], (0, 0.2), atol=1e-6)
+    assert [CLASSES[label].name for label in fields["label"]] == ["car", "road"]
+    elevation = np.arctan2(points[:, 2], np.hypot(points[:, 0], points[:, 1]))
+    beams = np.array(Sensor.preset("pandar64").elevations)
+    np.testing.assert_array_equal(fields["ring"], np.abs(elevation[:, None] - beams).argmin(axis=1))
+    car_alone = np.zeros(2, np.uint8)
+    file.mark_boxes(points, car_alone, np.zeros(2, np.uint32))
+    assert car_alone.tolist() == [BY_NAME["car"].id, 0]
+
+
+def test_points_of_a_vehicle_that_drives_are_brought_to_the_middle_of_the_sweep(tmp_path: Path) -> None:
+    sweep = pandaset(tmp_path)
+    heading = {"w": -1, "x": 0, "y": 0, "z": 0}  # as w = 1
+    poses = [
+        {"position": {"x": 5, "y": 6, "z": 0}, "heading": heading},
+        *json.loads((sweep.parent / "poses.json").read_text()),
+    ]
+    (sweep.parent / "poses.json").write_text(json.dumps(poses))  # 1 m in 0.1 s
+    (sweep.parent / "timestamps.json").write_text("[9.9, 10.0]")
+    moved = sweep.replace(sweep.with_name("01.pkl.gz"))
+    points, fields = read_points(moved)
+    np.testing.assert_allclose(points[0, 0], 10.5 - 0.82, atol=0.02)  # of the pose in the middle
+    fired = math.atan2(1 - 1.86, 11 - 0.82) - math.radians(0.9)  # at 9.9 s, when it was 11 m off
+    beams = np.array(Sensor.preset("pandar64").elevations)
+    assert (
+        fields["ring"][0] == np.abs(beams - fired).argmin() != np.abs(beams - math.atan2(*points[0, [2, 0]])).argmin()
+    )
+    with pytest.raises(FormatError, match=r"07.pkl.gz: the drive has poses of sweeps 0 to 1, none of 07"):
+        read_points(moved.replace(moved.with_name("07.pkl.gz")))
+
+
+@pytest.mark.parametrize(
+    ("part", "columns", "message"),
+    [
+        ("annotations/semseg", {"class": np.array([13, 7])}, "has 2 labels; the sweep has 3 points"),
+        ("annotations/semseg", {"class": np.array([13, 7, 43])}, "has class 43; PandaSet has 1 to 42"),
+        ("annotations/semseg", {"label": np.array([13, 7, 1])}, "there is no column class of finite numbers"),
+        ("annotations/semseg", {"class": np.array([13, 7, 0.5])}, "has class 0.5; PandaSet has 1 to 42"),
+        ("annotations/cuboids", {"label": np.array(["Ship"], object)}, "there is no column yaw of finite numbers"),
+        (
+            "annotations/cuboids",
+            {"label": np.array(["Ship"], object)} | dict.fromkeys(NUMBERS_OF_BOXES, np.ones(1)),
+            "00.pkl.gz: a box is 'Ship'; it must be one of",
+        ),
+        ("lidar", dict.fromkeys("xyzitd", np.zeros(0)), "has 3 labels; the sweep has 0 points"),
+        ("lidar", {"x": np.array(["far"], object)}, "00.pkl.gz: there is no column x of finite numbers"),
+    ],
+)
+def test_tables_of_pandaset_with_other_columns(
+    tmp_path: Path, part: str, columns: dict[str, np.ndarray], message: str
+) -> None:
+    sweep = pandaset(tmp_path)
+    (sweep.parents[1] / part / sweep.name).write_bytes(gzip.compress(pandas_pickle(**columns)))
+    with pytest.raises(FormatError, match=message):
+        (read_points(sweep), dataset_files("pandaset", tmp_path)[0].boxes())
+
+
+@pytest.mark.skipif(not (DATA / "permissive/pandaset").is_dir(), reason="LIDARDRAFT_DATA holds no PandaSet")
+def test_boxes_of_a_real_sweep_of_pandaset_hold_points_of_their_class(tmp_path: Path) -> None:
+    sweep = pandaset(tmp_path)
+    with np.load(DATA / "permissive/pandaset/002/00.npz") as file:  # x ahead, y left, z up, 1.87 m over that of poses
+        world = file["xyz"].astype(np.float64)[:, [1, 0, 2]] * (-1, 1, 1) + (5, 7, 1.87)
+        place = file["box_center"].astype(np.float64)[:, [1, 0, 2]] * (-1, 1, 1) + (5, 7, 1.87)
+        size, names = file["box_size_lwh"][:, [1, 0, 2]].astype(np.float64), file["box_class"].astype(object)
+        points = {"i": file["intensity"].astype(float), "t": np.full(len(world), 9.95), "d": file["device"].astype(int)}
+        raw, yaw = file["label"].astype(int), file["box_yaw"].astype(np.float64)
+    axes = {f"{name}.{axis}": values[:, k] for name, values in (("position", place), ("dimensions", size))
+            for k, axis in enumerate("xyz")}  # fmt: skip
+    whose = {"label": names, "yaw": yaw, "cuboids.sensor_id": np.full(len(yaw), -1)}
+    for part, columns in (
+        ("lidar", points | dict(zip("xyz", world.T, strict=True))),
+        ("annotations/cuboids", whose | axes),
+        ("annotations/semseg", {"class": raw}),
+    ):
+        (sweep.parents[1] / part / sweep.name).write_bytes(gzip.compress(pandas_pickle(**columns), 1))
+    seen, fields = read_points(sweep)
+    marked, instance = np.zeros(len(seen), np.uint8), np.zeros(len(seen), np.uint32)
+    dataset_files("pandaset", tmp_path)[0].mark_boxes(seen, marked, instance)
+    assert np.count_nonzero(marked) > 10_000
+    assert np.mean(marked[marked > 0] == fields["label"][marked > 0]) > 0.97
+    scan = LabelledCloud(points=seen, intensity=fields["intensity"], label=fields["label"])
+    assert beside_beams(scan, Sensor.preset("pandar64")) < 0.12  # 0.25 where points and beams have no relation
+
+
+def test_a_pickle_is_read_and_not_run(tmp_path: Path) -> None:
+    path = tmp_path / "a.pkl.gz"
+    command = f"touch {tmp_path}/pwned"
+    program = pickle.dumps(command, 0)[:-1].replace(b"V", b"cos\nsystem\n(V", 1) + b"tR."
+    path.write_bytes(gzip.compress(program))
+    with pytest.raises(FormatError, match=r"a.pkl.gz: not a table of pandas 0.24 to 1.2"):
+        read_pickled_table(path)
+    assert os.listdir(tmp_path) == ["a.pkl.gz"]
+
+
 def test_folders_that_are_no_data_set(tmp_path: Path) -> None:
     for name, message in (
         ("semantickitti", r"there is no sequences/NN/velodyne/\*.bin of semantickitti"),
         ("kitti", r"there is no training/velodyne/\*.bin of kitti"),
         ("kitti360", r"there is no data_3d_raw/DRIVE/velodyne_points/data/\*.bin of kitti360, split all"),
         ("nuscenes", r"holds 0 folders of tables"),
+        ("pandaset", r"there is no NNN/lidar/\*.pkl.gz of pandaset"),
     ):
         with pytest.raises(FormatError, match=message):
             dataset_files(name, tmp_path)

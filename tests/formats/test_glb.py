@@ -126,10 +126,7 @@ def test_classes_come_from_extras_names_and_materials(tmp_path: Path) -> None:
         ({"nodes": [{"name": "car", "mesh": 0, "translation": [1, 2]}]}, r"translation of a node is \[1, 2\]"),
         ({"nodes": [{"name": "car", "mesh": 0, "rotation": [0, 0, 0, 0]}]}, "a rotation of zeros"),
         ({"nodes": [{"name": "car", "mesh": 0, "scale": [1e300, 1, 1]}]}, "scale of a node is .* up to 1e9"),
-        (
-            {"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}] * 20_001}]},
-            "more than 20000 meshes, or parts of them of one material, in all nodes",
-        ),
+        ({"meshes": [{"primitives": [{"attributes": {"POSITION": 0}}] * 20_001}]}, "more than 20000 meshes, or parts"),
         ({"nodes": [{"name": "car"}]}, "the file has no triangles"),
         ({"nodes": 5}, "nodes is 5; it must be a list"),
         ({"scenes": [{"nodes": "all"}]}, "nodes is 'all'; it must be a list"),
@@ -250,10 +247,7 @@ def test_shapes_stand_upright_along_y_as_along_z(tmp_path: Path) -> None:
         (b"", "no GLB: 0 bytes"),
         (b"glTF" + bytes(20), "glTF 0; version 2 is read"),
         (b"PK\3\4" + bytes(20), "it does not begin with glTF"),
-        (
-            struct.pack("<5I", 0x46546C67, 2, 999, 4, 0x4E4F534A) + b"{}  ",
-            "a broken GLB: its header tells of 999 bytes",
-        ),
+        (struct.pack("<5I", 0x46546C67, 2, 999, 4, 0x4E4F534A) + b"{}  ", "a broken GLB: its header tells of 999"),
         (struct.pack("<5I", 0x46546C67, 2, 24, 99, 0x4E4F534A) + b"{}  ", "99 of JSON"),
         (struct.pack("<5I", 0x46546C67, 2, 24, 4, 0x4E4F534A) + b"[]  ", "is no JSON object"),
         (

@@ -127,14 +127,8 @@ def test_numbered_parts_are_one_thing(tmp_path):
 
 
 SENSOR = Sensor(name="few", elevations=(0.2, 0.0, -0.2), columns=8)
-
-
 NAMES = st.sampled_from(["car", "car.001", "road", "building_2", "bus.Ünïcode", "traffic-sign"])
-
-
 NUMBERS = st.one_of(st.integers(-50, 50), st.floats(-1e6, 1e6), st.floats(-1e-6, 1e-6))
-
-
 TOKENS = [
     b"v ",
     b"f ",
@@ -151,11 +145,7 @@ TOKENS = [
     b"//",
     b"\\\n",
 ]
-
-
 TOKENS += [b"nan", b"inf", b"-0", b"0", b"-1", b"1e999", b"9" * 30, b"18446744073709551615", b"\xff", b"\x00", b"\r\n"]
-
-
 TOKENS += [b"f 1 2 3\n", b"v 1e308 -1e308 1e-320\n", b"v 1e9 2 3\n"]
 
 

@@ -88,11 +88,7 @@ def test_other_kinds_and_other_depths_are_refused(tmp_path):
 
 # The train ids of cityscapesScripts in their order; 10 is the sky.
 NAMES = "road sidewalk building wall fence pole traffic-light traffic-sign vegetation terrain - person rider car truck"
-
-
 NAMES += " bus train motorcycle bicycle"
-
-
 TRAIN_IDS = np.array([[*range(19), 255]], dtype=np.uint8)
 
 
@@ -141,11 +137,7 @@ def test_other_tables_are_refused(tmp_path):
 
 
 MASKS = np.zeros((2, 4, 5), dtype=bool)
-
-
 MASKS[0, :2], MASKS[1, 2:, 3:] = True, True
-
-
 NUMBERS = MASKS[0] * 7 + MASKS[1] * 300
 
 
@@ -190,8 +182,6 @@ def test_files_that_hold_no_masks(tmp_path: Path) -> None:
 
 
 K = [[721.5, 0, 609.5], [0, 720.5, 172.8], [0, 0, 1]]
-
-
 FOUR = [721.5, 720.5, 609.5, 172.8]
 
 

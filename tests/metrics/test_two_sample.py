@@ -8,7 +8,7 @@ import pytest
 
 from lidardraft.errors import LidarDraftError
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.metrics.two_sample import CROP_COLUMNS, FAMILIES, crop_features, open_pixels, two_sample
+from lidardraft.metrics.two_sample import CROP_COLUMNS, FAMILIES, crop_features, shown_pixels, two_sample
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.streets import StreetConfig, streets
 
@@ -153,5 +153,5 @@ def test_open_pixels_are_those_that_return() -> None:
     points[0, 1] = 0.0  # the sky
     half = points.copy()
     half[6, 2] = 0.0  # the fringe, half of the time
-    shown = open_pixels([Sweep(points), Sweep(half)])
+    shown = shown_pixels([Sweep(points), Sweep(half)])
     assert sorted(zip(*np.nonzero(~shown), strict=True)) == [(6, 2), (7, 0)]

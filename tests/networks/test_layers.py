@@ -3,10 +3,17 @@
 import pytest
 import torch
 
-from lidardraft.networks import precision
-from lidardraft.networks.convolution import RangeImageConv, fold, pad_columns, unfold, zero_conv
-from lidardraft.networks.precision import has_bfloat16, reduced_precision
-from lidardraft.networks.residual import Chain, ResidualBlock, group_norm
+from lidardraft.networks import layers
+from lidardraft.networks.layers import (
+    RangeImageConv,
+    ResidualBlock,
+    fold,
+    has_bfloat16,
+    pad_columns,
+    reduced_precision,
+    unfold,
+    zero_conv,
+)
 
 
 @pytest.fixture(autouse=True)
@@ -38,10 +45,6 @@ def test_rows_do_not_wrap() -> None:
     bottom[0, 0, -1] = 1
     changed = (conv(bottom, True) != conv(x, True)).any(dim=-1)[0, 0]
     assert changed.tolist() == [False] * 6 + [True] * 2
-
-
-def test_a_stride_rounds_odd_sizes_up() -> None:
-    assert RangeImageConv(1, 1, stride=2)(torch.zeros(1, 1, 5, 9), True).shape == (1, 1, 3, 5)
 
 
 @pytest.mark.parametrize("columns", [0, 1, 4, 9])
@@ -92,25 +95,9 @@ def test_zero_convolutions_are_silent_and_still_learn() -> None:
     assert conv.weight.grad.any()
 
 
-def test_the_stride_of_a_block_rounds_odd_sizes_up() -> None:
-    block = ResidualBlock(4, 6, embedding=8, stride=2)
-    assert block(torch.zeros(1, 4, 5, 9), True, torch.zeros(1, 8)).shape == (1, 6, 3, 5)
-    assert ResidualBlock(4, 6, stride=2)(torch.zeros(1, 4, 5, 9), True).shape == (1, 6, 3, 5)
-
-
 def test_the_embedding_scales_and_shifts() -> None:
     block, x = ResidualBlock(4, 4, embedding=8), torch.randn(1, 4, 5, 9)
     assert not torch.allclose(block(x, True, torch.zeros(1, 8)), block(x, True, torch.ones(1, 8)), atol=1e-3)
-
-
-@pytest.mark.parametrize("wraps", [True, False])
-def test_a_chain_is_its_layers_one_after_another(wraps: bool) -> None:
-    first, second, x = ResidualBlock(4, 6), ResidualBlock(6, 6, dilation=2), torch.randn(1, 4, 5, 9)
-    assert torch.equal(Chain(first, second)(x, wraps), second(first(x, wraps), wraps))
-
-
-def test_groups_divide_the_width() -> None:
-    assert [group_norm(width).num_groups for width in (8, 12, 7)] == [8, 4, 1]
 
 
 CPU = torch.device("cpu")
@@ -118,7 +105,7 @@ CPU = torch.device("cpu")
 
 @pytest.mark.parametrize("capability", ["avx512_bf16", "amx_bf16"])
 def test_a_cpu_with_the_instructions_works_in_bfloat16(monkeypatch: pytest.MonkeyPatch, capability: str) -> None:
-    monkeypatch.setattr(precision.torch.cpu, "get_capabilities", lambda: {capability: True}, raising=False)
+    monkeypatch.setattr(layers.torch.cpu, "get_capabilities", lambda: {capability: True}, raising=False)
     assert has_bfloat16(CPU)
     with reduced_precision(CPU):
         assert torch.nn.Conv2d(2, 2, 1)(torch.zeros(1, 2, 4, 4)).dtype == torch.bfloat16
@@ -126,7 +113,7 @@ def test_a_cpu_with_the_instructions_works_in_bfloat16(monkeypatch: pytest.Monke
 
 @pytest.mark.parametrize("capabilities", [{}, {"avx512_bf16": False, "avx2": True}])
 def test_a_cpu_without_them_stays_in_float32(monkeypatch: pytest.MonkeyPatch, capabilities: dict[str, bool]) -> None:
-    monkeypatch.setattr(precision.torch.cpu, "get_capabilities", lambda: capabilities, raising=False)
+    monkeypatch.setattr(layers.torch.cpu, "get_capabilities", lambda: capabilities, raising=False)
     assert not has_bfloat16(CPU)
     with reduced_precision(CPU):
         assert torch.nn.Conv2d(2, 2, 1)(torch.zeros(1, 2, 4, 4)).dtype == torch.float32

@@ -2,12 +2,9 @@ import dataclasses
 import math
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from lidardraft.scene.check import (
     LayoutGround,
-    Solid,
     check,
     ego_clear,
     grounded,
@@ -15,7 +12,6 @@ from lidardraft.scene.check import (
     numbered,
     on_road,
     overlap,
-    penetration,
     size,
 )
 from lidardraft.scene.layout import Layout, Primitive
@@ -49,56 +45,6 @@ def test_overlap_names_both_and_the_depth() -> None:
 )
 def test_no_overlap(other: Primitive) -> None:
     assert overlap(Layout((box("a", (10, 0, 0.75), instance=7), other))) == []
-
-
-def test_round_things_have_no_corners() -> None:
-    pole = Primitive(shape="cylinder", center=(0, 0, 1), size=(2, 2, 2), label="pole", id="pole")
-    assert (
-        penetration(Solid.from_primitive(pole), Solid.from_primitive(box("b", (0.9 + 0.5, 0.9 + 0.5, 1), (1, 1, 1))))
-        == 0
-    )
-    assert penetration(
-        Solid.from_primitive(pole), Solid.from_primitive(box("b", (1.4, 0, 1), (1, 1, 1)))
-    ) == pytest.approx(0.1)
-
-
-poses = st.tuples(st.floats(-3, 3), st.floats(-3, 3), st.floats(-math.pi, math.pi))
-
-
-@settings(max_examples=60, deadline=None)
-@given(poses, poses, st.floats(-math.pi, math.pi))
-def test_penetration_is_symmetric_and_turns_with_the_scene(
-    a: tuple[float, float, float], b: tuple[float, float, float], turn: float
-) -> None:
-    def depth(angle: float, swap: bool) -> float:
-        cos, sin = math.cos(angle), math.sin(angle)
-        first, second = (
-            Solid.from_primitive(box("x", (cos * x - sin * y, sin * x + cos * y, 1.0), yaw=yaw + angle))
-            for x, y, yaw in (a, b)
-        )
-        return penetration(second, first) if swap else penetration(first, second)
-
-    assert depth(0.0, True) == pytest.approx(depth(0.0, False), abs=1e-9)
-    assert depth(turn, False) == pytest.approx(depth(0.0, False), abs=1e-6)
-
-
-@settings(max_examples=60, deadline=None)
-@given(poses, poses)
-def test_boxes_with_a_point_of_one_in_the_other_overlap(
-    a: tuple[float, float, float], b: tuple[float, float, float]
-) -> None:
-    first, second = (Solid.from_primitive(box("x", (x, y, 1.0), yaw=yaw)) for x, y, yaw in (a, b))
-    inside = any(
-        _contains(second, point) for point in [*first.outline.tolist(), list(first.primitive.center[:2])]
-    ) or any(_contains(first, point) for point in [*second.outline.tolist(), list(second.primitive.center[:2])])
-    if inside:
-        assert penetration(first, second) > 0
-
-
-def _contains(solid: Solid, point: list[float]) -> bool:
-    cos, sin = math.cos(solid.primitive.yaw), math.sin(solid.primitive.yaw)
-    dx, dy = point[0] - solid.primitive.center[0], point[1] - solid.primitive.center[1]
-    return abs(cos * dx + sin * dy) < 2.0 - 1e-6 and abs(cos * dy - sin * dx) < 1.0 - 1e-6
 
 
 def test_grounded() -> None:

@@ -25,7 +25,7 @@ primitives = st.builds(
     center=st.tuples(numbers, numbers, numbers),
     size=st.tuples(extents, extents, extents),
     label=st.sampled_from([row.name for row in CLASSES[1:]]),
-    id=st.text(min_size=1, max_size=8).filter(str.isprintable),
+    id=st.text(st.characters(categories=("L", "N", "P", "S")), min_size=1, max_size=8),
     yaw=numbers,
     instance=st.integers(0, 65535),
     material=st.none() | st.just("glass"),
@@ -233,10 +233,7 @@ def row(**changes):
         (document(primitives=row(colour="red")), r"car_1: unknown field 'colour'"),
         (document(primitives=row(shape="mesh", vertices=[[0, 0]], faces=[[0, 1, 2]])), r"car_1: a mesh needs vertices"),
         (document(primitives=row(shape="mesh", vertices="x", faces=[[0, 1, 2]])), r"car_1: "),
-        (
-            document(primitives=row(center=[1e308, 0, 0])),
-            r"car_1: center is \[1e\+308, 0, 0\]; no number may be larger than",
-        ),
+        (document(primitives=row(center=[1e308, 0, 0])), r"car_1: center is \[1e\+308, 0, 0\]; no number may be"),
         (document(primitives=row(size=[1, 10**400, 1])), r"car_1: size is .*; it must be 3 finite numbers"),
         (
             document(primitives=row(shape="mesh", vertices=[[0, 0, 10**400]], faces=[[0, 1, 2]])),

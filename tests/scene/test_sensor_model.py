@@ -159,19 +159,10 @@ def test_range_offsets_go_with_the_beams():
         ({"responses": (0.2, 0.1), "readings": ((0, 1),)}, "a response of the curve is 0.1; it must be greater than"),
         ({"readings": ((1.5,),)}, "a reading of the curve is 1.5; it must be 0 to 1"),
         ({"readings": "a"}, "readings of the intensity curve is 'a'; it must be a list of lists"),
-        (
-            {"distances": (1.0,), "distance_gains": ((),)},
-            "distance_gains of a beam of the intensity curve has 0 values; it needs 1",
-        ),
+        ({"distances": (1.0,), "distance_gains": ((),)}, "distance_gains of a beam of the intensity curve has 0"),
         ({"distance_gains": (1.0,)}, "distance_gains of the intensity curve is 1.0; it must be a list of finite"),
-        (
-            {"distances": (2, 1), "distance_gains": ((1, 1),)},
-            "a distance of the curve is 1; it must be greater than the",
-        ),
-        (
-            {"distances": (2,), "distance_gains": ((0,),)},
-            "a gain of the curve is 0; it must be finite and greater than 0",
-        ),
+        ({"distances": (2, 1), "distance_gains": ((1, 1),)}, "a distance of the curve is 1; it must be greater than"),
+        ({"distances": (2,), "distance_gains": ((0,),)}, "a gain of the curve is 0; it must be finite and greater"),
         ({"cutoffs": (-1.0,)}, "a cut-off of the curve is -1; it must be finite and 0 or more"),
     ],
 )

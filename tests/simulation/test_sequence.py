@@ -18,9 +18,11 @@ from lidardraft.formats.nuscenes_tables import write_nuscenes
 from lidardraft.formats.semantickitti import write_sequences
 from lidardraft.scene.effects import sub_rays
 from lidardraft.scene.pose import upright
-from lidardraft.scene.scenario import AlongLane, Motion, Scenario, Straight, Walk, Waypoints
+from lidardraft.scene.scenario import AlongLane, Motion, Scenario, Straight, Track, Walk, Waypoints
+from lidardraft.semantics import BY_NAME
+from lidardraft.simulation.motions import Ground
 from lidardraft.simulation.sequence import SequenceSimulator
-from lidardraft.simulation.tracks import tracks_of
+from lidardraft.simulation.tracks import Tracks, tracks_of
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=256)
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(400, 14, 0), label="road", id="road")
@@ -240,6 +242,108 @@ def test_kinds_move_as_they_do() -> None:
     assert tracks.ego.places[-1, 0] > 20
 
 
+def said_tracks(sentence: str, duration: float = 8.0, **more: float) -> tuple[Layout, Tracks]:
+    """The tracks of what a sentence alone moves."""
+    layout = layout_from_text(sentence, seed=0)
+    return layout, tracks_of(layout, Scenario(), duration, **more)
+
+
+def speeds(track: Track) -> np.ndarray:
+    """[m/s] at each step."""
+    return np.linalg.norm(np.diff(track.places[:, :2], axis=0), axis=1) / np.diff(track.times)
+
+
+def test_what_a_sentence_says_of_speeds_is_driven() -> None:
+    _, tracks = said_tracks("we drive at 30 km/h, a car 30 m ahead at 36 km/h, a bus behind us at 18 km/h", 2.0)
+    assert speeds(tracks.ego)[0] == pytest.approx(30 / 3.6, abs=0.1)
+    assert speeds(tracks.actors["car_1"])[0] == pytest.approx(10.0, abs=0.1)
+    assert speeds(tracks.actors["bus_1"])[0] == pytest.approx(5.0, abs=0.1)
+
+
+@pytest.mark.parametrize("sentence", ["a stopped bus ahead", "a parked bus on the right", "a bus ahead is waiting"])
+def test_what_a_sentence_lets_stand_stands(sentence: str) -> None:
+    assert "bus_1" not in said_tracks(sentence)[1].actors
+
+
+def test_a_sentence_stops_the_ego_vehicle_and_speed_overrules_it() -> None:
+    assert not said_tracks("we stand behind a bus")[1].ego.moves()
+    assert said_tracks("we stand behind a bus", speed=5.0)[1].ego.moves()
+
+
+def test_who_brakes_stops_and_who_accelerates_gets_faster() -> None:
+    braking = speeds(said_tracks("the bus ahead brakes")[1].actors["bus_1"])
+    assert braking[0] > 8.0
+    assert braking[-1] == 0.0
+    assert speeds(said_tracks("we brake")[1].ego)[-1] == 0.0
+    faster = speeds(said_tracks("a car 15 m ahead accelerates", 5.0)[1].actors["car_1"])
+    assert faster[-1] > faster[0] + 2.0
+
+
+@pytest.mark.parametrize(
+    ("sentence", "one", "other"),
+    [
+        ("a cyclist overtakes", "bicycle_1", "ego"),
+        ("a motorway, we are overtaken by a truck", "truck_1", "ego"),
+        ("we drive at 20 km/h, a car overtakes us", "car_1", "ego"),
+        ("two lanes each way, a car overtakes a truck 10 m ahead", "car_1", "truck_1"),
+    ],
+)
+def test_who_overtakes_is_faster_and_gets_ahead(sentence: str, one: str, other: str) -> None:
+    _, tracks = said_tracks(sentence)
+    fast, slow = ({"ego": tracks.ego, **tracks.actors}[name] for name in (one, other))
+    assert speeds(fast)[0] > 1.3 * speeds(slow)[0]
+    gained = fast.places[:, 0] - slow.places[:, 0]
+    assert gained.max() > gained[0] + 3.0
+
+
+def test_who_overtakes_on_a_road_of_one_lane_returns_to_it() -> None:
+    scenario = Scenario(AlongLane(4.0), {"car_1": AlongLane(9.0, overtakes=True)})
+    track = tracks_of(street(car(-20, 3.4)), scenario, 12.0).actors["car_1"]
+    assert track.places[0, 1] == pytest.approx(3.4)
+    assert abs(track.places[-1, 1]) < 1.0
+    assert track.places[:, 3].min() < -0.05  # it looks where it goes
+
+
+def test_people_who_cross_get_to_the_other_side_and_are_let_pass() -> None:
+    layout, tracks = said_tracks("a pedestrian crosses the road 20 m ahead from left to right", 12.0)
+    track = tracks.actors["person_1"]
+    assert track.places[-1, 1] < -1.0 < 0.0 < track.places[0, 1]
+    near = np.abs(track.places[:, 1]) < 1.0
+    assert (tracks.ego.places[near, 0] < 20 - 2.25).all()
+    assert layout.provenance["understood"]
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_who_turns_leaves_the_road_by_that_side_slowly_and_ends_in_its_lane(side: str) -> None:
+    layout, tracks = said_tracks(f"a car 25 m ahead turns {side} at the junction")
+    track = tracks.actors["car_1"]
+    way = 1 if side == "left" else -1
+    assert way * track.places[-1, 1] > 20.0
+    assert track.places[-1, 3] == pytest.approx(way * math.pi / 2, abs=0.1)
+    assert speeds(track)[0] < 6.0
+    _, label = Ground(layout).at(track.places)
+    assert set(label.tolist()) == {BY_NAME["road"].id}
+
+
+def test_the_ego_vehicle_can_turn_and_drives_to_the_junction_first() -> None:
+    layout = layout_from_text("an empty crossroads", seed=0)
+    tracks = tracks_of(layout, Scenario(AlongLane(10.0, turn="right")), 10.0)
+    assert tracks.ego.places[-1, 1] < -15.0
+    assert speeds(tracks.ego)[0] > 7.0 > 5.5 > speeds(tracks.ego).min()
+
+
+def test_who_crosses_the_junction_need_not_give_way_where_the_sentence_has_it() -> None:
+    _, tracks = said_tracks("a crossroads with a car crossing from the left")
+    assert tracks.actors["car_1"].places[-1, 1] < -10.0 < 0.0 < tracks.actors["car_1"].places[0, 1]
+
+
+def test_what_a_scenario_says_overrules_a_sentence() -> None:
+    layout = layout_from_text("the bus ahead brakes", seed=0)
+    tracks = tracks_of(layout, Scenario(None, {"bus_1": AlongLane(9.0)}), 4.0)
+    assert speeds(tracks.actors["bus_1"])[0] == pytest.approx(9.0, abs=0.2)
+    assert speeds(tracks.actors["bus_1"])[30] > 6.0
+
+
 def test_the_scenario_of_the_page_is_driven_as_it_says() -> None:
     page = (Path(__file__).parents[2] / "docs" / "scenarios.md").read_text()
     (sentence,) = re.findall(r'--text "(.*?)"', page)
@@ -293,6 +397,8 @@ def test_rates_that_cannot_be_are_one_line(more: dict[str, object], said: str) -
         ("[]", "is no JSON object"),
         ('{"schema": "lidardraft.scenario/2"}', "schema is 'lidardraft.scenario/2'"),
         ('{"schema": "lidardraft.scenario/1", "cars": {}}', "unknown field 'cars'"),
+        ('{"schema": "lidardraft.scenario/1", "ego": {"lane": {"turn": "back"}}}', "ego: turn is 'back'"),
+        ('{"schema": "lidardraft.scenario/1", "ego": {"lane": {"overtakes": 1}}}', "ego: overtakes is 1"),
         (
             '{"schema": "lidardraft.scenario/1", "ego": {"fly": {}}}',
             "ego: a motion is straight, lane",
@@ -315,7 +421,7 @@ def test_files_that_are_no_scenario_are_one_line(text: str, said: str) -> None:
 
 def test_a_scenario_is_read_as_it_was_written(tmp_path: Path) -> None:
     actors = {
-        "bus_1": AlongLane(8.0, later=((2.0, 0.0),), gap=3.0),
+        "bus_1": AlongLane(8.0, later=((2.0, 0.0),), gap=3.0, turn="left", overtakes=True, gives_way=False),
         "person_*": Walk((14.0, 5.5), start=1.0),
         "car_3": Waypoints(RIGHT),
         "*": Straight(0.0),

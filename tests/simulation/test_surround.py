@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import time
 from pathlib import Path
 
 import numpy as np
@@ -98,6 +99,7 @@ def miscounted(bare: Layout, added: list[Primitive]) -> list[str]:
         labels = {SENTENCE_KINDS[kind].label} if kind != "vehicle" else {"car", "truck", "bus", "train", "motorcycle"}
         names = {name: (name,) for name in ("tree", "bush", "hedge", "cone", "bin", "bench", "pole")}
         names |= {"street-light": ("lamp",), "garden": ()}
+        names |= {name: (name,) for name, row in SENTENCE_KINDS.items() if row.label == "other"}
         for p in added:
             word = p.id.removeprefix("around/").partition(".")[0].rpartition("_")[0]
             if word in names[kind] if kind in names else p.label in labels:
@@ -140,7 +142,7 @@ def check_sentences(sentences: list[str]) -> None:
 
 
 def test_sentences_of_the_corpus_keep_what_they_ask_for() -> None:
-    check_sentences(SENTENCES[::16])
+    check_sentences(SENTENCES[::24])
 
 
 @pytest.mark.slow
@@ -149,7 +151,7 @@ def test_all_sentences_of_the_corpus_keep_what_they_ask_for() -> None:
     check_sentences(SENTENCES)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(
     road=st.sampled_from(ROADS),
     kinds=st.lists(st.sampled_from(sorted(SENTENCE_KINDS)), min_size=1, max_size=4),
@@ -184,7 +186,7 @@ def test_any_spec_keeps_what_it_asks_for(road, kinds, counts, places, absent, di
 @pytest.mark.parametrize("kind", ["garden", "bench", "hedge"])
 def test_what_lies_along_the_road_is_not_fenced_off(kind: str) -> None:
     spec = SceneSpec(groups=(ObjectGroup(kind=kind, places=("left",)),))
-    for seed in range(12):
+    for seed in range(4):
         bare = layout_from_spec(spec, seed=seed)
         assert faults(bare, surround(bare, seed)) == []
 
@@ -204,14 +206,15 @@ def test_the_street_is_a_function_of_layout_and_seed_and_goes_in_one_line() -> N
 GROUNDS = {f"around/{name}" for name in ("land", "yards", "drives", "sidewalks", "road")}
 
 
-def test_a_street_has_what_recordings_have() -> None:
+@pytest.mark.parametrize(("sentence", "green"), [("a street in a town", 0.1), ("a busy street downtown", 0.04)])
+def test_a_street_has_what_recordings_have(sentence: str, green: float) -> None:
     shares = np.zeros(len(BY_NAME))
     for seed in range(6):
-        whole = surround(layout_from_text("a street in a town", seed=seed), seed)
+        whole = surround(layout_from_text(sentence, seed=seed), seed)
         label = simulate(whole, SENSOR, seed=seed).labels()
         shares += np.bincount(label, minlength=len(BY_NAME)) / len(label) / 6
     at = {name: shares[row.id] for name, row in BY_NAME.items()}
-    assert 0.1 < at["vegetation"] < 0.45
+    assert green < at["vegetation"] < 0.45
     assert 0.05 < at["building"] < 0.4
     assert at["pole"] + at["traffic-sign"] > 0.002
     assert at["trunk"] > 0.002
@@ -240,6 +243,8 @@ def test_an_object_looks_the_same_after_every_edit() -> None:
         ("an industrial estate with a van", "industrial"),
         ("a forest road", "forest"),
         ("a busy downtown intersection", "urban"),
+        ("a shopping street with many people", "urban"),
+        ("a shopping centre", "retail"),
         ("roadworks with cones on the right", "roadworks"),
     ],
 )
@@ -257,11 +262,29 @@ def test_words_move_traffic_and_people() -> None:
     assert quiet < 0.7 * usual
 
 
-def test_closed_fronts_stand_at_the_kerb_of_an_alley() -> None:
-    whole = surround(layout_from_text("an alley", seed=3), seed=3)
-    walls = [p for p in whole if p.label == "building"]
-    front = sum(p.size[0] for p in walls if abs(p.center[1]) - p.size[1] / 2 < 9.0)
-    assert front > 0.4 * 2 * 160.0
+@pytest.mark.parametrize("sentence", ["an alley", "an alley between tall buildings"])
+def test_an_alley_has_closed_fronts_at_its_narrow_road(sentence: str) -> None:
+    for seed in range(3):
+        whole = surround(layout_from_text(sentence, seed=seed), seed)
+        walls = [p for p in whole if p.label == "building"]
+        front = sum(p.size[0] for p in walls if abs(p.center[1]) - p.size[1] / 2 < 6.0)
+        assert front > 0.55 * 2 * 160.0
+        assert not any(p.label == "sidewalk" and p.id.startswith(("sidewalk", "around/sidewalk")) for p in whole)
+
+
+@pytest.mark.parametrize("sentence", ["a forest road", "a motorway"])
+def test_where_nobody_lives_there_are_no_bins_bicycles_and_sidewalks(sentence: str) -> None:
+    for seed in range(4):
+        whole = surround(layout_from_text(sentence, seed=seed), seed)
+        names = {primitive.id.partition("_")[0].removeprefix("around/") for primitive in whole}
+        assert not names & {"bicycle", "bin", "letterbox", "sidewalk"}
+
+
+def test_what_is_as_large_as_a_county_takes_no_longer() -> None:
+    county = Box(id="hall", label="building", instance=0, center=(5e7, 0, 3), size=(9e7, 9e7, 6), yaw=0.0)
+    start = time.process_time()
+    assert len(surround(layout_from_boxes([county]))) > 60
+    assert time.process_time() - start < 5.0
 
 
 def test_boxes_get_a_road_that_their_vehicles_drive_on() -> None:

@@ -1,6 +1,5 @@
 """A whole street: its detailed scene and its coarse layout, and where the ego vehicle is in it."""
 
-import itertools
 import math
 from collections import Counter
 from dataclasses import replace
@@ -12,10 +11,11 @@ import pytest
 from lidardraft import CLASSES
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.arranging.lanes import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD
-from lidardraft.arranging.occupancy import Occupancy, box_space, spaces_of, touch
+from lidardraft.arranging.occupancy import Occupancy, solids_of
 from lidardraft.errors import LayoutError
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.sensor import PRESETS
+from lidardraft.scene.solids import Solid, penetration
 from lidardraft.streets import StreetConfig, make_street
 from lidardraft.streets.ego import EGO_SPACE, Ego, mount, sample_ego
 from lidardraft.streets.street import Street
@@ -26,7 +26,7 @@ STREETS = [make_street(seed) for seed in range(20)]
 
 def object_spaces(placed: PlacedObject) -> np.ndarray:
     """The upright boxes [n, 8] that an object fills."""
-    return np.array(spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.clearance))
+    return np.array([solid[:8] for solid in solids_of(placed.kind, *placed.place, placed.size, placed.clearance)])
 
 
 def test_a_street_is_a_function_of_its_seed():
@@ -38,9 +38,11 @@ def test_a_street_is_a_function_of_its_seed():
 @pytest.mark.parametrize("street", STREETS, ids=lambda street: f"{street.district}-{street.seed}")
 def test_nothing_goes_through_another(street: Street):
     spaces = [(placed.id, space) for placed in street.occupancy.objects for space in object_spaces(placed)]
-    for (name, one), (other, two) in itertools.combinations(spaces, 2):
-        if name != other and math.hypot(one[0] - two[0], one[1] - two[1]) < 60.0:
-            assert not overlap(one, two), (name, other)
+    boxes = np.stack([space for _, space in spaces])
+    reach = np.hypot(boxes[:, 4], boxes[:, 5])  # half the diagonal
+    apart = np.hypot(*(boxes[:, None, :2] - boxes[:, :2]).transpose(2, 0, 1))
+    for i, k in np.argwhere(np.triu(apart <= reach[:, None] + reach, 1)):
+        assert spaces[i][0] == spaces[k][0] or not overlap(boxes[i], boxes[k]), (spaces[i][0], spaces[k][0])
 
 
 def test_classes_and_instances_of_the_coarse_layout_are_those_of_the_scene():
@@ -95,11 +97,11 @@ def egos(number: int = 6) -> list[tuple[Occupancy, Ego]]:
 def test_the_ego_vehicle_is_free_and_on_the_road_of_its_lane():
     for occupancy, ego in egos():
         assert occupancy.is_free(ego.x, ego.y, ego.yaw, EGO_SPACE)
-        mine = box_space(ego.x, ego.y, ego.yaw, EGO_SPACE[:2], 0.0, EGO_SPACE[2])
+        mine = Solid.box(ego.x, ego.y, ego.yaw, EGO_SPACE[:2], 0.0, EGO_SPACE[2])
         for placed in occupancy.objects:
             if math.hypot(placed.x - ego.x, placed.y - ego.y) < 30.0:
-                for space in spaces_of(placed.kind, placed.x, placed.y, placed.yaw, placed.size, placed.clearance):
-                    assert not touch(mine, space), placed
+                for space in solids_of(placed.kind, *placed.place, placed.size, placed.clearance):
+                    assert not penetration(mine, space), placed
         assert 0.0 <= ego.speed <= 1.1 * ego.lane.speed + 1e-9
     names = Counter(ego.lane.kind for _, ego in egos())
     assert set(names) == {MAIN_ROAD, SIDE_ROAD, ROUNDABOUT, AISLE}

@@ -1,5 +1,6 @@
 import dataclasses
 import json
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
@@ -20,10 +21,13 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.errors import TrainingError
 from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.networks import weight_file
+from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Blocked, Sensor
+from lidardraft.semantics import BY_NAME
 from lidardraft.training import denoising, recipes
-from lidardraft.training.denoising import thinned, train_denoiser
+from lidardraft.training.denoising import sample_opening, thinned, train_denoiser
 from lidardraft.training.processes import ALONE, Processes
 from lidardraft.training.sources import PairFolder
 
@@ -41,9 +45,8 @@ def base(pairs: PairFolder, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return run / "weights.safetensors"
 
 
-@pytest.mark.parametrize("stage", ["generator", "base"])
-def test_the_loss_falls(stage: str, pairs: PairFolder, tmp_path: Path) -> None:
-    config = dataclasses.replace(STAGES[stage], steps=40, report_every=10, batch=8)
+def test_the_loss_falls(pairs: PairFolder, tmp_path: Path) -> None:
+    config = dataclasses.replace(GENERATOR, steps=40, report_every=10, batch=8)
     reports = list(train_denoiser(config, pairs, tmp_path))
     assert [report.step for report in reports] == [10, 20, 30, 40]
     assert reports[-1].loss < 0.85 * reports[0].loss
@@ -267,3 +270,59 @@ def test_a_base_of_another_shape_is_refused(pairs: PairFolder, tmp_path: Path) -
         next(train_denoiser(CONTROL, pairs, tmp_path, begin=other))
     with pytest.raises(TrainingError, match="a ControlNet needs a base"):
         next(train_denoiser(CONTROL, pairs, tmp_path))
+
+
+LAYOUT = Layout(
+    (
+        Primitive(shape="plane", center=(0, 0, -0.1), size=(99, 99, 0), label="terrain", id="terrain"),
+        Primitive(shape="plane", center=(0, 0, 0), size=(99, 8, 0), label="road", id="road"),
+        Primitive(shape="box", center=(8, 0, 0.8), size=(4, 2, 1.6), label="car", id="car", instance=1),
+        Primitive(shape="box", center=(0, 12, 3), size=(20, 4, 6), label="building", id="house"),
+    )
+)
+CLOSED = {BY_NAME[name].id: name for name in ("road", "car", "building")}
+OPEN = [BY_NAME[name].id for name in ("none", "terrain")]
+
+
+@pytest.fixture(scope="module")
+def image() -> RangeImage:
+    found = raycast(LAYOUT, SENSOR)
+    assert set(np.unique(found.label)) == {*OPEN, *CLOSED}
+    return found
+
+
+def kind_of(opening: np.ndarray, label: np.ndarray) -> str:
+    """A sector, which is one piece of the ring, all but one, or the classes that are not open."""
+    if opening.all():
+        return "everything"
+    if (opening == opening[:1]).all():
+        assert np.count_nonzero(opening[0] != np.roll(opening[0], 1)) == 2
+        return "a sector" if opening[0].mean() <= 0.5 else "all but a sector"
+    closed = np.unique(label[~opening])
+    np.testing.assert_array_equal(opening, ~np.isin(label, closed))
+    return "all but " + ", ".join(CLOSED[id] for id in closed.tolist())
+
+
+def test_each_kind_occurs_in_its_share(image: RangeImage) -> None:
+    kinds = Counter(kind_of(sample_opening(image, np.random.default_rng(seed)), image.label) for seed in range(2000))
+    shares = {
+        "a sector": 0.2,
+        "all but a sector": 0.15,
+        "everything": 0.1,
+        "all but car": 0.15 * 0.7 * 0.7,
+        "all but building, car": 0.15 * 0.7 * 0.3,
+        "all but road, car": 0.15 * 0.3 * 0.7 + 0.2 * 0.7,
+        "all but road, building, car": 0.15 * 0.3 * 0.3 + 0.2 * 0.3 + 0.2,  # filler alone is open too
+    }
+    assert kinds.keys() == shares.keys()
+    for kind, share in shares.items():
+        assert kinds[kind] / 2000 == pytest.approx(share, abs=0.03), kind
+
+
+def test_a_narrow_sensor_is_never_all_open_by_sectors_and_never_all_given(image: RangeImage) -> None:
+    narrow = RangeImage.unchecked(
+        dataclasses.replace(SENSOR, azimuth_span=np.pi / 6), depth=image.depth, label=image.label
+    )
+    open_shares = [sample_opening(narrow, np.random.default_rng(seed)).mean() for seed in range(200)]
+    assert sum(share == 1 for share in open_shares) < 200 * 0.2  # of all, one in ten
+    assert min(open_shares) > 0

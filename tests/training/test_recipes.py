@@ -32,20 +32,18 @@ def test_what_ships_is_a_base_that_learns_to_complete() -> None:
     assert Denoiser.from_config(base.denoiser).with_condition(last.denoiser).config.completes
 
 
-def test_the_recipe_that_ships_fits_in_sixteen_megabytes() -> None:
-    denoiser = Denoiser.from_config(recipes.small()[-1].denoiser)
-    assert 2 * sum(weight.numel() for weight in denoiser.state_dict().values()) < 16e6
-
-
-def test_the_papers_recipe_has_the_papers_widths() -> None:
-    config = recipes.paper()[-1].denoiser
-    assert config.widths == (128, 128, 256, 256)
-    assert config.condition == ("depth", "class")
-    assert config.cell == (1, 1)
-
-
 def test_the_papers_own_row_is_its_recipe() -> None:
     assert recipes.ARMS["paper"].stage(CONTROL) == dataclasses.replace(CONTROL, watch_every=0)
+
+
+@pytest.mark.parametrize(
+    ("recipe", "of"), [(recipes.paper_map, recipes.paper), (recipes.small_map, recipes.small_paper)]
+)
+def test_semantic_maps_have_a_controlnet_on_the_same_base(
+    recipe: Callable[[], recipes.Stages], of: Callable[[], recipes.Stages]
+) -> None:
+    assert recipe()[:-1] == of()[:-1]
+    assert recipe()[-1] == dataclasses.replace(recipes.ARMS["semantic map alone"].stage(of()[-1]), watch_every=250)
 
 
 def test_arms_stand_on_the_papers_base_and_learn_as_long() -> None:

@@ -173,7 +173,18 @@ _URBAN, _RESIDENTIAL, _RETAIL, _COUNTRY = (DISTRICTS[name] for name in ("urban",
 # What a sentence can say of where its road leads: districts, and others like them. All numbers are estimates.
 SETTINGS: dict[str, District] = {
     **DISTRICTS,
-    "alley": replace(_URBAN, setback=(0.0, 0.2), street_trees=0.0, wild_trees=4, thickets=0.0, traffic_gap=120.0),
+    "urban": replace(_URBAN, setback=(0.5, 3.0), street_trees=0.9, wild_trees=40),  # sidewalks of sentences are narrow
+    "alley": replace(
+        _URBAN,
+        lanes=(1,),
+        lane_width=(2.6, 3.0),
+        sidewalk=(0.0, 0.0),
+        setback=(0.1, 0.4),
+        street_trees=0.0,
+        wild_trees=4,
+        thickets=0.0,
+        traffic_gap=120.0,
+    ),
     "village": replace(_RESIDENTIAL, setback=(1.0, 6.0), gap=(1.0, 7.0), built=0.75, front_fences=0.8),
     "industrial": replace(_RETAIL, blocks=1.0, built=0.75, heavy=0.35, people=0.1, street_trees=0.3, wild_trees=14),
     "forest": replace(_COUNTRY, built=0.0, front_fences=0.0, street_trees=0.0, thickets=14.0, wild_trees=240),

@@ -12,12 +12,10 @@ import numpy as np
 from lidardraft.arranging.ground import Ground
 from lidardraft.objects.kinds import kind_of
 from lidardraft.objects.placed_object import PlacedObject
+from lidardraft.scene.pose import point_at
 from lidardraft.scene.road import PavedArea, Road
+from lidardraft.scene.solids import Solid, Solids
 
-# x, y, cosine and sine of the yaw, half length, half width, bottom and top over the ground [m]
-Space = tuple[float, float, float, float, float, float, float, float]
-
-_CELL = 8.0  # m
 _HEADROOM = 2.2  # m over the public way that stays free of private objects: an estimate of ours
 _PUBLIC_DEPTH = 2.0  # m under the level of the road that are public too, where the ground falls
 _PUBLIC_PIECE = 6.0  # m of the boxes that follow a bend
@@ -52,7 +50,7 @@ class Occupancy:
         self._objects: list[PlacedObject] = []
         self._names: Counter[str] = Counter()
         self._instances = instances
-        self._occupied, self._public = SpaceIndex(), SpaceIndex()
+        self._occupied, self._public = Solids(), Solids()
         for space in self._public_way():
             self._public.add(space)
 
@@ -83,9 +81,9 @@ class Occupancy:
             return False
         x, y, heading = self.road.at(along, across)
         yaw = math.remainder(heading + angle, 2 * math.pi)
-        spaces = spaces_of(kind, x, y, yaw, size, clearance)
+        spaces = solids_of(kind, x, y, yaw, size, clearance)
         for space in spaces:
-            if self._occupied.touches(space, margin) or (private and self._public.touches(space)):
+            if any(self._occupied.touching(space, margin)) or (private and any(self._public.touching(space))):
                 return False
         for space in spaces:
             self._occupied.add(space)
@@ -98,11 +96,11 @@ class Occupancy:
         )
         return True
 
-    def reserve(self, space: Space) -> None:
+    def reserve(self, space: Solid) -> None:
         """Keep a space free from now on."""
         self._occupied.add(space)
 
-    def keep_public(self, space: Space) -> None:
+    def keep_public(self, space: Solid) -> None:
         """Keep private objects off a space from now on."""
         self._public.add(space)
 
@@ -113,11 +111,11 @@ class Occupancy:
 
     def is_free(self, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> bool:
         """Whether an upright box on the ground there touches nothing."""
-        return not self._occupied.touches(box_space(x, y, yaw, size[:2], 0.0, size[2]))
+        return not any(self._occupied.touching(Solid.box(x, y, yaw, size[:2], 0.0, size[2])))
 
     def is_private(self, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> bool:
         """Whether an upright box on the ground there keeps off the road and the sidewalks."""
-        return not self._public.touches(box_space(x, y, yaw, size[:2], 0.0, size[2]))
+        return not any(self._public.touching(Solid.box(x, y, yaw, size[:2], 0.0, size[2])))
 
     def _on_ground(self, placed: list[_Placement]) -> list[PlacedObject]:
         """The objects at their heights."""
@@ -148,7 +146,7 @@ class Occupancy:
         lowest: np.ndarray = self.ground.heights(along.ravel(), across.ravel()).reshape(-1, 4).min(axis=1)
         return lowest
 
-    def _public_way(self) -> list[Space]:
+    def _public_way(self) -> list[Solid]:
         road = self.road
         spaces = []
         pieces = math.ceil(2 * road.half_length / _PUBLIC_PIECE)
@@ -157,12 +155,12 @@ class Occupancy:
             x, y, yaw = road.at((number + 0.5) * step - road.half_length, 0.0)
             # the outer edge of a bend is longer
             length = step * (1 + abs(road.curvature) * road.verge)
-            spaces.append(box_space(x, y, yaw, (length, 2 * road.verge), -_PUBLIC_DEPTH, _HEADROOM))
+            spaces.append(Solid.box(x, y, yaw, (length, 2 * road.verge), -_PUBLIC_DEPTH, _HEADROOM))
         if road.junction is not None:
             for side in road.side_roads:
                 across = (road.verge + road.half_length) / 2 * side
                 x, y, yaw = road.at(road.junction, across)
-                spaces.append(box_space(x, y, yaw, (2 * road.verge, road.half_length), -_PUBLIC_DEPTH, _HEADROOM))
+                spaces.append(Solid.box(x, y, yaw, (2 * road.verge, road.half_length), -_PUBLIC_DEPTH, _HEADROOM))
             if road.roundabout_radius is not None:
                 x, y, yaw = road.at(road.junction, 0.0)
                 outer = road.roundabout_radius + road.sidewalk
@@ -170,75 +168,21 @@ class Occupancy:
                 angles = [math.radians(_BAR * number) for number in range(90 // _BAR + 1)]
                 for low, high in itertools.pairwise(angles):
                     size = (2 * math.cos(low) * outer, 2 * math.sin(high) * outer)
-                    spaces.append(box_space(x, y, yaw, size, -_PUBLIC_DEPTH, _HEADROOM))
+                    spaces.append(Solid.box(x, y, yaw, size, -_PUBLIC_DEPTH, _HEADROOM))
         spaces += [self._paved_space(area) for area in road.paved_areas]
         return spaces
 
-    def _paved_space(self, area: PavedArea) -> Space:
+    def _paved_space(self, area: PavedArea) -> Solid:
         length, width = area.along[1] - area.along[0], area.across[1] - area.across[0]
         x, y, yaw = self.road.at(sum(area.along) / 2, sum(area.across) / 2)
-        return box_space(x, y, yaw, (length, width), -_PUBLIC_DEPTH, _HEADROOM)
+        return Solid.box(x, y, yaw, (length, width), -_PUBLIC_DEPTH, _HEADROOM)
 
 
-def box_space(x: float, y: float, yaw: float, size: tuple[float, float], bottom: float, top: float) -> Space:
-    """The space of a box of that length and width [m]."""
-    return (x, y, math.cos(yaw), math.sin(yaw), size[0] / 2, size[1] / 2, bottom, top)
-
-
-def spaces_of(
+def solids_of(
     kind: str, x: float, y: float, yaw: float, size: tuple[float, float, float], clearance: float
-) -> list[Space]:
+) -> list[Solid]:
     """The upright boxes an object of a kind fills there."""
-    cos, sin = math.cos(yaw), math.sin(yaw)
     return [
-        box_space(x + cos * b.x - sin * b.y, y + sin * b.x + cos * b.y, yaw, (b.length, b.width), b.bottom, b.top)
+        Solid.box(*point_at((x, y, yaw), b.x, b.y), yaw, (b.length, b.width), b.bottom, b.top)
         for b in kind_of(kind).boxes(size, clearance)
     ]
-
-
-def touch(one: Space, two: Space, margin: float = 0.0) -> bool:
-    """Whether two upright boxes come within `margin` [m]: separating axes, intervals in height."""
-    x, y, cos, sin, length, width, bottom, top = one
-    u, v, cos2, sin2, length2, width2, bottom2, top2 = two
-    if bottom2 >= top or top2 <= bottom:
-        return False
-    dx, dy = u - x, v - y
-    # cosine and sine of the angle between the two boxes
-    c, s = abs(cos2 * cos + sin2 * sin), abs(sin2 * cos - cos2 * sin)
-    if abs(cos * dx + sin * dy) >= length + c * length2 + s * width2 + margin:
-        return False
-    if abs(cos * dy - sin * dx) >= width + s * length2 + c * width2 + margin:
-        return False
-    if abs(cos2 * dx + sin2 * dy) >= length2 + c * length + s * width + margin:
-        return False
-    return abs(cos2 * dy - sin2 * dx) < width2 + s * length + c * width + margin
-
-
-class SpaceIndex:
-    """Spaces by the cells they lie in."""
-
-    def __init__(self) -> None:
-        self._cells: dict[tuple[int, int], list[Space]] = {}
-
-    def add(self, space: Space) -> None:
-        """Keep a space."""
-        for cell in _cells(space, 0.0):
-            self._cells.setdefault(cell, []).append(space)
-
-    def touches(self, space: Space, margin: float = 0.0) -> bool:
-        """Whether any of the spaces kept comes within `margin` [m] of one."""
-        cells = self._cells
-        for cell in _cells(space, margin):
-            for other in cells.get(cell, ()):
-                if touch(space, other, margin):
-                    return True
-        return False
-
-
-def _cells(space: Space, margin: float) -> list[tuple[int, int]]:
-    x, y, cos, sin, length, width, _, _ = space
-    wide = abs(cos) * length + abs(sin) * width + margin
-    high = abs(sin) * length + abs(cos) * width + margin
-    columns = range(math.floor((x - wide) / _CELL), math.floor((x + wide) / _CELL) + 1)
-    rows = range(math.floor((y - high) / _CELL), math.floor((y + high) / _CELL) + 1)
-    return [(column, row) for column in columns for row in rows]

@@ -137,13 +137,16 @@ def add_speed(parser: Options, more: str = "") -> None:
 
 def add_weather(parser: Options) -> None:
     """--weather, which `read_weather` reads."""
-    text = "rain:10mm or snow:2mm (of water, an hour), fog:100m (visibility), wet:0.5 (of the ground); repeatable"
+    text = "rain:10mm or snow:2mm (of water, an hour), fog:100m (visibility), wet:0.5 (of the ground); repeatable "
+    text += "(default: what --text says, or clear and dry)"
     parser.add_argument("--weather", action="append", default=[], metavar="KIND:AMOUNT", help=text)
 
 
-def read_weather(texts: Iterable[str]) -> Weather:
-    """The weather of the values of --weather, as in `rain:10mm`; raises `FormatError` on another text, `SensorError` on
-    an amount that cannot be."""
+def read_weather(texts: Iterable[str]) -> Weather | None:
+    """The weather of the values of --weather, as in `rain:10mm`, None without any.
+
+    Raises `FormatError` on another text, `SensorError` on an amount that cannot be.
+    """
     amounts = {}
     for text in texts:
         kind, _, amount = text.partition(":")
@@ -155,7 +158,7 @@ def read_weather(texts: Iterable[str]) -> Weather:
         if field in amounts:
             raise FormatError(f"--weather has {kind} twice")
         amounts[field] = float(amount.removesuffix(unit))
-    return Weather(**amounts)
+    return Weather(**amounts) if amounts else None
 
 
 def check_empty(folder: Path, otherwise: str, *, but: str = "") -> None:

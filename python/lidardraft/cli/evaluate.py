@@ -1,16 +1,11 @@
 """`lidardraft evaluate`: scores of generated scans, of unseen streets or beside recordings by a published protocol; and
-the LiDARDraft paper's tables.
-
-LiDM's metrics: the paper's MMD is LiDM's minimum matching distance, and its FRD and FPD most probably are LiDM's FRID
-and FPVD; FPVD needs a sparse network that is not rebuilt here.
-"""
+the LiDARDraft paper's tables."""
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
 import json
-import math
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -19,6 +14,7 @@ from typing import TYPE_CHECKING
 from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, assignments, read_sensor, whole_number
 from lidardraft.cli.command import progress
 from lidardraft.cli.inputs import scan_files
+from lidardraft.cli.paper_tables import NAMES, table_lines
 from lidardraft.errors import FormatError, one_of
 from lidardraft.files import check_replaceable, write_text
 from lidardraft.protocols import PROTOCOLS, Protocol, Score, compare
@@ -33,48 +29,6 @@ _SEED = 1_000_000  # of streets that no training used
 _COLUMNS = ("objects", "other", "overall", "drop", "range", "height", "bev", "classes", "holes", "lone", "own")
 _CALLED = {"overall": "all", "bev": "BEV"}  # columns that are not called as the fields of `Scores` are
 _SMALL = 0.01  # scores below are printed x 1e-4, as tables have them
-
-Row = tuple[float, ...]  # FRD, MMD x 1e-4, JSD, FPD
-_METRICS = ("FRD", "MMD e-4", "JSD", "FPD")
-_NOT_KNOWN = math.nan
-
-# Wei et al., LiDARDraft, Table 1: KITTI-360, 11,517 scans for evaluation.
-_INPUTS: dict[str, dict[str, Row]] = {
-    "map": {
-        "latent diffusion": (24.21, 3.31, 0.088, 20.60),
-        "LiDM": (22.93, 3.16, 0.072, 18.50),
-        "LiDARDraft": (21.72, 3.14, 0.070, 18.32),
-    },
-    "text": {
-        "LiDM": (80.61, 4.74, 0.415, 29.60),
-        "Text2LiDAR": (170.12, 5.12, 0.439, 34.81),
-        "LiDARDraft": (23.88, 3.23, 0.079, 19.11),
-    },
-    "image": {
-        "latent diffusion": (50.50, 3.99, 0.314, 26.51),
-        "LiDM": (45.14, 3.72, 0.256, 25.83),
-        "LiDARDraft": (24.62, 3.39, 0.094, 21.32),
-    },
-    "cloud": {
-        "latent diffusion": (129.90, 4.99, 0.434, 32.98),
-        "LiDM": (121.50, 4.82, 0.423, 31.77),
-        "LiDARDraft": (27.98, 3.43, 0.099, 22.12),
-    },
-}
-# hancyran/LiDAR-Diffusion, README: KITTI-360 without a condition, 2,000 scans beside those of drive 03.
-_UNCONDITIONAL: dict[str, Row] = {
-    "LiDARGen, 1160 steps": (129.0, 2.88, 0.188, 33.4),
-    "LiDM, 50 steps": (125.1, 3.84, 0.211, 29.0),
-}
-# Table 2 of the paper.
-_ABLATION: dict[str, Row] = {
-    "full": (23.01, 3.19, 0.077, _NOT_KNOWN),
-    "no-control": (54.76, 4.01, 0.323, _NOT_KNOWN),
-    "bird-eye": (123.66, 4.91, 0.429, _NOT_KNOWN),
-    "no-semantics": (28.98, 3.67, 0.122, _NOT_KNOWN),
-    "no-depth": (24.91, 3.40, 0.095, _NOT_KNOWN),
-}
-_NAMES = (*_INPUTS, *_ABLATION, "none")
 
 
 def evaluate(arguments: argparse.Namespace) -> None:
@@ -153,7 +107,7 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
     folders = parser.add_argument_group("scans in folders, beside recordings")
     text = "as these define their metrics; each is printed with its definition and its noise floor"
     folders.add_argument("--protocol", choices=PROTOCOLS, help=text)
-    text = "recorded scans: files, or folders, of .bin, .pcd.bin, .pcd or .npz"
+    text = "recorded scans: files, or folders, of .bin, .pcd.bin, .pcd, .ply, .npz, .las or .pkl.gz"
     folders.add_argument("--real", nargs="+", metavar="SCANS", help=text)
     folders.add_argument("--generated", nargs="+", metavar="SCANS", help="generated scans, likewise")
     text = "folder of the public weights for FRD, FRID and FPD; without it, the command says where to get them"
@@ -213,43 +167,13 @@ def _shown(card: Score) -> str:
 
 def _print_tables(arguments: argparse.Namespace) -> None:
     """Print both tables with a row of ours for each folder of generated scans that is given as NAME=FOLDER."""
-    given = assignments(arguments.generated, "--generated", f"NAME=FOLDER, NAME one of {', '.join(_NAMES)}")
+    given = assignments(arguments.generated, "--generated", f"NAME=FOLDER, NAME one of {', '.join(NAMES)}")
     for name in given:
-        if name not in _NAMES:
-            raise FormatError(f"--generated is {name!r}=...; the name must be {one_of(_NAMES, name)}")
+        if name not in NAMES:
+            raise FormatError(f"--generated is {name!r}=...; the name must be {one_of(NAMES, name)}")
     recorded = scan_files(arguments.real)
     folders = {name: scan_files([folder]) for name, folder in given.items()}
     ours = {name: _compared(arguments, PROTOCOLS["lidm"], recorded, files) for name, files in folders.items()}
     print(f"by LiDM's metrics, {len(recorded)} recorded scans; (published): from other scans, by their authors' tools")
-    if ours.keys() & {*_INPUTS, "none"}:
-        _heading("Table 1")
-        for name, published in (*_INPUTS.items(), ("none", _UNCONDITIONAL)):
-            _rows(name, published, ours.get(name))
-    if ours.keys() & _ABLATION.keys():
-        _heading("Table 2")
-        for name, row in _ABLATION.items():
-            _rows(name, {"LiDARDraft": row}, ours.get(name))
-
-
-def _heading(title: str) -> None:
-    print(f"\n{title:44}{''.join(f'{name:>10}' for name in _METRICS)}")
-
-
-def _rows(name: str, published: dict[str, Row], scores: list[Score] | None) -> None:
-    print(name)
-    for method, row in published.items():
-        _line(f"  {method} (published)", row)
-    if scores is not None:
-        values = {score.metric: score for score in scores}
-        metrics = (("FRID", 1.0), ("MMD", 1e4), ("JSD", 1.0))
-        _line(
-            f"  these {scores[0].generated} scans",
-            (*(scale * values[metric].value for metric, scale in metrics), _NOT_KNOWN),
-        )
-        floors = (scale * max(values[metric].floor, default=_NOT_KNOWN) for metric, scale in metrics)
-        _line(f"  {scores[0].floor_scans} recorded scans beside others", (*floors, _NOT_KNOWN))
-
-
-def _line(name: str, row: Row) -> None:
-    shown = ("-" if math.isnan(value) else f"{value:.4g}" for value in row)
-    print(f"{name:44}{''.join(f'{value:>10}' for value in shown)}")
+    for line in table_lines(ours):
+        print(line)

@@ -16,7 +16,7 @@ from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, assignments, number, read_sensor
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError, LidarDraftError, MissingExtraError, extra
-from lidardraft.files import named, read_text
+from lidardraft.files import named
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
 from lidardraft.scene.sensor import Sensor
@@ -37,23 +37,25 @@ _GOES_WITH = {
     ),
 }
 _GOES_WITH |= {f"llm_{name}": ("text", "text_file") for name in ("url", "model", "blender", "cache", "timeout")}
+_GOES_WITH["explain"] = ("text", "text_file")
 _GOES_WITH["poses"] = ("street",)
 
 # Endings of the files of inputs.
 _PICTURES = (".png", ".jpg", ".jpeg", ".webp")
 _ENDINGS = {
     "image": _PICTURES,
-    "points": (".bin", ".pcd", ".ply", ".npz", ".npy", ".las"),
+    "points": (".bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".gz"),
     "sketch": (".svg", *_PICTURES),
-    "boxes": (".json", ".txt"),
+    "boxes": (".json", ".txt", ".gz"),
     "obj": (".obj",),
     "glb": (".glb", ".gltf"),
     "blender": (".py",),
     "layout": (".json",),
 }
 
-_SCANS = (".bin", ".pcd", ".ply", ".npz", ".las")  # in folders, where an .npy may be anything
+_SCANS = (".bin", ".pcd", ".ply", ".npz", ".las", ".pkl.gz")  # in folders, where an .npy may be anything
 
+_SENSORS = {".pcd.bin": "hdl32e", ".pkl.gz": "pandar64"}  # of nuScenes and PandaSet, by endings
 _STREET_AROUND = ("text", "sketch", "boxes", "image")  # inputs that get one unless --surroundings says otherwise
 _MOST_NOTES = 10  # on a script that a language model wrote
 _URL = "LIDARDRAFT_LLM_URL"  # as in chat_server.py, which loads HTTP
@@ -62,6 +64,7 @@ _URL = "LIDARDRAFT_LLM_URL"  # as in chat_server.py, which loads HTTP
 # Inputs of many layouts, which some commands take: their values and what they are.
 _MANY = {
     "text-file": ("FILE.txt", "sentences, one a line: a scan of each, and again with other seeds where -n is more"),
+    "map": ("FILE", "a semantic map without ranges: .png or .npy of a class id for each ray, or a labelled scan"),
     "street": ("DISTRICT", f"streets made up with all that stands and moves there: {', '.join(DISTRICTS)}, or any"),
 }
 
@@ -74,7 +77,10 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     one = group.add_mutually_exclusive_group(required=True)
     one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
     one.add_argument("--image", metavar="PHOTO.jpg", help="a picture of a road: JPEG, PNG or WebP")
-    text = "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, .pcd, .ply, .npz, .npy, .las"
+    text = (
+        "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, PandaSet .pkl.gz, .pcd, .ply, .npz, "
+    )
+    text += ".npy, .las"
     one.add_argument("--points", metavar="SCAN", help=text)
     one.add_argument("--sketch", metavar="FILE", help="a sketch from above: .svg, or a painted picture (.png, .jpg)")
     one.add_argument("--boxes", metavar="FILE", help="boxes around objects: .boxes.json, KITTI's label_2, ...")
@@ -107,6 +113,8 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     group.add_argument("--strict", action="store_true", default=None, help=text)
     group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
     group.add_argument("--scale", type=number, metavar="M", help="length of a unit of --obj, in metres (default 1)")
+    text = "say what each word of --text became, and which were not understood"
+    group.add_argument("--explain", action="store_true", default=None, help=text)
     _add_image_options(group)
     usual = bare or f"street with {', '.join(f'--{name}' for name in _STREET_AROUND)}, else bare"
     text = "street: buildings, plants, traffic and people around what is given, which stays as it is and in sight; "
@@ -179,22 +187,22 @@ def _name_of_input(arguments: argparse.Namespace) -> str:
     return next(name for name in _READERS if getattr(arguments, name) is not None)
 
 
-def sensor_beside(file: str | Path) -> Sensor | None:
-    """The sensor of a scan, where `generate` has written it beside the scan: NAME.sensor.json beside NAME.bin and
-    NAME.boxes.json."""
+def sensor_of_file(file: str | Path) -> Sensor | None:
+    """The sensor of a scan, where its file says it: by NAME.sensor.json beside NAME.bin and NAME.boxes.json, as
+    `generate` writes it, or by an ending of its data set."""
     path = Path(file)
-    path = path.with_name(f"{path.name.removesuffix(path.suffix).removesuffix('.boxes')}.sensor.json")
-    return Sensor.load(path) if path.exists() else None
+    beside = path.with_name(f"{path.name.removesuffix(path.suffix).removesuffix('.boxes')}.sensor.json")
+    if beside.exists():
+        return Sensor.load(beside)
+    return next((Sensor.preset(name) for ending, name in _SENSORS.items() if path.name.endswith(ending)), None)
 
 
 def sensor_of_scan(path: str | Path, name: str | None) -> Sensor:
-    """The sensor that took a scan: that of `name`, beside the scan, of nuScenes, or the default, which is said."""
+    """The sensor that took a scan: that of `name`, or of its file, or the default, which is said."""
     if name is not None:
         return read_sensor(name)
-    if sensor := sensor_beside(path):
+    if sensor := sensor_of_file(path):
         return sensor
-    if Path(path).name.endswith(".pcd.bin"):
-        return Sensor.preset("hdl32e")
     say(f"{path} is taken for a scan of {DEFAULT_SENSOR}; if it is not, give its --sensor")
     return Sensor.preset(DEFAULT_SENSOR)
 
@@ -220,8 +228,11 @@ def scan_files(given: Sequence[str]) -> list[Path]:
             raise FormatError(f"{path}: there is no such file or folder")
         if path.is_dir():
             for pattern in ("*", "**/*"):
-                found = sorted(file for file in path.glob(pattern) if file.suffix in _SCANS)
+                found = sorted(file for file in path.glob(pattern) if file.name.endswith(_SCANS))
                 found = [file for file in found if file.suffix != ".npz" or not file.with_suffix(".bin").exists()]
+                found = [
+                    file for file in found if file.suffix != ".gz" or file.parent.name == "lidar"
+                ]  # not their boxes
                 if found:
                     break
             else:
@@ -233,7 +244,7 @@ def scan_files(given: Sequence[str]) -> list[Path]:
 
 def _sensor_height(arguments: argparse.Namespace, file: str) -> float:
     """How high over the road the sensor stood in whose frame the file is."""
-    return (sensor_beside(file) or read_sensor(arguments.sensor)).mount_height
+    return (sensor_of_file(file) or read_sensor(arguments.sensor)).mount_height
 
 
 def _classes(arguments: argparse.Namespace) -> dict[str, str]:
@@ -255,8 +266,11 @@ def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> L
             timeout=120.0 if arguments.llm_timeout is None else arguments.llm_timeout,
         )
     else:
-        from lidardraft.drafting.text.layout import layout_from_text
+        from lidardraft.drafting.text.layout import explain, layout_from_text
 
+        if arguments.explain:
+            for line in str(explain(sentence)).splitlines():
+                say(line)
         layout = layout_from_text(sentence, seed=seed)
     return _surrounded(arguments, layout, seed, usual=not arguments.llm_blender)
 
@@ -280,15 +294,6 @@ def _from_text(arguments: argparse.Namespace) -> Layout:
     for note in notes_on(layout):
         say(note)
     return layout
-
-
-def read_sentences(path: str) -> list[tuple[str, str]]:
-    """The sentences of a file, one a line, and what messages call each; raises `FormatError` where there are none."""
-    lines = enumerate(read_text(path).splitlines(), start=1)
-    sentences = [(f"{path}, line {number}", line.strip()) for number, line in lines if line.strip()]
-    if not sentences:
-        raise FormatError(f"{path} holds no sentence; it must hold one a line")
-    return sentences
 
 
 def _from_points(arguments: argparse.Namespace) -> Layout:

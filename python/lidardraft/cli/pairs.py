@@ -15,7 +15,7 @@ import numpy as np
 
 from lidardraft.cli.arguments import add_seed, add_sensor, check_empty, read_sensor, whole_number
 from lidardraft.cli.command import progress, say
-from lidardraft.cli.inputs import scan_files, sensor_beside
+from lidardraft.cli.inputs import scan_files, sensor_of_file
 from lidardraft.cli.scan_folder import add_jobs, cores, jobs_of
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.files import named, read_bytes
@@ -216,7 +216,7 @@ def _recorded_by(arguments: argparse.Namespace, scan: Path) -> Sensor:
         return read_sensor(arguments.sensor)
     if arguments.dataset is not None:
         return Sensor.preset(SENSORS[arguments.dataset])
-    sensor = sensor_beside(scan)
+    sensor = sensor_of_file(scan)
     if sensor is None:
         raise FormatError("--sensor is needed: a preset, or the file that `lidardraft fit` makes of these scans")
     return sensor
@@ -244,8 +244,6 @@ def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> 
         labels = Path(arguments.labels)
         path = labels / f"{scan.stem}.label" if labels.is_dir() else labels
         fields |= read_labels(path, len(points), of=scan)
-    elif (of_points := file.labels(len(points))) is not None:
-        fields["label"] = of_points
     with named(scan):
         points, fields = returns(points, fields)
         if "intensity" not in fields:
@@ -265,7 +263,7 @@ def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> 
 
 def pairs_options(parser: argparse.ArgumentParser) -> None:
     """The options of `pairs`."""
-    text = "recorded scans: KITTI .bin, nuScenes .pcd.bin, .pcd, .npz, or folders of them; the folder of --dataset"
+    text = "recorded scans: KITTI .bin, nuScenes .pcd.bin, PandaSet .pkl.gz, .pcd, .npz, or folders; that of --dataset"
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
     text = "a whole data set, with its labels or boxes and its sensor; kitti has boxes alone"
     parser.add_argument("--dataset", choices=SENSORS, help=text)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -32,11 +32,10 @@ from lidardraft.cli.inputs import (
     layout_of_text,
     notes_on,
     read_layout,
-    read_sentences,
 )
 from lidardraft.cli.scan_folder import ScanFolder, add_folder, add_jobs, check_output, jobs_of
 from lidardraft.errors import FormatError
-from lidardraft.files import named
+from lidardraft.files import named, read_sentences
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.scenario import Scenario
 from lidardraft.scene.sensor import Sensor
@@ -44,6 +43,7 @@ from lidardraft.scene.weather import Weather
 from lidardraft.streets import StreetConfig, StreetMix
 
 if TYPE_CHECKING:
+    from lidardraft.pipeline import Pipeline
     from lidardraft.scan import Scan
     from lidardraft.scene.range_image import RangeImage
     from lidardraft.simulation.sequence import SequenceSimulator
@@ -68,7 +68,8 @@ class Layouts:
             sentences = [] if arguments.text is None else [("--text", arguments.text)]
             return cls(arguments, read_layout(arguments), sentences)
         check_inputs(arguments)
-        sentences = read_sentences(arguments.text_file)
+        lines = read_sentences(arguments.text_file).items()
+        sentences = [(f"{arguments.text_file}, line {number}", sentence) for number, sentence in lines]
         name, sentence = sentences[0]
         with named(name):
             return cls(arguments, layout_of_text(arguments, sentence, arguments.seed), sentences)
@@ -89,7 +90,7 @@ class Layouts:
         return [f"{self.sentences[number][0]}: {note}" for note in notes_on(scan.layout)]
 
 
-def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather, threads: int | None, number: int) -> Scan:
+def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather | None, threads: int | None, number: int) -> Scan:
     """The simulated scan of layout `number`."""
     from lidardraft.simulation.simulate import simulate
 
@@ -105,7 +106,7 @@ class Frames:
     layout: Layout
     sensor: Sensor
     scenario: Scenario
-    weather: Weather
+    weather: Weather | None
     arguments: argparse.Namespace
     threads: int | None
 
@@ -136,11 +137,14 @@ class Frames:
         return {name: value for name, value in vars(self).items() if name != "simulator"}
 
 
-def _simulate_sequence(arguments: argparse.Namespace) -> None:
+def _write_sequence(
+    arguments: argparse.Namespace, made: Callable[[SequenceSimulator], Iterator[Scan]] | None = None
+) -> None:
+    """Write the frames of a sequence, or what is made of them in their order."""
     from lidardraft.scan import Scan
 
-    for option in ("num", "street", "text_file", "poses"):
-        if getattr(arguments, option) is not None:
+    for option in ("num", "street", "text_file", "poses", "map", "after"):
+        if getattr(arguments, option, None) is not None:
             raise FormatError(f"--{option.replace('_', '-')} does not go with --frames, which make one sequence")
     sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
     scenario = Scenario() if arguments.scenario is None else Scenario.load(arguments.scenario)
@@ -152,13 +156,25 @@ def _simulate_sequence(arguments: argparse.Namespace) -> None:
     asked = arguments.scenario is not None or arguments.speed is not None
     if not (asked or simulator.tracks.actors or simulator.tracks.ego.moves()):
         say("nothing moves: the layout has no road whose lanes are known; --speed and --scenario say more")
-    folder = ScanFolder(Path(arguments.output), arguments.pictures, frames, Scan.save)
+    make = frames if made is None else partial(_next, made(simulator))
+    folder = ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save)
     with progress(num, "frame") as bar:
         for _ in folder.write(num, jobs=jobs):
             bar.update()
     simulator.save_tracks(arguments.output)
     files = "; poses.txt, times.txt and tracks.json"
     _report(arguments, num, (".label", ".boxes.json"), f"{files}{around_it(layout)}")
+
+
+def _next(frames: Iterator[Scan], _: int) -> Scan:
+    return next(frames)
+
+
+def _check_alone(arguments: argparse.Namespace) -> None:
+    """Raises `FormatError` on an option of sequences without --frames."""
+    for option in ("hz", "scenario"):
+        if getattr(arguments, option) is not None:
+            raise FormatError(f"--{option} is of a sequence; say with --frames how long it is")
 
 
 def simulate(arguments: argparse.Namespace) -> None:
@@ -169,11 +185,9 @@ def simulate(arguments: argparse.Namespace) -> None:
 
     check_output(arguments)
     if arguments.frames is not None:
-        _simulate_sequence(arguments)
+        _write_sequence(arguments)
         return
-    for option in ("hz", "scenario"):
-        if getattr(arguments, option) is not None:
-            raise FormatError(f"--{option} is of a sequence; say with --frames how long it is")
+    _check_alone(arguments)
     sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
     output, pictures, around = Path(arguments.output), arguments.pictures, ""
     if arguments.street is None:
@@ -194,13 +208,13 @@ def simulate(arguments: argparse.Namespace) -> None:
     _report(arguments, num, (".label", ".boxes.json"), around)
 
 
-def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather, poses: int) -> StreetConfig:
+def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None, poses: int) -> StreetConfig:
     check_inputs(arguments)
     for option in ("speed", "clutter", "surroundings"):
         if getattr(arguments, option):
             raise FormatError(f"--{option} goes with a layout; --street decides what drives and stands there")
     shares = {name: row.share if arguments.street in (name, "any") else 0.0 for name, row in DISTRICTS.items()}
-    return StreetConfig(sensor=sensor, poses_per_street=poses, mix=StreetMix(**shares), weather=weather)
+    return StreetConfig(sensor=sensor, poses_per_street=poses, mix=StreetMix(**shares), weather=weather or Weather())
 
 
 def simulate_options(parser: argparse.ArgumentParser) -> None:
@@ -218,41 +232,80 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
     add_speed(world, "; in a sequence that of the road")
     text = "what stands beside the roads and is not in the layout, from 0 (nothing) to 1 (default 0)"
     world.add_argument("--clutter", type=number, default=0.0, metavar="SHARE", help=text)
+    _add_sequence(parser)
+    add_jobs(_add_scan_output(parser))
+
+
+def _add_sequence(parser: argparse.ArgumentParser) -> None:
     sequence = parser.add_argument_group("sequence")
     text = "make a sequence of N frames: the ego vehicle, traffic and people move"
     sequence.add_argument("--frames", type=whole_number(1), metavar="N", help=text)
     sequence.add_argument("--hz", type=positive, metavar="R", help=f"frames a second (default {_HZ:g})")
     text = "how the ego vehicle and objects move (docs/scenarios.md); the rest moves by its kind"
     sequence.add_argument("--scenario", metavar="FILE.json", help=text)
-    add_jobs(_add_scan_output(parser))
 
 
 def generate(arguments: argparse.Namespace) -> None:
     """Make labelled LiDAR scans with the diffusion model, from a sentence, a layout, a 3D model or a labelled scan."""
     check_output(arguments)
-    sensor, layouts = read_sensor(arguments.sensor), Layouts.read(arguments)
+    sensor = read_sensor(arguments.sensor)
+    if arguments.frames is not None:
+        _write_sequence(arguments, _pipeline(arguments).frames)
+        return
+    _check_alone(arguments)
+    if arguments.map is not None:
+        _generate_of_map(arguments, sensor)
+        return
+    layouts = Layouts.read(arguments)
     num = arguments.num or len(layouts.sentences) or 1
 
-    from lidardraft.pipeline import Pipeline
     from lidardraft.scan import Scan
 
-    pipeline = Pipeline.from_pretrained(
+    pipeline = _pipeline(arguments)
+    after = None if arguments.after is None else Scan.load(arguments.after)
+    with progress(num * arguments.steps, "step") as bar:
+
+        def make(number: int) -> Scan:
+            bar.set_description(f"scan {number + 1} of {num}")
+            seed, layout = layouts.of(number)
+            return pipeline(
+                layout, sensor=sensor, seed=seed, speed=arguments.speed or 0.0, after=after, on_step=bar.update
+            )
+
+        for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save, layouts.notes).write(num):
+            pass
+    _report(arguments, num, (".label", ".boxes.json"), around_it(layouts.first))
+
+
+def _generate_of_map(arguments: argparse.Namespace, sensor: Sensor) -> None:
+    from lidardraft.formats.recording import read_semantic_map
+    from lidardraft.scan import save_observed
+
+    check_inputs(arguments)
+    if arguments.speed is not None or arguments.surroundings != "bare" or arguments.after is not None:
+        raise FormatError("--speed, --after and --surroundings go with a layout; a semantic map has none")
+    label, num, pipeline = read_semantic_map(arguments.map, sensor), arguments.num or 1, _pipeline(arguments)
+    with progress(num * arguments.steps, "step") as bar, named(arguments.map):
+
+        def make(number: int) -> RangeImage:
+            bar.set_description(f"scan {number + 1} of {num}")
+            return pipeline.from_map(label, sensor=sensor, seed=arguments.seed + number, on_step=bar.update)
+
+        for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, save_observed).write(num):
+            pass
+    _report(arguments, num, (".label",))
+
+
+def _pipeline(arguments: argparse.Namespace) -> Pipeline:
+    from lidardraft.pipeline import Pipeline
+
+    return Pipeline.from_pretrained(
         arguments.weights,
         device=arguments.device,
         steps=arguments.steps,
         guidance=arguments.guidance,
         langevin=arguments.langevin,
     )
-    with progress(num * arguments.steps, "step") as bar:
-
-        def make(number: int) -> Scan:
-            bar.set_description(f"scan {number + 1} of {num}")
-            seed, layout = layouts.of(number)
-            return pipeline(layout, sensor=sensor, seed=seed, speed=arguments.speed or 0.0, on_step=bar.update)
-
-        for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save, layouts.notes).write(num):
-            pass
-    _report(arguments, num, (".label", ".boxes.json"), around_it(layouts.first))
 
 
 def generate_options(parser: argparse.ArgumentParser) -> None:
@@ -262,11 +315,17 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
         "stands around a sentence's road, a sketch or boxes, and what a picture does not show; another world for each "
         "seed. A recorded scan, a 3D model or a Blender script leaves nothing open: there `generate` adds nothing to "
         "`simulate`, and says so. The weights `paper` make the whole scan from noise, guided by the layout, as the "
-        "paper does. Classes of what is made up are the network's. Weather and clutter are `simulate`'s alone: no "
-        "weights have seen them."
+        "paper does; of a semantic map too, with ranges that are guessed: flat ground, and all else where it stands on "
+        "it. Classes of what is made up are the network's. Weather and clutter are `simulate`'s alone: no weights have "
+        "seen them."
     )
-    add_inputs(parser, "text-file", bare="bare, as the weights `street` make up what is left open")
-    add_speed(parser.add_argument_group("world"))
+    add_inputs(parser, "text-file", "map", bare="bare, as the weights `street` make up what is left open")
+    world = parser.add_argument_group("world")
+    add_speed(world, "; in a sequence that of the road")
+    text = "an earlier scan, NAME of its NAME.npz: what it made up stays where the layout leaves it open"
+    world.add_argument("--after", metavar="SCAN", help=text)
+    _add_sequence(parser)
+    parser.set_defaults(clutter=0.0, weather=[], jobs=1)
     model = parser.add_argument_group("model")
     add_weights(model)
     text = (
@@ -296,7 +355,9 @@ def observe(arguments: argparse.Namespace) -> None:
     _report(arguments, num, (".label",))
 
 
-def _observed(path: str, seed: int, sensor: Sensor | None, materials: dict[str, str], weather: Weather) -> RangeImage:
+def _observed(
+    path: str, seed: int, sensor: Sensor | None, materials: dict[str, str], weather: Weather | None
+) -> RangeImage:
     from lidardraft.formats.carla import read_carla
     from lidardraft.formats.cast import read_cast
     from lidardraft.simulation.observe_cast import observe_cast, observe_points

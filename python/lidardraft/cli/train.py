@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from lidardraft.training.loop import Report
     from lidardraft.training.sources import PairSource
 
-_RECIPES = ("small", "paper", "small-paper", "tiny", "tiny-paper")
+_RECIPES = ("small", "paper", "small-paper", "paper-map", "small-map", "tiny", "tiny-paper")
 _FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
 
 

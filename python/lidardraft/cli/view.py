@@ -24,9 +24,9 @@ _SHOWN_FOR = 0.5  # s, of scans that are no sequence
 
 
 def view(arguments: argparse.Namespace) -> None:
-    """Render a picture of a scan (.bin, with the .label beside it, .pcd.bin, .pcd, .ply, .npy, .las or .npz), a range
-    image (.npz), a file of training pairs (.npz) or a layout (.json); a page of HTML of a scan, to turn it; or a film
-    of a folder of scans."""
+    """Render a picture of a scan (.bin with the .label beside it, .pcd.bin, .pcd, .ply, .npy, .las, .npz or .pkl.gz), a
+    range image (.npz), a file of training pairs (.npz) or a layout (.json); a page of HTML of a scan, to turn it; or a
+    film of a folder of scans."""
     from lidardraft.view import html_page, save_png
 
     path = Path(arguments.path)
@@ -138,7 +138,7 @@ def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
 def _holds_points(path: Path) -> bool:
     from lidardraft.formats.recording import SCAN_ENDINGS, is_points_file
 
-    if path.suffix not in SCAN_ENDINGS:
+    if not path.name.endswith(SCAN_ENDINGS):
         kind = path.suffix or "a file without an ending"
         raise FormatError(f"{path}: there is no picture of {kind}; it must be {', '.join(SCAN_ENDINGS)} or .json")
     return path.suffix != ".npz" or is_points_file(path)

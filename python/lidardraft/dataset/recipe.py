@@ -22,7 +22,7 @@ from lidardraft.arranging.district import DISTRICTS
 from lidardraft.arranging.street_mix import StreetMix
 from lidardraft.dataset.table import Table, Values, all_drawn, drawn, every
 from lidardraft.errors import FormatError
-from lidardraft.files import expecting, named, read_bytes, read_text
+from lidardraft.files import expecting, named, read_bytes, read_sentences, read_text
 from lidardraft.formats.frame import FORMATS
 from lidardraft.scan import Scan
 from lidardraft.scene import edit
@@ -275,7 +275,8 @@ def _scene(table: Table, folder: Path) -> Scene:
     if source == "layout":
         values = _files(table, folder)
     else:
-        values = table.texts(source) if source == "text" else _lines(table, folder)
+        of_file = source == "text_file"
+        values = list(read_sentences(folder / table.text(source)).values()) if of_file else table.texts(source)
         words = table.words("words")
         _check_words(table, every(values), words)
     weights = table.text("weights") if "weights" in table else None
@@ -303,15 +304,6 @@ def _numbers(
     table: Table, usual: dict[str, float], least: float = -math.inf, most: float = math.inf
 ) -> dict[str, Values]:
     return {name: table.numbers(name, default, least, most) for name, default in usual.items()}
-
-
-def _lines(table: Table, folder: Path) -> list[str]:
-    """The sentences of a file, a line each."""
-    path = folder / table.text("text_file")
-    lines = [line.strip() for line in read_text(path).splitlines() if line.strip()]
-    if not lines:
-        raise FormatError(f"{path} holds no sentence; it must hold one a line")
-    return lines
 
 
 def _files(table: Table, folder: Path) -> list[str]:

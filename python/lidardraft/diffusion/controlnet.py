@@ -10,7 +10,7 @@ from torch import Tensor, nn
 
 from lidardraft.diffusion.codec import STATE_CHANNELS
 from lidardraft.diffusion.score_network import EMBEDDING, Encoder
-from lidardraft.networks.convolution import fold, zero_conv
+from lidardraft.networks.layers import fold, zero_conv
 
 _LEVEL = math.log(0.05) / 4  # what the copy is told of the noise in a cast, which has none
 

@@ -18,7 +18,7 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import GUIDANCE, STEPS
 from lidardraft.diffusion.noise import geometric_levels, karras_levels, score_from_denoised
 from lidardraft.errors import LidarDraftError, SensorError
-from lidardraft.networks.precision import reduced_precision
+from lidardraft.networks.layers import reduced_precision
 from lidardraft.scene.sensor import Sensor
 
 Denoise = Callable[[Tensor, Tensor], Tensor]

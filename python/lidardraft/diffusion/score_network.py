@@ -15,8 +15,17 @@ from torch.nn import functional
 
 from lidardraft.diffusion.codec import STATE_CHANNELS
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
-from lidardraft.networks.convolution import RangeImageConv, fold, pad_columns, unfold, zero_conv
-from lidardraft.networks.residual import Chain, ResidualBlock, group_norm, modulated
+from lidardraft.networks.layers import (
+    Chain,
+    RangeImageConv,
+    ResidualBlock,
+    fold,
+    group_norm,
+    modulated,
+    pad_columns,
+    unfold,
+    zero_conv,
+)
 
 EMBEDDING = 64
 

@@ -10,6 +10,7 @@ from lidardraft.files import named, read_text
 from lidardraft.formats.boxes import read_boxes
 from lidardraft.formats.kitti_object import CLASS_OF_TYPE, read_label_2
 from lidardraft.formats.nuscenes_tables import read_annotations
+from lidardraft.formats.pandaset import read_cuboids
 from lidardraft.scene.box import Box
 from lidardraft.semantics import CLASSES
 
@@ -23,11 +24,13 @@ _LONGEST = 10_000  # lines
 
 def read_box_file(path: str | os.PathLike[str]) -> list[Box]:
     """The sensor-frame boxes of a file: .boxes.json or the .json of WebDataset, KITTI's label_2, lines of OpenPCDet or
-    MMDetection3D (.txt), or those of nuScenes' tables for a sweep (.pcd.bin).
+    MMDetection3D (.txt), PandaSet's cuboids (.pkl.gz), or those of nuScenes' tables for a sweep (.pcd.bin).
 
     Raises `FormatError` naming the file, and `LayoutError` for a box that cannot be."""
     if Path(path).name.endswith(".pcd.bin"):
         return read_annotations(path)
+    if Path(path).name.endswith(".pkl.gz"):
+        return read_cuboids(path)
     if Path(path).suffix != ".txt":
         return read_boxes(path)[0]
     first = read_text(path).split(maxsplit=1)

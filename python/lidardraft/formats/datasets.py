@@ -2,7 +2,7 @@
 
 SemanticKITTI: sequences/NN/velodyne and labels. KITTI's 3D object benchmark: training/velodyne, label_2 and calib.
 nuScenes: the tables v1.0-..., samples/LIDAR_TOP and lidarseg. KITTI-360: data_3d_raw, data_3d_bboxes, data_poses and
-calibration.
+calibration. PandaSet: NNN/lidar and annotations.
 """
 
 from __future__ import annotations
@@ -16,38 +16,31 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.errors import FormatError, one_of
-from lidardraft.formats import kitti360
+from lidardraft.formats import kitti360, pandaset
 from lidardraft.formats.kitti_object import read_label_2
-from lidardraft.formats.nuscenes import labelled_sweeps, read_lidarseg
+from lidardraft.formats.nuscenes import labelled_sweeps
 from lidardraft.scene.box import Box
 from lidardraft.scene.pose import in_upright_frame
 from lidardraft.semantics import BY_NAME
 
-_SEMANTICKITTI = {
-    "train": ("00", "01", "02", "03", "04", "05", "06", "07", "09", "10"),
-    "val": ("08",),
+SENSORS = {  # presets
+    "semantickitti": "hdl64e",
+    "kitti": "hdl64e",
+    "kitti360": "hdl64e",
+    "nuscenes": "hdl32e",
+    "pandaset": "pandar64",
 }
-SENSORS = {"semantickitti": "hdl64e", "kitti": "hdl64e", "kitti360": "hdl64e", "nuscenes": "hdl32e"}  # presets
-SPLITS = {
-    "semantickitti": (*_SEMANTICKITTI, "all"),
-    "kitti": ("all",),
-    "kitti360": tuple(kitti360.SPLITS),
-    "nuscenes": ("all",),
-}
+_SEMANTICKITTI = {"train": ("00", "01", "02", "03", "04", "05", "06", "07", "09", "10"), "val": ("08",)}
+_SEMANTICKITTI["all"] = tuple(sorted((*_SEMANTICKITTI["train"], *_SEMANTICKITTI["val"])))
+_SPLITS = {"semantickitti": _SEMANTICKITTI, "kitti360": kitti360.SPLITS}  # of the others: all
 
 
 @dataclass(frozen=True)
 class RecordedFile:
-    """A scan; where they are known, the file of its labels of lidarseg, and a function that reads its boxes.
-    SemanticKITTI's labels are found beside the scan."""
+    """A scan, whose labels `read_points` finds, and a function that reads its boxes, where there are any."""
 
     scan: Path
-    lidarseg: Path | None = None
     boxes: Callable[[], list[Box]] | None = None
-
-    def labels(self, count: int) -> np.ndarray | None:
-        """Class ids u8 [count] of lidarseg; raises `FormatError`."""
-        return None if self.lidarseg is None else read_lidarseg(self.lidarseg, count)
 
     def mark_boxes(self, points: np.ndarray, label: np.ndarray, instance: np.ndarray) -> None:
         """Give the points [N, 3] in boxes, but those of the ground, the class and the instance of the box."""
@@ -60,12 +53,16 @@ def dataset_files(name: str, root: str | os.PathLike[str], split: str = "all") -
     """The scans of a split of a data set, in its order.
 
     Raises `FormatError` for an unknown split and where the folder holds none of its scans."""
-    if split not in SPLITS[name]:
-        raise FormatError(f"split is {split!r}; of {name} it must be {one_of(SPLITS[name], split)}")
+    splits = tuple(_SPLITS.get(name, ("all",)))
+    if split not in splits:
+        raise FormatError(f"split is {split!r}; of {name} it must be {one_of(splits, split)}")
     place = Path(root)
     if name == "nuscenes":
-        files = [RecordedFile(scan, lidarseg=labels) for scan, labels in labelled_sweeps(root)]
         pattern = "lidarseg of samples/LIDAR_TOP"
+        files = [RecordedFile(scan) for scan, _ in labelled_sweeps(root)]
+    elif name == "pandaset":
+        pattern = "NNN/lidar/*.pkl.gz"
+        files = [RecordedFile(scan, boxes=partial(pandaset.boxes_of, scan)) for scan in pandaset.sweeps_of(root)]
     elif name == "kitti":
         pattern = "training/velodyne/*.bin"
         files = [
@@ -74,17 +71,12 @@ def dataset_files(name: str, root: str | os.PathLike[str], split: str = "all") -
         ]
     elif name == "kitti360":
         pattern = "data_3d_raw/DRIVE/velodyne_points/data/*.bin"
-        files = [
-            RecordedFile(scan, boxes=partial(kitti360.boxes_of, root, scan)) for scan in kitti360.scans_of(root, split)
-        ]
+        scans = kitti360.scans_of(root, split)
+        files = [RecordedFile(scan, boxes=partial(kitti360.boxes_of, root, scan)) for scan in scans]
     else:
-        sequences = [number for numbers in _SEMANTICKITTI.values() for number in numbers]
         pattern = "sequences/NN/velodyne/*.bin"
-        files = [
-            RecordedFile(scan)
-            for number in sorted(_SEMANTICKITTI.get(split, sequences))
-            for scan in sorted(place.glob(pattern.replace("NN", number)))
-        ]
+        folders = [pattern.replace("NN", number) for number in _SEMANTICKITTI[split]]
+        files = [RecordedFile(scan) for folder in folders for scan in sorted(place.glob(folder))]
     if not files:
         raise FormatError(f"{place}: there is no {pattern} of {name}, split {split}")
     return files

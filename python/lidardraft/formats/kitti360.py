@@ -19,6 +19,7 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_text
 from lidardraft.scene.box import Box
+from lidardraft.semantics import BY_NAME
 
 # Drive 0000 has 11,518 of the 81,097 scans of the annotated drives: the paper's 69,580 and 11,517 are these sets but
 # for a scan, which it does not name. The others are those of LiDM's and LiDARGen's code.
@@ -47,7 +48,6 @@ _CLASSES = {
     "trafficsign": "traffic-sign",
     "trafficlight": "traffic-light",
 }
-_THINGS = ("car", "truck", "bus", "train", "motorcycle", "bicycle", "person", "rider")
 _FAR = 130.0  # m from the scanner
 
 
@@ -68,7 +68,7 @@ def scans_of(root: str | os.PathLike[str], split: str) -> list[Path]:
 def boxes_of(root: str | os.PathLike[str], scan: Path) -> list[Box]:
     """Boxes of vehicles, people, poles, signs and lights in the frame of a scan; none where the data set has no pose of
     the scan, or no boxes of its drive. Raises `FormatError`."""
-    drive, frame = scan.parents[2].name, int(scan.stem) if scan.stem.isdigit() else -1
+    drive, frame = scan.parents[2].name, int(scan.stem) if scan.stem.isdecimal() else -1
     files = sorted(Path(root).glob(f"data_3d_bboxes/*/{drive}.xml"))
     pose = _poses(Path(root), drive).get(frame) if files else None
     if pose is None:
@@ -86,7 +86,7 @@ def boxes_of(root: str | os.PathLike[str], scan: Path) -> list[Box]:
             Box(
                 id=one.name,
                 label=one.label,
-                instance=number if one.label in _THINGS else 0,
+                instance=number * BY_NAME[one.label].is_thing,
                 center=tuple(seen[:3, 3].tolist()),
                 size=(float(one.size[ahead]), float(one.size[aside]), float(one.size[up])),
                 yaw=math.atan2(seen[1, ahead], seen[0, ahead]),

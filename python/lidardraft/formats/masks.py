@@ -9,7 +9,6 @@ import numpy as np
 from lidardraft.array_files import opened, read_npy, read_numbers
 from lidardraft.errors import FormatError
 from lidardraft.files import named
-from lidardraft.formats.picture import opened_picture
 
 _NAME = "masks"
 _KINDS = ("L", "P", "I", "I;16")  # of pictures with one whole number a pixel
@@ -28,6 +27,8 @@ def read_masks(path: str | os.PathLike[str]) -> np.ndarray:
         with opened(path) as archive:
             array = read_numbers(archive, _NAME)
     else:
+        from lidardraft.formats.picture import opened_picture  # Pillow, which no --help waits for
+
         image = opened_picture(path)
         if image.mode not in _KINDS:
             with named(path):

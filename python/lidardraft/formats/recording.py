@@ -19,17 +19,20 @@ from lidardraft.errors import FormatError
 from lidardraft.files import named, read_bytes, regular_size
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.las import read_las
+from lidardraft.formats.masks import read_masks
 from lidardraft.formats.nuscenes import lidarseg_of, read_lidarseg, read_pcd_bin
+from lidardraft.formats.pandaset import read_sweep
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.ply import read_ply
 from lidardraft.formats.semantickitti import read_label
 from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import NUM_CLASSES
 
 _NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
 _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
-SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las")
+SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pkl.gz")
 _FIELDS = ("ring", "intensity", "label", "instance", "column", "made_up")  # of an .npz file
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
 _SMALL_STEP = np.deg2rad(5.0)
@@ -55,7 +58,7 @@ class Recording:
 
 def read_recording(path: str | os.PathLike[str]) -> Recording:
     """A scan out of a file: `.bin` of KITTI, with SemanticKITTI's labels if they lie beside it, `.pcd.bin` of nuScenes,
-    `.pcd`, `.ply` or `.npz`.
+    `.pcd`, `.ply`, `.npz` or PandaSet's `.pkl.gz`.
 
     A KITTI file has its points laser by laser. A PCD or PLY file has x, y, z and a field `ring` (or `channel`), or is
     organised (its HEIGHT lasers are rows) or in KITTI's order; `intensity` in 0 to 1 or 0 to 255. An .npz file has
@@ -98,6 +101,8 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
         return _from_npy(path)
     if suffix == ".las":
         return read_las(path)
+    if Path(path).name.endswith(".pkl.gz"):
+        return read_sweep(path)
     raise FormatError(f"{os.fspath(path)}: a recorded scan is one of {', '.join(SCAN_ENDINGS)}")
 
 
@@ -151,6 +156,20 @@ def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.nd
         held = f"{found['label'].min()} to {found['label'].max()}"
         raise FormatError(f"label holds {held}; classes are 0 to {NUM_CLASSES - 1}")
     return points[there].astype(np.float32), found
+
+
+def read_semantic_map(path: str | os.PathLike[str], sensor: Sensor) -> np.ndarray:
+    """The classes [H, W] of the rays of a sensor: a .png or .npy of our class ids, or those that a labelled scan shows.
+
+    Raises `FormatError` where the file is something else or has no labels."""
+    if Path(path).suffix in (".png", ".npy"):
+        return read_masks(path)
+    points, fields = read_points(path)
+    with named(path):
+        points, fields = returns(points, fields)
+        if "label" not in fields:
+            raise FormatError("it has no labels; a semantic map is made of them")
+        return RangeImage.project(points, sensor, label=fields["label"]).label
 
 
 def recording_of(name: str, points: np.ndarray, **fields: np.ndarray) -> Recording:

@@ -221,9 +221,9 @@ def two_sample(
     """Recorded sweeps by drive against made ones; each drive is left out once, with as large a share of the made ones.
 
     Of D drives the k-th is left out with the made sweeps k, k + D, ...; those that are alike belong D apart. `shown`
-    [H, W] are the pixels that the recording vehicle leaves open (`open_pixels`). Intensity counts where all sweeps have
-    it. Range images become sweeps by `Sweep.from_image`. Raises `LidarDraftError` for less than two drives, or less
-    made sweeps than drives.
+    [H, W] are the pixels that the recording vehicle leaves open (`shown_pixels`). Intensity counts where all sweeps
+    have it. Range images become sweeps by `Sweep.from_image`. Raises `LidarDraftError` for less than two drives, or
+    less made sweeps than drives.
     """
     if len(recorded) < 2 or len(made) < len(recorded):
         raise LidarDraftError(
@@ -247,7 +247,7 @@ def two_sample(
     return TwoSample(auc, dict(sorted(gaps.items(), key=lambda item: -abs(item[1].made_is_more - 0.5))))
 
 
-def open_pixels(sweeps: Sequence[Sweep]) -> np.ndarray:
+def shown_pixels(sweeps: Sequence[Sweep]) -> np.ndarray:
     """Pixels [H, W] that a vehicle leaves open, as recorded `sweeps` tell.
 
     Hidden is a firing that looks down and returns in less than a tenth of them; of the lower three eighths of the

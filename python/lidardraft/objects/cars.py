@@ -90,7 +90,7 @@ _SPREAD, _MOST_SPREAD = (0.035, 0.015, 0.02), (0.1, 0.04, 0.05)
 # 2022): white and light silver are light, black and dark grey dark, and half of the coloured ones. PandaSet's cars read
 # (quartiles) 0, 1 to 2 and 3 to 9 of 255 within 20 m; with half of them dark streets have 0, 3 and 8, with two fifths
 # 0, 4 and 12.
-_PAINTS, _PAINT_LIMITS = ("light-paint", "dark-paint", "mid-paint"), (0.2, 0.7)
+PAINTS, _PAINT_LIMITS = ("light-paint", "dark-paint", "mid-paint"), (0.2, 0.7)
 
 
 @dataclass(frozen=True, slots=True)
@@ -135,7 +135,7 @@ def sample_car(rng: np.random.Generator) -> tuple[str, Vector]:
 
 def sample_paint(rng: np.random.Generator) -> str:
     """The material of a vehicle's lacquer."""
-    return _PAINTS[int(np.searchsorted(_PAINT_LIMITS, rng.random()))]
+    return PAINTS[int(np.searchsorted(_PAINT_LIMITS, rng.random()))]
 
 
 def car(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:

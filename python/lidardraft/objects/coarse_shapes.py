@@ -14,6 +14,8 @@ from typing import NamedTuple
 
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.objects.plants import trunk_diameter
+from lidardraft.scene.layout import Primitive
+from lidardraft.scene.pose import Place, point_at
 
 STANDING = 0.5  # m over the ground, under which parts begin that stand on it
 _SEGMENT = 4.0  # m; the chord of a 90 m bend leaves the arc by 2 cm
@@ -23,22 +25,21 @@ MOST_LOBES = 3  # ellipsoids of a crown
 # A crown of one, two and three ellipsoids: their width, and their height where there are several, as shares of it.
 _LOBE_WIDTHS, _LOBE_HEIGHT = (1.0, 0.78, 0.72), 0.86
 _LOBE_TURN = 2.4  # rad per m of x, the golden angle: lobes of neighbours do not line up
-_TRUNK_INTO_CROWN = 0.1  # share of the crown
+_TRUNK_IN_CROWN = 0.25  # of the height of the crown: so far the trunk rises into it
 # Diameters of posts [m] and what else an annotator would see.
-_SIGN_POST, _LIGHT_POST, _GANTRY_POST, _BOARD_POST = 0.08, 0.11, 0.3, 0.2
+_SIGN_POST, _LIGHT_POST, _GANTRY_POST, _BOARD_POST = 0.08, 0.15, 0.3, 0.2
 _LOWEST_BOARD = 0.1  # m: boards with less clearance stand on the ground
 _GANTRY_SIGNS = 0.75  # of the height, where they begin if nothing else is known
 _TRACTOR = 0.36  # of the length of a trailer truck: 6 of 16.5 m, Directive 96/53/EC
 _TRACTOR_GAP, _CAB_HEIGHT = 0.5, 3.6  # m between tractor and trailer; m at most
 _BICYCLE_HEIGHT, _MOTORCYCLE_HEIGHT = 1.06, 1.1  # m, when ridden
-_RIDER_FROM = 0.75  # m; the knees and feet of a rider belong to what is ridden
-_RIDER_X, _RIDER_LENGTH = -0.02, 0.75  # m
-_RIDER_WIDTH, _RIDDEN_WIDTH = 0.9, 0.5  # of the extents
+_SADDLE = 0.6  # of the height of a two-wheeler; the knees and feet of a rider belong to it
+_RIDER_X, _RIDER_LENGTH, RIDER_WIDTH = -0.1, 0.7, 0.55  # m
+_RIDER_SHARE, _RIDDEN_SHARE = 0.9, 0.5  # of the width of both
 
 # Of sentences.
 TRUNK_DIAMETER = (0.25, 0.5)  # m, smallest and largest
 CROWN_BASE = (1.6, 2.4)  # m from the ground to where a crown begins, smallest and largest
-_TRUNK_IN_CROWN = 0.25  # of the height of the crown: so far the trunk rises into it
 LIGHTS_HEIGHT = 0.9  # m, of the box of a traffic light
 
 
@@ -57,6 +58,14 @@ class CoarseShape(NamedTuple):
     instance_offset: int = 0
     lobes: int = 0
     name: str = ""
+
+    def placed(self, place: Place, level: float, id: str, instance: int = 0) -> Primitive:
+        """The shape of an object that stands at a place, on ground at that `level` [m]."""
+        x, y, z = self.center
+        center, yaw = (*point_at(place, x, y), level + z), place[2]
+        return Primitive(
+            shape=self.shape, center=center, size=self.size, label=self.label, id=id, yaw=yaw, instance=instance
+        )
 
 
 def standing(
@@ -108,13 +117,20 @@ def street_light_parts(height: float) -> list[CoarseShape]:
 def traffic_light_parts(post: float) -> list[CoarseShape]:
     """A pole `post` [m] high with the box of the lights on top."""
     center, size = (0.0, 0.0, post + LIGHTS_HEIGHT / 2), (0.35, 0.35, LIGHTS_HEIGHT)
-    return [_post(0.15, post, name="pole"), CoarseShape("box", center, size, "traffic-light", name="light")]
+    return [_post(_LIGHT_POST, post, name="pole"), CoarseShape("box", center, size, "traffic-light", name="light")]
 
 
 def traffic_sign_parts(height: float, width: float) -> list[CoarseShape]:
     """A pole `height` [m] high with a square plate `width` [m] wide at its top, towards who comes."""
     center, size = (-0.08, 0.0, height - width / 2), (0.05, width, width)
-    return [_post(0.08, height, name="pole"), CoarseShape("box", center, size, "traffic-sign", name="sign")]
+    return [_post(_SIGN_POST, height, name="pole"), CoarseShape("box", center, size, "traffic-sign", name="sign")]
+
+
+def rider_on(machine: CoarseShape, top: float, width: float = RIDER_WIDTH, name: str = "") -> CoarseShape:
+    """Who rides a two-wheeler, up to `top` [m]."""
+    saddle = _SADDLE * machine.size[2]
+    size = _RIDER_LENGTH, width, top - saddle
+    return CoarseShape("box", (_RIDER_X, 0.0, (saddle + top) / 2), size, "rider", name=name)
 
 
 def _post(diameter: float, top: float, label: str = "pole", *, y: float = 0.0, name: str = "") -> CoarseShape:
@@ -136,8 +152,7 @@ def tree(placed: PlacedObject) -> list[CoarseShape]:
     """A trunk, and the crown as one, two and three ellipsoids: `lobes` says which belong together."""
     length, width, height = placed.size
     crown = height - placed.clearance
-    bare = placed.clearance + _TRUNK_INTO_CROWN * crown
-    shapes = [_post(trunk_diameter(height), bare, "trunk")]
+    shapes = tree_parts(height, length, trunk_diameter(height), placed.clearance)[:1]
     turn = _LOBE_TURN * placed.x
     for lobes in range(1, MOST_LOBES + 1):
         # two or three balls around the middle that reach as far out, down and up as the whole crown
@@ -205,11 +220,8 @@ def trailer_truck(placed: PlacedObject) -> list[CoarseShape]:
 def _ridden(label: str, top: float, placed: PlacedObject) -> list[CoarseShape]:
     """A rider, and the bicycle or motorcycle as the next instance."""
     length, width, height = placed.size
-    rider = (_RIDER_LENGTH, width * _RIDER_WIDTH, height - _RIDER_FROM)
-    return [
-        CoarseShape("box", (_RIDER_X, 0.0, (_RIDER_FROM + height) / 2), rider, "rider"),
-        standing("box", (length, _RIDDEN_WIDTH * width, top), label, instance_offset=1),
-    ]
+    machine = standing("box", (length, _RIDDEN_SHARE * width, top), label, instance_offset=1)
+    return [rider_on(machine, height, _RIDER_SHARE * width), machine]
 
 
 cyclist = partial(_ridden, "bicycle", _BICYCLE_HEIGHT)

@@ -11,6 +11,7 @@ from lidardraft.objects.mesh import MeshTemplate
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.mesh import TriangleMesh
+from lidardraft.scene.pose import point_at
 
 EMBEDMENT = 0.3  # m that posts, stems and walls reach into the ground, so that no slope shows a gap: estimate
 
@@ -22,7 +23,6 @@ class ObjectBuilder:
         self.placed = placed
         self.primitives: list[Primitive] = []
         self._instance = placed.instance
-        self._cos, self._sin = math.cos(placed.yaw), math.sin(placed.yaw)
 
     def next_instance(self) -> None:
         """What is added from now on belongs to the object's second instance: what a rider rides."""
@@ -50,11 +50,7 @@ class ObjectBuilder:
         self.primitives.append(
             Primitive.unchecked(
                 shape=shape,
-                center=(
-                    placed.x + self._cos * x - self._sin * y,
-                    placed.y + self._sin * x + self._cos * y,
-                    placed.z + z,
-                ),
+                center=(*point_at(placed.place, x, y), placed.z + z),
                 size=size,
                 label=label,
                 id=name,

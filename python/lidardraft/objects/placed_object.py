@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from lidardraft.scene.pose import Place
+
 Vector = tuple[float, float, float]
 
 
@@ -28,3 +30,8 @@ class PlacedObject:
     size: Vector
     clearance: float = 0.0
     instance: int = 0
+
+    @property
+    def place(self) -> Place:
+        """Where it stands."""
+        return self.x, self.y, self.yaw

@@ -19,9 +19,7 @@ from torch.nn import functional
 
 from lidardraft.errors import LayoutError, LidarDraftError, SensorError
 from lidardraft.networks import weight_file
-from lidardraft.networks.convolution import RangeImageConv, fold, unfold
-from lidardraft.networks.precision import reduced_precision
-from lidardraft.networks.residual import Chain, ResidualBlock
+from lidardraft.networks.layers import Chain, RangeImageConv, ResidualBlock, fold, reduced_precision, unfold
 from lidardraft.networks.weight_file import Network
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import NUM_CLASSES

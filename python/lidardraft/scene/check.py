@@ -10,6 +10,7 @@ import numpy as np
 
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout, Primitive, object_of, primitive_mesh
+from lidardraft.scene.solids import Solid, Solids, penetration
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 
 VEHICLE_LABELS = ("car", "truck", "bus", "train", "motorcycle")
@@ -38,15 +39,15 @@ def check(layout: Layout) -> list[Finding]:
 
 def overlap(layout: Layout) -> list[Finding]:
     """Parts of different objects that run into each other; boxes stand for meshes, ground is left out."""
-    solids = [Solid.from_primitive(primitive) for primitive in layout if primitive.label not in GROUND]
-    findings = []
-    for i, j in _near_pairs(solids):
-        a, b = solids[i].primitive, solids[j].primitive
-        if object_of(a) == object_of(b) or (a.instance and a.instance == b.instance):
-            continue
-        depth = penetration(solids[i], solids[j])
-        if depth > OVERLAP_TOLERANCE:
-            findings.append(Finding("overlap", (a.id, b.id), f"{a.id} and {b.id} overlap by {depth:.2f} m"))
+    standing = {primitive.id: primitive for primitive in layout if primitive.label not in GROUND}
+    findings, before = list[Finding](), Solids()
+    for solid in map(Solid.from_primitive, standing.values()):
+        for other in dict.fromkeys(before.touching(solid)):
+            a, b, depth = standing[other.id], standing[solid.id], penetration(other, solid)
+            same = object_of(a) == object_of(b) or (a.instance and a.instance == b.instance)
+            if depth > OVERLAP_TOLERANCE and not same:
+                findings.append(Finding("overlap", (a.id, b.id), f"{a.id} and {b.id} overlap by {depth:.2f} m"))
+        before.add(solid)
     return findings
 
 
@@ -87,7 +88,7 @@ def ego_clear(layout: Layout) -> list[Finding]:
     ego = Solid.from_primitive(EGO)
     solids = [Solid.from_primitive(primitive) for primitive in layout if primitive.label not in GROUND]
     return [
-        Finding("ego_clear", (solid.primitive.id,), f"{solid.primitive.id} reaches {depth:.2f} m into the ego vehicle")
+        Finding("ego_clear", (solid.id,), f"{solid.id} reaches {depth:.2f} m into the ego vehicle")
         for solid in solids
         if (depth := penetration(solid, ego)) > OVERLAP_TOLERANCE
     ]
@@ -129,46 +130,6 @@ def objects(layout: Layout) -> dict[str, list[Primitive]]:
         if primitive.label not in GROUND:
             parts.setdefault(object_of(primitive), []).append(primitive)
     return parts
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Solid:
-    """A primitive as an upright prism: a convex outline [V, 2] counter-clockwise and its two heights [m]."""
-
-    primitive: Primitive
-    outline: np.ndarray
-    low: float
-    high: float
-
-    @classmethod
-    def from_primitive(cls, primitive: Primitive) -> Solid:
-        """The prism around a primitive; round shapes have twelve corners, meshes those of their bounding box."""
-        x, y, z = primitive.center
-        cos, sin = math.cos(primitive.yaw), math.sin(primitive.yaw)
-        unit = _ROUND if primitive.shape in ("ellipsoid", "cylinder") else _SQUARE
-        outline = unit * primitive.size[:2] @ np.array([[cos, sin], [-sin, cos]]) + (x, y)
-        return cls(primitive, outline, z - primitive.size[2] / 2, z + primitive.size[2] / 2)
-
-    @property
-    def radius(self) -> float:
-        """Of a circle around the outline [m]."""
-        return math.hypot(*self.primitive.size[:2]) / 2
-
-
-def penetration(a: Solid, b: Solid) -> float:
-    """How far two solids must be moved apart until they no longer touch [m]; 0 where they do not touch.
-
-    Separating axis theorem: two convex outlines are apart exactly when an edge normal of one of them separates them.
-    """
-    depth = min(a.high, b.high) - max(a.low, b.low)
-    if depth <= 0 or math.dist(a.primitive.center[:2], b.primitive.center[:2]) >= a.radius + b.radius:
-        return 0.0
-    edges = np.concatenate([np.roll(a.outline, -1, axis=0) - a.outline, np.roll(b.outline, -1, axis=0) - b.outline])
-    lengths = np.hypot(edges[:, 0], edges[:, 1])
-    normals = np.stack([edges[:, 1], -edges[:, 0]])[:, lengths > 0] / lengths[lengths > 0]  # a flat mesh has none
-    on_a, on_b = a.outline @ normals, b.outline @ normals
-    shared = np.minimum(on_a.max(axis=0), on_b.max(axis=0)) - np.maximum(on_a.min(axis=0), on_b.min(axis=0))
-    return max(0.0, min(depth, float(shared.min())))
 
 
 class LayoutGround:
@@ -214,17 +175,6 @@ def _highest_over(triangles: np.ndarray, x: float, y: float) -> float | None:
     return float((a[:, 2] + s * (b - a)[:, 2] + t * (c - a)[:, 2])[over].max())
 
 
-def _near_pairs(solids: Sequence[Solid]) -> Iterator[tuple[int, int]]:
-    if not solids:
-        return
-    centers = np.array([solid.primitive.center[:2] for solid in solids])
-    radii = np.array([solid.radius for solid in solids])
-    for i in range(len(solids) - 1):
-        gaps = np.hypot(*(centers[i + 1 :] - centers[i]).T) - radii[i + 1 :] - radii[i]
-        for j in np.flatnonzero(gaps < 0):
-            yield i, i + 1 + int(j)
-
-
 def _size_of(box: Box) -> Iterator[Finding]:
     smallest, largest = SIZE_RANGES[box.label]
     for name, value, low, high in zip(("length", "width", "height"), box.size, smallest, largest, strict=True):
@@ -237,6 +187,4 @@ def _bottom(primitive: Primitive) -> float:
     return primitive.center[2] - primitive.size[2] / 2
 
 
-_SQUARE = np.array([[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]])
-_ROUND = 0.5 * np.array([[math.cos(a), math.sin(a)] for a in np.arange(12) * math.pi / 6])
 EGO = Primitive(shape="box", center=(0.0, 0.0, EGO_SIZE[2] / 2), size=EGO_SIZE, label="car", id="ego")

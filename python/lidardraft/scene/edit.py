@@ -7,13 +7,14 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import math
+from collections.abc import Iterable, Iterator
 from fnmatch import fnmatchcase
 from typing import Any
 
 from lidardraft.errors import LayoutError, check_type, did_you_mean
 from lidardraft.json_fields import are_numbers, is_number
 from lidardraft.scene.layout import Layout, Primitive, object_of
+from lidardraft.scene.pose import Place, in_frame, point_at
 from lidardraft.semantics import BY_NAME
 
 
@@ -114,7 +115,15 @@ def _middle(parts: list[Primitive]) -> tuple[float, float]:
 
 def moved_part(part: Primitive, middle: tuple[float, float], by: tuple[float, float, float], turn: float) -> Primitive:
     """The part turned about the `middle` [rad] and shifted `by` [m]."""
-    cos, sin = math.cos(turn), math.sin(turn)
-    dx, dy = part.center[0] - middle[0], part.center[1] - middle[1]
-    x, y = middle[0] + cos * dx - sin * dy, middle[1] + sin * dx + cos * dy
+    x, y = point_at((*middle, turn), part.center[0] - middle[0], part.center[1] - middle[1])
     return dataclasses.replace(part, center=(x + by[0], y + by[1], part.center[2] + by[2]), yaw=part.yaw + turn)
+
+
+def placed(primitives: Iterable[Primitive], place: Place) -> Iterator[Primitive]:
+    """The primitives of a frame that stands at a place."""
+    if not any(place):
+        yield from primitives
+        return
+    for primitive in primitives:
+        x, y, yaw = in_frame((*primitive.center[:2], primitive.yaw), place)
+        yield dataclasses.replace(primitive, center=(x, y, primitive.center[2]), yaw=yaw)

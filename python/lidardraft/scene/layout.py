@@ -21,6 +21,7 @@ from lidardraft.json_fields import check_brackets, check_fields, check_lists, ch
 from lidardraft.scene.box import FURTHEST, THINNEST, Box, check_id, checked_vector, checked_yaw
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.mesh import TriangleMesh, has_surface, unit_mesh, unit_vertices
+from lidardraft.scene.pose import point_at
 from lidardraft.semantics import BY_NAME
 
 SCHEMA = "lidardraft.layout/1"
@@ -268,8 +269,7 @@ def box_around(parts: Sequence[Primitive]) -> Box:
     largest = max(parts, key=lambda part: math.prod(part.size))
     low, high = corners_around(parts, largest.yaw)
     u, v, z = ((a + b) / 2 for a, b in zip(low, high, strict=True))
-    cos, sin = math.cos(largest.yaw), math.sin(largest.yaw)
-    center = (cos * u - sin * v, sin * u + cos * v, z)
+    center = (*point_at((0.0, 0.0, largest.yaw), u, v), z)
     size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
     return Box(largest.id, largest.label, largest.instance, center, size, largest.yaw)
 

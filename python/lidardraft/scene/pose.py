@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -45,6 +45,28 @@ def upright(center: tuple[float, float, float], yaw: float) -> np.ndarray:
     cos, sin = math.cos(yaw), math.sin(yaw)
     x, y, z = center
     return np.array([(cos, -sin, 0.0, x), (sin, cos, 0.0, y), (0.0, 0.0, 1.0, z), (0.0, 0.0, 0.0, 1.0)])
+
+
+Place = tuple[float, float, float]  # x, y [m] and yaw [rad] of what stands upright
+_Metres = TypeVar("_Metres", float, np.ndarray)
+
+
+def point_at(place: Place, ahead: _Metres, left: _Metres) -> tuple[_Metres, _Metres]:
+    """x, y of the point `ahead` and `left` [m] of the middle of what stands at a place."""
+    x, y, yaw = place
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return x + cos * ahead - sin * left, y + sin * ahead + cos * left
+
+
+def in_frame(inner: Place, outer: Place) -> Place:
+    """A place in a frame as those around that see it, for whom the frame stands at `outer`."""
+    return *point_at(outer, *inner[:2]), outer[2] + inner[2]
+
+
+def place_around(place: Place) -> Place:
+    """The place of what is around a frame in that frame."""
+    x, y, yaw = place
+    return *point_at((0.0, 0.0, -yaw), -x, -y), -yaw
 
 
 def in_upright_frame(points: np.ndarray, center: tuple[float, float, float], yaw: float) -> np.ndarray:

@@ -43,13 +43,17 @@ class AlongLane:
 
     `later` are changes of the speed, (time [s], speed) each. It keeps `gap` [m] plus the way of `headway` [s] to
     whoever is ahead, by the Intelligent Driver Model (Treiber, Hennecke and Helbing, Physical Review E 62, 2000), and
-    stops where the lane ends.
+    stops where the lane ends, and on a side road before the junction, unless it need not give way. At the junction it
+    may `turn` "left" or "right". Who `overtakes` goes beside its lane, and returns to it once it has passed somebody.
     """
 
     speed: float | None = None
     later: tuple[tuple[float, float], ...] = ()
     gap: float = 2.0
     headway: float = 1.5
+    turn: str | None = None
+    overtakes: bool = False
+    gives_way: bool = True
 
     def __post_init__(self) -> None:
         if self.speed is not None:
@@ -59,6 +63,11 @@ class AlongLane:
             _check("later: speed", speed, 0.0, _FASTEST, "m/s")
         _check("gap", self.gap, 0.0, _FURTHEST, "m")
         _check("headway", self.headway, 0.0, 60.0, "s")
+        if self.turn not in (None, "left", "right"):
+            raise LayoutError(f"turn is {self.turn!r:.80}; it must be left or right")
+        for name in ("overtakes", "gives_way"):
+            if type(getattr(self, name)) is not bool:
+                raise LayoutError(f"{name} is {getattr(self, name)!r:.80}; it must be true or false")
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,8 +209,8 @@ def _to_fields(motion: Motion) -> dict[str, Any]:
     (name,) = (name for name, kind in _KINDS.items() if type(motion) is kind)
     if isinstance(motion, Waypoints):
         return {name: [[round(number, 4) for number in point] for point in motion.points]}
-    said = {field.name: getattr(motion, field.name) for field in dataclasses.fields(motion)}
-    return {name: {key: value for key, value in said.items() if value not in (None, ())}}
+    fields = ((field, getattr(motion, field.name)) for field in dataclasses.fields(motion))
+    return {name: {field.name: value for field, value in fields if value != field.default}}
 
 
 def _from_fields(name: str, row: Any) -> Motion:

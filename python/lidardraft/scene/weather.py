@@ -16,6 +16,7 @@ import numpy as np
 
 from lidardraft.errors import SensorError
 from lidardraft.json_fields import is_number
+from lidardraft.scene.layout import Layout
 
 _WAVELENGTH = 905.0  # nm
 _PER_DECIBEL_KM = math.log(10.0) / 10.0 / 1000.0  # dB/km to 1/m
@@ -59,6 +60,29 @@ class Weather:
     def scatters(self) -> bool:
         """Whether anything in the air sends light back."""
         return self.rain > 0 or self.snow > 0 or not math.isinf(self.visibility)
+
+
+# What a sentence calls the weather. Rates in the middle of the classes of the American Meteorological Society (light
+# rain is less than 2.5 mm/h, heavy rain more than 7.6 mm/h); visibilities below those of mist and fog of the World
+# Meteorological Organization (5 km, 1 km), such that they show within the range of a sensor.
+WEATHERS = {
+    "light-rain": Weather(rain=2.0, wetness=0.5),
+    "rain": Weather(rain=5.0, wetness=0.8),
+    "heavy-rain": Weather(rain=20.0, wetness=1.0),
+    "light-snow": Weather(snow=0.5),
+    "snow": Weather(snow=1.5),
+    "heavy-snow": Weather(snow=4.0),
+    "mist": Weather(visibility=800.0),
+    "fog": Weather(visibility=200.0),
+    "dense-fog": Weather(visibility=60.0),
+    "wet": Weather(wetness=1.0),
+}
+
+
+def weather_of(layout: Layout) -> Weather:
+    """The weather that the sentence of a layout names, clear and dry where it names none."""
+    spec = layout.provenance.get("spec")
+    return WEATHERS.get(spec.get("weather", ""), Weather()) if isinstance(spec, dict) else Weather()
 
 
 def fog_extinction(visibility: float) -> float:

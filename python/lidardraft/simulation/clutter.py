@@ -10,8 +10,9 @@ import numpy as np
 
 from lidardraft.objects.kinds import kind_of
 from lidardraft.objects.placed_object import PlacedObject, Vector
-from lidardraft.scene.check import LayoutGround, Solid, penetration
+from lidardraft.scene.check import LayoutGround
 from lidardraft.scene.layout import Layout, Primitive, object_of
+from lidardraft.scene.solids import Solid, Solids
 from lidardraft.semantics import GROUND
 from lidardraft.simulation.coarse_object import generator_of
 from lidardraft.simulation.surroundings import RoadStrip
@@ -59,17 +60,14 @@ def clutter_around(layout: Layout, strips: tuple[RoadStrip, ...], seed: int, amo
     Each place has random numbers of its own: what is moved away from one or to it changes no other.
     """
     ground = LayoutGround(layout)
-    given = [Solid.from_primitive(primitive) for primitive in layout if primitive.label not in GROUND]
-    middles = np.array([solid.primitive.center[:2] for solid in given]).reshape(-1, 2)
-    radii = np.array([solid.radius for solid in given])
+    given = Solids(Solid.from_primitive(primitive) for primitive in layout if primitive.label not in GROUND)
     names = {object_of(primitive) for primitive in layout}
     made: list[Primitive] = []
     for strip in strips:
         others = [other for other in strips if other is not strip]
         for placed in _places(strip, ground, seed, amount):
-            solid = Solid.from_primitive(_room(placed))
-            near = np.flatnonzero(np.hypot(*(middles - (placed.x, placed.y)).T) < radii + solid.radius)
-            free = not any(penetration(solid, given[k]) > 0.0 for k in near.tolist())
+            solid = Solid.box(*placed.place, placed.size[:2], placed.z, placed.z + placed.size[2])
+            free = not any(given.touching(solid.widened(_GAP, _GAP)))
             if free and placed.id not in names and not _meets(others, placed.x, placed.y):
                 made += kind_of(placed.kind).build(placed, generator_of(seed, placed.id))
     return made
@@ -129,19 +127,6 @@ def _walk(strip: RoadStrip, ground: LayoutGround, side: int, along: float) -> fl
         if below is not None and below[1] == "sidewalk":
             reach = off
     return reach
-
-
-def _room(placed: PlacedObject) -> Primitive:
-    """What is kept free around a piece."""
-    length, width, height = placed.size
-    return Primitive(
-        shape="box",
-        center=(placed.x, placed.y, placed.z + height / 2),
-        size=(length + 2 * _GAP, width + 2 * _GAP, height),
-        label="other",
-        id=placed.id,
-        yaw=placed.yaw,
-    )
 
 
 def _meets(others: list[RoadStrip], x: float, y: float) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Layout, Primitive, corners_around, object_of
+from lidardraft.scene.pose import Place, point_at
 from lidardraft.semantics import BY_NAME, GROUND
 
 _MACHINES = ("bicycle", "motorcycle")
@@ -38,11 +39,15 @@ class UprightBox(NamedTuple):
             x, y, z = part.center
             return cls(x, y, z - part.size[2] / 2, part.yaw, part.size)
         yaw = max(parts, key=lambda part: math.prod(part.size)).yaw
-        cos, sin = math.cos(yaw), math.sin(yaw)
         low, high = corners_around(parts, yaw)
         u, v = (low[0] + high[0]) / 2, (low[1] + high[1]) / 2
         size = (high[0] - low[0], high[1] - low[1], high[2] - low[2])
-        return cls(cos * u - sin * v, sin * u + cos * v, low[2], yaw, size)
+        return cls(*point_at((0.0, 0.0, yaw), u, v), low[2], yaw, size)
+
+    @property
+    def place(self) -> Place:
+        """Where its middle stands."""
+        return self.x, self.y, self.yaw
 
     def turned(self, quarters: int) -> UprightBox:
         """The same box, its x axis turned on by quarters of a circle."""

@@ -6,6 +6,7 @@ import dataclasses
 from collections.abc import Callable
 
 from lidardraft.errors import LayoutError, check_seed, check_type
+from lidardraft.objects.cars import PAINTS
 from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.scene.layout import AROUND, Layout, Primitive, object_of
 from lidardraft.semantics import GROUND
@@ -39,6 +40,20 @@ RULES: dict[str, Callable[[CoarseObject, Surroundings], list[Primitive]]] = {
 }
 
 
+def _in_paint(part: Primitive, paint: str) -> Primitive:
+    return dataclasses.replace(part, material=paint) if part.material in PAINTS else part
+
+
+def _painted(layout: Layout) -> dict[str, str]:
+    """The materials of the vehicles whose colour a sentence names, by the names of the objects."""
+    spec, objects = layout.provenance.get("spec"), layout.provenance.get("objects")
+    if not isinstance(spec, dict) or not isinstance(objects, dict):
+        return {}
+    paints = [group.get("paint") for group in spec.get("groups", ())]
+    asked = {name: paints[number] for name, number in objects.items() if 0 <= number < len(paints)}
+    return {name: f"{paint}-paint" for name, paint in asked.items() if paint is not None}
+
+
 def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
     """The layout with each coarse object replaced by a detailed one in its place, as docs/simulation.md has it.
 
@@ -55,6 +70,7 @@ def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
         raise LayoutError(f"clutter is {clutter!r}; it must be a number from 0 to 1")
     surroundings = Surroundings.of(layout)
     detailed: dict[str, list[Primitive]] = {}
+    painted = _painted(layout)
     for coarse in coarse_objects(layout, seed, clustered=surroundings.clustered):
         for part in coarse.parts:
             detailed.setdefault(object_of(part), [])
@@ -71,7 +87,8 @@ def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
         if primitive.label in GROUND or name not in detailed:
             primitives.append(primitive)
         elif detailed[name]:
-            primitives += _named(detailed[name], name, taken)
+            parts = _named(detailed[name], name, taken)
+            primitives += [_in_paint(part, painted[name]) for part in parts] if name in painted else parts
             detailed[name] = []
     primitives += ground_parts(layout, surroundings.strips)
     if clutter:

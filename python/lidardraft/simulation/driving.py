@@ -7,18 +7,20 @@ in their way (Gipps, Transportation Research B 15, 1981).
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 from zlib import crc32
 
 import numpy as np
 
 from lidardraft.arranging.district import SETTINGS
-from lidardraft.scene.check import Solid
 from lidardraft.scene.layout import AROUND, Layout
 from lidardraft.scene.road import LEFT, RIGHT, Road
 from lidardraft.scene.scenario import AlongLane, Track
+from lidardraft.scene.solids import Solid
 from lidardraft.simulation.street_frame import NoStreetError, street_frame
 from lidardraft.simulation.surroundings import RoadStrip
 
@@ -33,6 +35,9 @@ _ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what 
 _STANDS = 0.1  # m/s, who wants to be slower than that stands
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
 _CROSSING_GAP = 2.0  # m from the road that is crossed to where traffic waits
+_TURNING, _EASING = 5.0, 1.5  # m/s in a turn, m/s2 on the way to it
+_BESIDE = 3  # halves of a lane that who overtakes is beside the middle of its own, at most
+_RETURN, _PASSED = 25.0, 6.0  # m over which it returns, and that it is ahead of whom it has passed then
 # Times the speed of the road, and m/s at most: estimates.
 _PACES = {"bicycle": (1.0, 5.0), "rider": (1.0, 5.0), "bus": (0.85, 22.0), "truck": (0.85, 22.0), "train": (0.85, 14.0)}
 _SPREAD = (0.8, 1.0)  # of the speeds of drivers, as shares of it
@@ -41,19 +46,27 @@ _SPREAD = (0.8, 1.0)  # of the speeds of drivers, as shares of it
 @dataclass(frozen=True, slots=True, eq=False)
 class Lane:
     """The middle `line` of a lane, in the direction that is driven, its speed [m/s], and where along it [m] those wait
-    who have not passed yet: `stop`, or None."""
+    who have not passed yet: `stop`, or None. One that turns, "left" or "right", does so from and to along it: `bend`
+    [m]."""
 
     line: RoadStrip
     speed: float
     stop: float | None = None
+    turn: str | None = None
+    bend: tuple[float, float] = (0.0, 0.0)
 
     @classmethod
-    def through(cls, points: np.ndarray, width: float, speed: float, stop: float | None = None) -> Lane:
+    def through(cls, points: np.ndarray, width: float, speed: float, **more: Any) -> Lane:
         """That through points [S, 2]."""
         steps = np.gradient(points, axis=0)
         normals = np.stack([-steps[:, 1], steps[:, 0]], axis=1) / np.linalg.norm(steps, axis=1, keepdims=True)
         along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-        return cls(RoadStrip("lane", 0.0, width / 2, points, normals, along), speed, stop)
+        return cls(RoadStrip("lane", 0.0, width / 2, points, normals, along), speed, **more)
+
+    def limit(self, along: float) -> float:
+        """The speed [m/s] at a place along it from which a turn can be taken."""
+        before = max(0.0, self.bend[0] - along)
+        return math.sqrt(_TURNING**2 + 2 * _EASING * before) if along < self.bend[1] else math.inf
 
     def heading(self, along: np.ndarray) -> np.ndarray:
         """The direction [rad] at places along it [N]."""
@@ -87,12 +100,16 @@ class Driver:
     start: float  # how far along it was then [m]
     speed: float = 0.0
     barred: float = math.inf  # how far along it its front can go [m]
+    beside: bool = False  # whether it has been beside whom it overtakes
+    returns: bool = False  # to its lane
 
     def wish(self, time: float) -> float:
         """The speed of a free way [m/s]."""
-        changes = [speed for when, speed in self.motion.later if when <= time]
-        if changes:
-            return changes[-1]
+        said = [speed for when, speed in self.motion.later if when <= time]
+        return min(said[-1] if said else self.usual(), self.lane.limit(self.along))
+
+    def usual(self) -> float:
+        """The speed [m/s] that it is said to have, or that of its road and kind."""
         if self.motion.speed is not None:
             return self.motion.speed
         label = next((label for label in _PACES if label in self.body.labels), "")
@@ -114,11 +131,15 @@ def lanes_of(layout: Layout) -> list[Lane]:
     speed = SETTINGS[district].speed if district in SETTINGS else _TOWN
     cos, sin = math.cos(yaw), math.sin(yaw)
     turn = np.array([[cos, sin], [-sin, cos]])
-    lanes = [*_main_lanes(road, ends or (-road.half_length, road.half_length)), *_side_lanes(road)]
-    return [Lane.through(points @ turn + (x, y), road.lane_width, speed, stop) for points, stop in lanes]
+    ends = ends or (-road.half_length, road.half_length)
+    lanes = [*_main_lanes(road, ends), *_side_lanes(road), *_turning_lanes(road, ends)]
+    return [Lane.through(points @ turn + (x, y), road.lane_width, speed, **more) for points, more in lanes]
 
 
-def _main_lanes(road: Road, ends: tuple[float, float]) -> Iterator[tuple[np.ndarray, float | None]]:
+_Points = tuple[np.ndarray, dict[str, Any]]  # [S, 2] of the middle of a lane, and what else is known of it
+
+
+def _main_lanes(road: Road, ends: tuple[float, float]) -> Iterator[_Points]:
     """Those along the road; a roundabout ends them."""
     pieces = [ends]
     if road.roundabout_radius is not None and road.junction is not None:
@@ -129,10 +150,10 @@ def _main_lanes(road: Road, ends: tuple[float, float]) -> Iterator[tuple[np.ndar
             for low, high in pieces:
                 if high - low > _STATION:
                     stations = np.linspace(low, high, 2 if not road.curvature else math.ceil((high - low) / _STATION))
-                    yield road.points(stations[::direction], np.array(road.lane(number, direction))), None
+                    yield road.points(stations[::direction], np.array(road.lane(number, direction))), {}
 
 
-def _side_lanes(road: Road) -> Iterator[tuple[np.ndarray, float | None]]:
+def _side_lanes(road: Road) -> Iterator[_Points]:
     """One each way along the crossing road, whose traffic waits before the junction."""
     if road.junction is None or road.roundabout_radius is not None:
         return
@@ -144,7 +165,30 @@ def _side_lanes(road: Road) -> Iterator[tuple[np.ndarray, float | None]]:
         across = direction * np.array([-start, end])
         points = (x, y) + direction * road.edge / 2 * ahead + across[:, None] * left
         stop = start - road.verge - _CROSSING_GAP if begins in road.side_roads else None
-        yield points, stop
+        yield points, {"stop": stop}
+
+
+def _turning_lanes(road: Road, ends: tuple[float, float]) -> Iterator[_Points]:
+    """From each lane of the road over a quarter of an ellipse into the outer lane of the crossing road."""
+    if road.junction is None or road.roundabout_radius is not None:
+        return
+    x, y, heading = road.at(road.junction, 0.0)
+    axes = np.array([[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]])
+    far, outer, quarter = road.edge + 1.0, -road.lane(0), np.linspace(0.0, math.pi / 2, 17)
+    for way, lanes in ((1, road.lanes), (-1, road.oncoming)):
+        begin = ends[0] if way > 0 else ends[1]
+        stations = np.linspace(begin, road.junction - way * far, max(2, math.ceil(road.half_length / _STATION)))[:-1]
+        sides = [(turn, side) for turn, side in (("left", LEFT), ("right", RIGHT)) if side * way in road.side_roads]
+        for number, (turn, side) in itertools.product(range(lanes), sides):
+            own = way * road.lane(number, way)
+            # forward and left as the driver sees it
+            forward = -far + (side * outer + far) * np.sin(quarter)
+            left = own + (side * far - own) * (1.0 - np.cos(quarter))
+            on = np.array([[side * outer, side * road.half_length]])
+            bend = (x, y) + way * np.concatenate([np.column_stack([forward, left]), on]) @ axes
+            points = np.concatenate([road.points(stations, np.array(road.lane(number, way))), bend])
+            along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+            yield points, {"turn": turn, "bend": (float(along[len(stations)]), float(along[-2]))}
 
 
 def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | None:
@@ -154,8 +198,9 @@ def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | 
     for lane in lanes:
         (along,), (left,) = (values.tolist() for values in lane.line.along_across(np.array([[x, y]])))
         off = math.remainder(yaw - float(lane.heading(np.array([along]))[0]), math.tau)
-        inside = 0.0 < along < lane.line.length and abs(left) < lane.line.half and abs(off) < _TURN
-        if inside and (best is None or abs(left) < abs(best.left)):
+        aside = lane.line.half * (_BESIDE if motion.overtakes else 1)
+        inside = 0.0 < along < lane.line.length and abs(left) < aside and abs(off) < _TURN
+        if inside and lane.turn == motion.turn and (best is None or abs(left) < abs(best.left)):
             best = Driver(body, motion, lane, along, left, off, along)
     return best
 
@@ -185,7 +230,7 @@ def _bar(drivers: Sequence[Driver], solids: Sequence[Solid]) -> None:
     for driver in drivers:
         front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
         ends = [driver.lane.line.length]
-        if driver.lane.stop is not None and front < driver.lane.stop:
+        if driver.motion.gives_way and driver.lane.stop is not None and front < driver.lane.stop:
             ends.append(driver.lane.stop)
         if solids:
             along, left = in_lanes[id(driver.lane)]
@@ -227,9 +272,12 @@ class _Traffic:
         for numbers in self.lanes.values():
             rows = [self.drivers[number] for number in numbers]
             lane = rows[0].lane
-            along, left, first, start = np.array([(row.along, row.left, row.yaw, row.start) for row in rows]).T
+            along, left, first, start, returns = np.array(
+                [(row.along, row.left, row.yaw, row.start, row.returns) for row in rows]
+            ).T
             found[numbers, :2] = lane.line.at(along, left)
-            found[numbers, 3] = lane.heading(along) + first * np.exp((start - along) / _AIM)
+            off = first * np.exp((start - along) / _AIM) - np.arctan(returns * left / _RETURN)
+            found[numbers, 3] = lane.heading(along) + off
         return found
 
     def advance(self, step: int, time: float) -> None:
@@ -244,6 +292,7 @@ class _Traffic:
             faster = min(speed + push * STEP, _safe(gap - motion.gap / 2, ahead))
             driver.speed = max(faster, speed - _HARDEST * STEP, 0.0)
             driver.along += driver.speed * STEP
+            driver.left *= math.exp(-driver.speed * STEP / _RETURN * driver.returns)
 
     def _ahead(self, step: int) -> list[tuple[float, float]]:
         """For each driver the free way before it [m] and the speed [m/s] of who is there."""
@@ -261,6 +310,13 @@ class _Traffic:
                 front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
                 in_way = (low < driver.left + reach) & (high > driver.left - reach) & (along > driver.along)
                 in_way[number] = False
+                if driver.motion.overtakes:
+                    apart = np.abs(along - driver.along) - half_along - driver.body.size[0] / 2
+                    apart[number] = np.inf
+                    passed = np.abs(left) - half_across < driver.body.size[1] / 2  # those in its lane
+                    near = float(apart[passed].min(initial=np.inf))
+                    driver.beside |= near < 0.0
+                    driver.returns |= driver.beside and near > _PASSED
                 gaps = np.where(in_way, along - half_along - front, np.inf)
                 nearest = int(np.argmin(gaps))
                 found[number] = min(

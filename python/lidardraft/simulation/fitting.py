@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -12,6 +11,7 @@ from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.materials import CLASS_MATERIALS
 from lidardraft.scene.mesh import TriangleMesh
+from lidardraft.scene.pose import point_at
 from lidardraft.semantics import CLASSES
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 
@@ -66,7 +66,6 @@ def stretched(
         min(extent / built, limit / max([1e-9, *(reach[axis] for _, reach in reaches)]))
         for axis, (extent, built, limit) in enumerate(zip(box.size, size, limits, strict=True))
     ]
-    cos, sin = math.cos(box.yaw), math.sin(box.yaw)
     made = []
     for whole, _ in reaches:
         part = _cut_at_base(whole)
@@ -78,7 +77,7 @@ def stretched(
         made.append(
             Primitive.unchecked(
                 shape=part.shape,
-                center=(box.x + cos * x - sin * y, box.y + sin * x + cos * y, box.bottom + z),
+                center=(*point_at(box.place, x, y), box.bottom + z),
                 size=(a * scale[0], b * scale[1], c * scale[2]),
                 label=label,
                 id="",
@@ -102,10 +101,9 @@ def part_of(
 ) -> Primitive:
     """A new part at a place in the frame of `box`, whose origin is the middle of its base."""
     x, y, z = center
-    cos, sin = math.cos(box.yaw), math.sin(box.yaw)
     return Primitive.unchecked(
         shape=shape,
-        center=(box.x + cos * x - sin * y, box.y + sin * x + cos * y, box.bottom + z),
+        center=(*point_at(box.place, x, y), box.bottom + z),
         size=size,
         label=label,
         id="",

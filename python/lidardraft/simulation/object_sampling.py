@@ -16,6 +16,7 @@ import numpy as np
 from lidardraft.errors import LayoutError, check_type
 from lidardraft.scene.box import Box
 from lidardraft.scene.check import VEHICLE_LABELS
+from lidardraft.scene.pose import point_at
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.recorded_scan import RecordedScan
@@ -152,8 +153,7 @@ class _FreeGround:
             np.arange(-0.5, 0.51, 1.0 / math.ceil((e + 2 * _ROOM) / _CELL)) * (e + 2 * _ROOM) for e in box.size[:2]
         )
         ahead, aside = (axis.ravel() for axis in np.meshgrid(length, width))
-        cos, sin = math.cos(box.yaw), math.sin(box.yaw)
-        x, y = box.center[0] + cos * ahead - sin * aside, box.center[1] + sin * ahead + cos * aside
+        x, y = point_at((*box.center[:2], box.yaw), ahead, aside)
         cells = np.floor(np.stack([x, y]) / _CELL).astype(np.intp) + _HALF
         return bool(((cells >= 0) & (cells < 2 * _HALF)).all()) and not self._taken[cells[0], cells[1]].any()
 

@@ -18,9 +18,10 @@ from lidardraft.errors import LayoutError, check_type
 from lidardraft.json_fields import are_numbers, is_number
 from lidardraft.objects.placed_object import Vector
 from lidardraft.scene.box import Box
-from lidardraft.scene.check import EGO, Solid, penetration
+from lidardraft.scene.check import EGO
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.raycast import Hits, Raycaster
+from lidardraft.scene.solids import Solid, penetration
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.semantics import BY_NAME, CLASSES
 from lidardraft.simulation.coarse_object import generator_of

@@ -14,7 +14,7 @@ from lidardraft.scene.pose import finite_array
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
-from lidardraft.scene.weather import Weather
+from lidardraft.scene.weather import Weather, weather_of
 from lidardraft.semantics import GROUND
 from lidardraft.simulation.detail import detail as detailed
 
@@ -25,7 +25,8 @@ class Simulator:
 
     What is scanned is `scene`: `layout` in detail, with as much `clutter` (0 to 1) beside its roads; or `layout` itself
     without `detail`. `model` is by default that of the sensor: its preset, or typical values
-    (`Sensor.assumed_model`). `weather` is by default clear and dry. `seed` decides the layout of a sentence and the
+    (`Sensor.assumed_model`). `weather` is by default what the sentence says, or clear and dry.
+    `seed` decides the layout of a sentence and the
     details. `threads` is how many threads a scan may use, by default as many as there are cores; scans are the same for
     any number, and several Python threads may scan at once.
 
@@ -47,6 +48,7 @@ class Simulator:
     ) -> None:
         check_type("sensor", sensor, Sensor)
         self.layout, self.scene = prepared(layout, seed, detail, clutter)
+        weather = weather or weather_of(self.layout)
         self._scanner = Scanner.from_layout(
             self.scene, sensor, model=model, weather=weather, by_id=True, threads=threads
         )

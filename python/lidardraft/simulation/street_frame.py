@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import VEHICLE_LABELS, LayoutGround
-from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.pose import Place, point_at
 from lidardraft.scene.road import TERRAIN_HEIGHT, PavedArea, Road
 from lidardraft.simulation.surroundings import RoadStrip, road_strips
 
@@ -26,9 +26,6 @@ _CHECKED = 60.0
 _SLOW_TURN = 0.35  # rad against the ego vehicle; what is turned by more does not drive along its road
 _VEHICLE_HALF = 1.0  # m
 _WIDEST_PICTURE = math.radians(170.0)
-
-
-Place = tuple[float, float, float]  # x, y [m], yaw [rad]
 
 
 class NoStreetError(LayoutError):
@@ -118,8 +115,7 @@ def _drawn(strip: RoadStrip, layout: Layout) -> StreetFrame:
     road = Road(lanes=lanes, lane_width=width, sidewalk=walk or _SIDEWALK, curvature=curvature, half_length=half_length)
     _check_arc(strip, road, (x, y, yaw), along)
     # the road's frame has its origin in the middle of the ego's lane
-    lane = road.lane(road.ego_lane)
-    place = (x - math.sin(yaw) * lane, y + math.cos(yaw) * lane, yaw)
+    place = (*point_at((x, y, yaw), 0.0, road.lane(road.ego_lane)), yaw)
     paved = tuple(_other_pavement(layout, strip))
     return StreetFrame(road, place, lacks=() if walk else ("sidewalk",), paved=paved, ends=(-behind, before))
 
@@ -174,24 +170,3 @@ def _sidewalk(strip: RoadStrip, layout: Layout, along: float) -> float:
             if below is not None and below[1] == "sidewalk":
                 return off + 0.3
     return 0.0
-
-
-def in_frame(inner: Place, outer: Place) -> Place:
-    """A place in a frame as those around that see it, for whom the frame stands at `outer`."""
-    (u, v, turn), (x, y, yaw) = inner, outer
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    return x + cos * u - sin * v, y + sin * u + cos * v, yaw + turn
-
-
-def inverse(place: Place) -> Place:
-    """The place of what is around a frame in that frame."""
-    x, y, yaw = place
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    return -cos * x - sin * y, sin * x - cos * y, -yaw
-
-
-def placed(primitives: Iterable[Primitive], place: Place) -> Iterator[Primitive]:
-    """The primitives of a frame, as those around it see them."""
-    for primitive in primitives:
-        x, y, yaw = in_frame((*primitive.center[:2], primitive.yaw), place)
-        yield dataclasses.replace(primitive, center=(x, y, primitive.center[2]), yaw=yaw)

@@ -13,7 +13,7 @@ import numpy as np
 from lidardraft.arranging.district import SETTINGS, SIDES, District
 from lidardraft.arranging.ground import Ground
 from lidardraft.arranging.lanes import driven_lanes
-from lidardraft.arranging.occupancy import Occupancy, Space, box_space
+from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import Frame, fill, greened, sample_lights
 from lidardraft.arranging.street_mix import StreetMix
 from lidardraft.drafting.solver.scene_spec import SceneSpec
@@ -23,11 +23,14 @@ from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.objects.mesh import quads
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.check import EGO_SIZE, SIZE_RANGES, VEHICLE_LABELS, LayoutGround, objects
+from lidardraft.scene.edit import placed
 from lidardraft.scene.layout import AROUND, MOST_PRIMITIVES, Layout, Primitive
+from lidardraft.scene.pose import in_frame, place_around
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.road import KERB_HEIGHT, Road
+from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.street_frame import NoStreetError, StreetFrame, in_frame, inverse, placed, street_frame
+from lidardraft.simulation.street_frame import NoStreetError, StreetFrame, street_frame
 
 _STREAM = 5  # of random numbers, apart from those that made the layout
 # How often a street that nothing is said of lies in a district, by its lanes each way: estimates.
@@ -37,6 +40,7 @@ _WIDE = {"urban": 0.35, "avenue": 0.5, "retail": 0.15}
 _ACTIVITY = {"busy": StreetMix(traffic=2.5, people=4.0), "quiet": StreetMix(traffic=0.3, people=0.4)}
 # What stands there, as others see it, keeps its distance [m]: estimates.
 _GAP = 0.3  # to all that was asked for
+_AT_HOUSES = {"bicycle", "bin", "letterbox"}
 _AHEAD, _ASIDE = 5.0, 1.0  # of traffic along its lane and beside it
 _SEEN_WIDTH = 4.0  # of a building, a hedge and the like that stays in sight, in the middle
 _UNSEEN, _LEVEL_SEEN = 0.2, 2.5  # m over the ground that may be hidden, and up to where most rays go
@@ -62,7 +66,7 @@ def surround(layout: Layout, seed: int = 0) -> Layout:
     check_type("layout", layout, Layout)
     check_seed(seed)
     if any(primitive.id.startswith(AROUND) for primitive in layout):
-        raise LayoutError(f'the layout has surroundings already; edit.remove(layout, "{AROUND}*") takes them away')
+        raise LayoutError(f'the layout has surroundings already, the objects "{AROUND}*"')
     rng = np.random.default_rng([seed, _STREAM])
     try:
         scene = _Scene(layout, street_frame(layout))
@@ -85,11 +89,11 @@ class _Scene:
 
     def __init__(self, layout: Layout, given: StreetFrame) -> None:
         self.road, self.place, self.plain, self.lacks, paved, self.ends = given
-        self.ego = inverse(given.place)
+        self.ego = place_around(given.place)
         self.paved = [one._replace(place=in_frame(one.place, self.ego)) for one in paved]
         provenance = layout.provenance
         self.spec = SceneSpec.from_dict(provenance.get("spec", {}))
-        self.given = list(placed(layout, self.ego) if any(given.place) else layout)
+        self.given = list(placed(layout, self.ego))
         self.asked = objects(Layout(tuple(self.given)))
         self.coverage = layout.coverage
         self.counted = {p.label for p in layout} if "road" not in provenance and self.coverage is None else set()
@@ -104,21 +108,22 @@ class _Scene:
         """The frame to fill, with all that was asked for reserved, and the name of its district."""
         road = self.road
         name = self.spec.district or _sample_district(road, self.spec, rng)
-        district = SETTINGS[name] if self.spec.district else greened(SETTINGS[name], rng)
+        district = SETTINGS[name] if name == "alley" else greened(SETTINGS[name], rng)
         district = _ACTIVITY.get(str(self.spec.activity), StreetMix()).applied(district)
         district = _beside_lots(district, road)
         paved = bool(rng.random() < district.paved)
         flat = self._flat
         ground = Ground(road, rng, district.land, plain=self.plain, paved=paved, share=flat)
+        denied = _denied(self.spec, self.counted) | (set() if district.built_up else _AT_HOUSES)
         instances = max((primitive.instance for primitive in self.given), default=0)
-        occupancy = Occupancy(road, ground, denied=_denied(self.spec, self.counted), instances=instances)
+        occupancy = Occupancy(road, ground, denied=denied, instances=instances)
         for space in (*self._footprints(), *self._sights(), *self._view(), *self._beyond_ends()):
             occupancy.reserve(space)
         for area in road.paved_areas:
             x, y, yaw = road.at(sum(area.along) / 2, sum(area.across) / 2)
-            occupancy.reserve(box_space(x, y, yaw, (np.ptp(area.along), np.ptp(area.across)), -_HIGH, _OVER_ROAD))
+            occupancy.reserve(Solid.box(x, y, yaw, (np.ptp(area.along), np.ptp(area.across)), -_HIGH, _OVER_ROAD))
         for place, size, label in self.paved:
-            space = box_space(*place, size, -_HIGH, _HIGH if label == "sidewalk" else _OVER_ROAD)
+            space = Solid.box(*place, size, -_HIGH, _HIGH if label == "sidewalk" else _OVER_ROAD)
             occupancy.keep_public(space) if label == "sidewalk" else occupancy.reserve(space)
         parking = tuple(side for side in SIDES if road.parking > 0 and rng.random() < district.parked)
         lights = sample_lights(road, district, rng)
@@ -168,38 +173,38 @@ class _Scene:
             if len(quad):
                 yield Primitive.from_mesh(*quads(quad), label=label, id=AROUND + name)
 
-    def _footprints(self) -> Iterator[Space]:
+    def _footprints(self) -> Iterator[Solid]:
         """What stays free around the ego vehicle and what was asked for; of what is on the road, its lane as well."""
         length, width, height = EGO_SIZE
-        yield box_space(*self.ego, (length + 2 * _AHEAD, width + _ASIDE), 0.0, height)
+        yield Solid.box(*self.ego, (length + 2 * _AHEAD, width + _ASIDE), 0.0, height)
         for primitive in itertools.chain.from_iterable(self.asked.values()):
             x, y, z = primitive.center
             length, width, height = primitive.size
             low, high = z - height / 2, z + height / 2
-            yield box_space(x, y, primitive.yaw, (length + 2 * _GAP, width + 2 * _GAP), low - 1.0, high + _GAP)
+            yield Solid.box(x, y, primitive.yaw, (length + 2 * _GAP, width + 2 * _GAP), low - 1.0, high + _GAP)
             along, across = self.road.along_across(x, y)
             if abs(across) < self.road.edge and low < _SENSOR[1]:
                 size = (max(length, width) + 2 * _AHEAD, width + 2 * _ASIDE)
-                yield box_space(x, y, self.road.at(along, across)[2], size, 0.0, _SENSOR[1])
+                yield Solid.box(x, y, self.road.at(along, across)[2], size, 0.0, _SENSOR[1])
 
-    def _sights(self) -> Iterator[Space]:
+    def _sights(self) -> Iterator[Solid]:
         """The space between the ego vehicle and each object, in pieces that widen towards it."""
         eye = self.ego[:2]
         nearest = sorted(self.watched.values(), key=lambda parts: math.dist(parts[0].center[:2], eye))
         for parts in nearest[:_MOST_SIGHTS]:
             x, y, distance, half, low, high = _silhouette(parts, eye)
             heading, begin = math.atan2(y - eye[1], x - eye[0]), _SIGHT_BEGINS
-            while begin < distance:
+            while begin < min(distance, _REACH):
                 stop = min(begin + _SIGHT_PIECE, distance)
                 near, far = begin / distance, stop / distance
                 bottom = min(_SENSOR[0] * (1 - share) + low * share for share in (near, far))
                 top = max(_SENSOR[1] * (1 - share) + high * share for share in (near, far))
                 ahead = (begin + stop) / 2 / distance
                 place = (eye[0] + ahead * (x - eye[0]), eye[1] + ahead * (y - eye[1]), heading)
-                yield box_space(*place, (stop - begin, 2 * half * far + 0.2), bottom, top)
+                yield Solid.box(*place, (stop - begin, 2 * half * far + 0.2), bottom, top)
                 begin = stop
 
-    def _view(self) -> Iterator[Space]:
+    def _view(self) -> Iterator[Solid]:
         """What a picture shows, in which only what it shows is to stand."""
         if self.coverage is None:
             return
@@ -208,13 +213,13 @@ class _Scene:
         for near in np.arange(0.0, _REACH, _SIGHT_PIECE).tolist():
             middle, far = near + _SIGHT_PIECE / 2, near + _SIGHT_PIECE
             place = (middle * math.cos(heading), middle * math.sin(heading), heading)
-            yield box_space(*place, (_SIGHT_PIECE, 2 * far * math.tan(half)), -_HIGH, _HIGH)
+            yield Solid.box(*place, (_SIGHT_PIECE, 2 * far * math.tan(half)), -_HIGH, _HIGH)
 
-    def _beyond_ends(self) -> Iterator[Space]:
+    def _beyond_ends(self) -> Iterator[Solid]:
         """Where a drawn road would go on."""
         for end in self.ends or ():
             x, y, yaw = self.road.at(end + math.copysign(_BEYOND / 2, end), 0.0)
-            yield box_space(x, y, yaw, (_BEYOND, 2 * self.road.verge), -_HIGH, _HIGH)
+            yield Solid.box(x, y, yaw, (_BEYOND, 2 * self.road.verge), -_HIGH, _HIGH)
 
     def standing(self, objects: Sequence[PlacedObject]) -> list[PlacedObject]:
         """The objects that sensors reach, but vans longer than `scene.check` takes a car for; in a drawn layout on its
@@ -297,19 +302,10 @@ def _silhouette(
 def _shapes(standing: Sequence[PlacedObject]) -> Iterator[Primitive]:
     """The coarse shapes of what was placed."""
     for one in standing:
-        cos, sin = math.cos(one.yaw), math.sin(one.yaw)
         shapes = [shape for shape in kind_of(one.kind).coarse(one) if shape.lobes in (0, 1)]
         for number, shape in enumerate(shapes):
-            x, y, z = shape.center
-            yield Primitive.unchecked(
-                shape=shape.shape,
-                center=(one.x + cos * x - sin * y, one.y + sin * x + cos * y, one.z + z),
-                size=shape.size,
-                label=shape.label,
-                id=f"{AROUND}{one.id}.{number}" if number else f"{AROUND}{one.id}",
-                yaw=one.yaw,
-                instance=one.instance + shape.instance_offset if one.instance else 0,
-            )
+            id = f"{AROUND}{one.id}.{number}" if number else f"{AROUND}{one.id}"
+            yield shape.placed(one.place, one.z, id, one.instance + shape.instance_offset if one.instance else 0)
 
 
 def _share_in_sight(layout: Layout, names: Sequence[str]) -> float:

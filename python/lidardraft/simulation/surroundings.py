@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.layout import Layout, Primitive, primitive_mesh
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 
 # What clusterings call themselves: their boxes are turned by -90 to 90 degrees, as front and back look alike.
@@ -143,11 +143,7 @@ def strip_rows(primitive: Primitive, width: int) -> np.ndarray | None:
         return None
     if (faces[:, :].max(axis=1).astype(np.int64) - faces.min(axis=1) > width + 1).any():
         return None
-    cos, sin = math.cos(primitive.yaw), math.sin(primitive.yaw)
-    local = vertices * primitive.size
-    x, y = cos * local[:, 0] - sin * local[:, 1], sin * local[:, 0] + cos * local[:, 1]
-    placed: np.ndarray = np.stack([x, y, local[:, 2]], axis=1) + primitive.center
-    return placed.reshape(rows, width, 3)
+    return primitive_mesh(primitive).vertices.reshape(rows, width, 3)
 
 
 def _strip(primitive: Primitive, right: np.ndarray, left: np.ndarray) -> RoadStrip:

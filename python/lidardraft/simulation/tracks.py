@@ -1,34 +1,27 @@
-"""Where everything in a layout is over time: what a scenario says, and what it leaves open by its kind.
-
-Vehicles and riders in a lane drive along it, those that are parked stand, people walk where their way is free.
-"""
+"""Where everything in a layout is over time: as a scenario says, and as it would move by itself (`motions`)."""
 
 from __future__ import annotations
 
 import dataclasses
 import itertools
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from lidardraft.errors import LayoutError
-from lidardraft.scene.check import EGO, EGO_SIZE, OVERLAP_TOLERANCE, VEHICLE_LABELS, Solid, objects, penetration
+from lidardraft.scene.check import EGO, EGO_SIZE, OVERLAP_TOLERANCE, VEHICLE_LABELS, objects
 from lidardraft.scene.layout import Layout, Primitive, box_around
-from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.scenario import AlongLane, Motion, Scenario, Straight, Track, Walk, Waypoints
-from lidardraft.semantics import BY_NAME, CLASSES, GROUND
+from lidardraft.scene.solids import Solid, penetration
+from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.driving import STEP, Body, Driver, Lane, drive, driver_of, lanes_of
+from lidardraft.simulation.motions import Ground, usual_motions
 
-_DRIVES = frozenset({*VEHICLE_LABELS, "rider"})
 _REACHED = 1.9  # m over the ground, what hangs higher is passed under
-_WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around who walks; m between places that are looked at
-_SHORTEST_WALK = 2.0  # m; who has less room stands
-_BESIDE_ROAD = 1.0  # m, how far who crosses a road goes on beside it
 _CHECKED = 0.2  # s between the times at which it is looked for collisions
-_HIGH = 500.0  # m, over all ground
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,26 +39,24 @@ class Tracks:
 
 def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float | None = None) -> Tracks:
     """The tracks of a layout's objects over `duration` [s]; the ego vehicle, of which the scenario may say nothing,
-    drives along its lane with `speed` [m/s], by default that of the road.
+    drives along its lane with `speed` [m/s], by default that of the sentence or the road.
 
     Raises `LayoutError` naming an object that the layout does not have or that has no lane to drive along, objects that
-    collide, and a vehicle that leaves the road. What nobody asked to move stands where it would collide.
+    collide, and a vehicle that leaves the road. What the scenario does not name stands where it would collide.
     """
     bodies = {name: _body(name, parts) for name, parts in objects(layout).items()}
     scenario.check_names(list(bodies))
-    lanes, ground = lanes_of(layout), _Ground(layout)
+    lanes, ground = lanes_of(layout), Ground(layout)
     given = {name: motion for name in bodies if (motion := scenario.of(name)) is not None}
     if scenario.ego is not None and speed is not None:
         raise LayoutError(f"speed is {speed:g}, and the scenario says how the ego vehicle moves; give one of them")
-    free = {name: motion for name, motion in _usual(layout, bodies, lanes, ground, duration) if name not in given}
-    in_lane = driver_of(_EGO_BODY, AlongLane(), lanes) is not None
+    bodies["ego"] = _EGO_BODY
     if scenario.ego is not None:
         given["ego"] = scenario.ego
     elif speed is not None:
+        in_lane = driver_of(_EGO_BODY, AlongLane(), lanes) is not None
         given["ego"] = AlongLane(speed) if in_lane and speed >= 0.0 else Straight(speed)
-    elif in_lane:
-        free["ego"] = AlongLane()  # the last to stop
-    bodies["ego"] = _EGO_BODY
+    free = usual_motions(layout, bodies, given, lanes, ground, duration)
     while True:
         tracks = _moved({"ego": Straight(0.0), **given, **free}, bodies, lanes, ground, duration)
         collisions = _collisions(tracks, bodies, duration)
@@ -88,65 +79,8 @@ def _body(name: str, parts: list[Primitive]) -> Body:
 _EGO_BODY = dataclasses.replace(_body("ego", [EGO]), place=(0.0, 0.0, 0.0, 0.0), size=EGO_SIZE)
 
 
-class _Ground:
-    """The ground of a layout, looked at from above."""
-
-    def __init__(self, layout: Layout) -> None:
-        self.caster = Raycaster(Layout(tuple(p for p in layout if p.label in GROUND)))
-
-    def at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Heights [m], 0 where there is none, and class ids [N] under places [N, 2 or more]."""
-        origins = np.column_stack([places[:, :2], np.full(len(places), _HIGH)])
-        hits = self.caster.cast(origins, np.tile((0.0, 0.0, -1.0), (len(places), 1)))
-        return np.where(hits.valid, _HIGH - hits.distance, 0.0), hits.label
-
-
-def _usual(
-    layout: Layout, bodies: Mapping[str, Body], lanes: list[Lane], ground: _Ground, duration: float
-) -> Iterator[tuple[str, Motion]]:
-    """How objects move of which nobody says it; those that are not given stand."""
-    groups = layout.provenance.get("spec", {}).get("groups", [])
-    numbers = layout.provenance.get("objects", {})
-    parked = {name for name, number in numbers.items() if groups[number].get("heading") == "parked"}
-    for name, body in bodies.items():
-        if name in parked:
-            continue
-        if body.labels & _DRIVES and driver_of(body, AlongLane(), lanes) is not None:
-            yield name, AlongLane()
-        elif "person" in body.labels and (walk := _free_walk(body, bodies.values(), ground, duration)) is not None:
-            yield name, walk
-
-
-def _free_walk(body: Body, bodies: Iterable[Body], ground: _Ground, duration: float) -> Walk | None:
-    """The walk of a person ahead as far as its way is free, on the kind of ground that it is on; across a road."""
-    x, y, _, yaw = body.place
-    steps = np.arange(0.0, _WALKING * duration + _STRIDE, _STRIDE)
-    places = np.array([x, y]) + steps[:, None] * np.array([math.cos(yaw), math.sin(yaw)])
-    _, label = ground.at(places)
-    free = label == label[0]
-    if CLASSES[label[0]].name == "road":
-        beyond = int(np.argmin(free)) if not free.all() else len(free)
-        free |= np.arange(len(free)) < beyond + _BESIDE_ROAD / _STRIDE
-    for other in bodies:
-        if other.name != body.name and math.dist(other.place[:2], (x, y)) < steps[-1] + max(other.size) + _CLEAR:
-            for solid in other.solids:
-                free &= ~_near(places, solid.primitive)
-    end = int(np.argmin(free)) - 1 if not free.all() else len(free) - 1
-    if steps[max(end, 0)] < _SHORTEST_WALK:
-        return None
-    return Walk((float(places[end, 0]), float(places[end, 1])), _WALKING)
-
-
-def _near(places: np.ndarray, solid: Primitive) -> np.ndarray:
-    """Whether a solid is near places [N, 2]."""
-    cos, sin = math.cos(solid.yaw), math.sin(solid.yaw)
-    off = np.abs((places - solid.center[:2]) @ np.array([[cos, -sin], [sin, cos]])) - np.array(solid.size[:2]) / 2
-    near: np.ndarray = np.hypot(*np.maximum(off, 0.0).T) < _CLEAR
-    return near
-
-
 def _moved(
-    motions: Mapping[str, Motion], bodies: Mapping[str, Body], lanes: list[Lane], ground: _Ground, duration: float
+    motions: Mapping[str, Motion], bodies: Mapping[str, Body], lanes: list[Lane], ground: Ground, duration: float
 ) -> dict[str, Track]:
     """The tracks of all that has a motion, on the ground."""
     times = np.arange(math.ceil(duration / STEP) + 2) * STEP  # two at least, as rates need
@@ -223,7 +157,7 @@ def _contacts_with_standing(
 ) -> Iterator[tuple[tuple[str, str], int]]:
     """As `_contacts`, of what moves with what stands."""
     standing = [(body.name, solid) for body in bodies.values() if body.name not in at for solid in body.solids]
-    centers = np.array([solid.primitive.center[:2] for _, solid in standing]).reshape(-1, 2)
+    centers = np.array([solid[:2] for _, solid in standing]).reshape(-1, 2)
     radii = np.array([solid.radius for _, solid in standing])
     for name, places in at.items():
         reach = math.hypot(*bodies[name].size[:2]) / 2 + radii
@@ -236,16 +170,15 @@ def _contacts_with_standing(
 
 def _solid(body: Body, place: np.ndarray) -> Solid:
     x, y, z, yaw = place.tolist()
-    z += EGO_SIZE[2] / 2 if body is _EGO_BODY else 0.0
-    box = Primitive.unchecked(shape="box", center=(x, y, z), size=body.size, yaw=yaw, label="car", id=body.name)
-    return Solid.from_primitive(box)
+    bottom = z if body is _EGO_BODY else z - body.size[2] / 2
+    return Solid.box(x, y, yaw, body.size[:2], bottom, bottom + body.size[2])
 
 
 def _touch(one: Solid, other: Solid) -> bool:
     return penetration(one, other) > OVERLAP_TOLERANCE
 
 
-def _check_on_road(tracks: Mapping[str, Track], bodies: Mapping[str, Body], named: set[str], ground: _Ground) -> None:
+def _check_on_road(tracks: Mapping[str, Track], bodies: Mapping[str, Body], named: set[str], ground: Ground) -> None:
     """Raises `LayoutError` where a vehicle that stands on a road at first is beside it later."""
     for name in named & set(tracks):
         if name != "ego" and not bodies[name].labels & set(VEHICLE_LABELS):

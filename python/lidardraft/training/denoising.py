@@ -23,7 +23,7 @@ from lidardraft.diffusion.sampler import sample
 from lidardraft.errors import TrainingError
 from lidardraft.formats.pairs import Pair
 from lidardraft.metrics.adherence import adherence
-from lidardraft.networks.precision import reduced_precision
+from lidardraft.networks.layers import reduced_precision
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND

@@ -49,6 +49,16 @@ def paper() -> Stages:
     return _with_controlnet((base,), steps=5_000, zero_conv_steps=500)
 
 
+def paper_map() -> Stages:
+    """`paper` for semantic maps: its ControlNet sees classes alone."""
+    return _of_maps(paper())
+
+
+def small_map() -> Stages:
+    """`small_paper` for semantic maps."""
+    return _of_maps(small_paper())
+
+
 def tiny() -> Stages:
     """`small`, an eighth as wide, for tests and a look at the loop: seconds."""
     return (_tiny(small()[-1]),)
@@ -58,6 +68,11 @@ def tiny_paper() -> Stages:
     """`small_paper`, an eighth as wide, for tests."""
     *_, base, control = small_paper()
     return _tiny(base), replace(_tiny(control), zero_conv_steps=5)
+
+
+def _of_maps(stages: Stages) -> Stages:
+    *base, control = stages
+    return *base, replace(control, denoiser=replace(control.denoiser, condition=("class",)))
 
 
 def _small_base() -> Stages:

@@ -13,7 +13,7 @@ from torch import Tensor
 from torch.nn import functional
 
 from lidardraft.errors import TrainingError
-from lidardraft.networks.precision import reduced_precision
+from lidardraft.networks.layers import reduced_precision
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, features
 from lidardraft.semantics import NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation, augmented

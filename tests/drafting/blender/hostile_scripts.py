@@ -3,7 +3,15 @@
 import re
 
 _NESTED = "a = [1]\nb = [1]\nfor _ in range(60):\n    a = [a, a]\n    b = [b, b]\n"
+_CUBE = "import bpy\nbpy.ops.mesh.primitive_cube_add()\n"
+_MESH = "import bmesh\nbm = bmesh.new()\n"
+_CLASS = "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n"
+_CHILDREN = "import bpy\nc=bpy.context.scene.collection\nfor i in range(3000):\n    "
+_CHILDREN += "c.children.link(bpy.data.collections.new('a'))\n"
+_SLOW = "class A:\n    @property\n    def x(self):\n        while True:\n            pass\n"
+_CACHE = "from functools import cache\n@cache\n"
 _MANY_NAMES = "".join(f"    a{k} = {k}\n" for k in range(6000))
+# fmt: off
 HOSTILE: list[tuple[str, str, int]] = [
     # what reaches outside
     ("import os", "import bpy\nimport os\nos.system('echo')", 3),
@@ -56,19 +64,13 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("property of itself", "class A:\n    @property\n    def x(self):\n        return self.x\nA().x", 4),
     ("classes of classes", "class A:\n    pass\nfor i in range(99):\n    class A(A):\n        pass", 4),
     ("instances without end", "class A:\n    pass\na = []\nwhile True:\n    a.append(A())", 4),
-    (
-        "factory",
-        "from dataclasses import dataclass, field\n@dataclass\nclass A:\n    x: int = field(default_factory=exit)",
-        4,
-    ),
+    ("factory", "from dataclasses import dataclass, field\n@dataclass\nclass A:\n"
+     "    x: int = field(default_factory=exit)", 4),
     ("decorator of another", "@eval\ndef f():\n    pass", 1),
     ("make_dataclass", "import dataclasses\ndataclasses.make_dataclass('A', ['__import__(1)'])", 2),
     ("namedtuple of dunders", "from collections import namedtuple\nnamedtuple('A', '__class__ x')", 2),
-    (
-        "factories of factories",
-        "from collections import defaultdict\nf = lambda: defaultdict(f)\nx = f()\nwhile 1:\n    x = x[0]",
-        5,
-    ),
+    ("factories of factories", "from collections import defaultdict\nf = lambda: defaultdict(f)\nx = f()\nwhile 1:\n"
+     "    x = x[0]", 5),
     ("counting a range", "from collections import Counter\nCounter(range(10**12))", 2),
     ("product with itself", "import itertools\nitertools.product(range(99), repeat=9)", 2),
     ("permutations", "import itertools\nitertools.permutations(range(16))", 2),
@@ -85,35 +87,16 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("vertices of bmesh", "import bmesh\nbm = bmesh.new()\nwhile True:\n    bm.verts.new((0, 0, 0))", 4),
     ("columns of bmesh", "import bmesh\nbm = bmesh.new()\nbmesh.ops.create_grid(bm, x_segments=10**6)", 3),
     ("grid of bmesh", "import bmesh\nbm = bmesh.new()\nbmesh.ops.create_grid(bm, x_segments=500, y_segments=500)", 3),
-    (
-        "faces of bmesh",
-        "import bmesh\nbm = bmesh.new()\nv = [bm.verts.new() for i in range(3)]\nwhile 1:\n    bm.faces.new(v)",
-        5,
-    ),
+    ("faces of bmesh", _MESH + "v = [bm.verts.new() for i in range(3)]\nwhile 1:\n    bm.faces.new(v)", 5),
     ("copies of bmesh", "import bmesh\nbm = bmesh.new()\nbmesh.ops.create_cube(bm)\nwhile 1:\n    bm = bm.copy()", 5),
-    (
-        "doubling bmesh",
-        "import bmesh\nbm = bmesh.new()\nbmesh.ops.create_cube(bm)\nwhile 1:\n    "
-        "bmesh.ops.extrude_face_region(bm, geom=bm.faces)",
-        5,
-    ),
+    ("doubling bmesh", _MESH + "bmesh.ops.create_cube(bm)\nwhile 1:\n"
+     "    bmesh.ops.extrude_face_region(bm, geom=bm.faces)", 5),
     ("cutting edges", "import bmesh\nbm = bmesh.new()\nbmesh.ops.subdivide_edges(bm, edges=bm.edges, cuts=10**6)", 3),
-    (
-        "long array",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\nbpy.context.object.modifiers.new('a', 'ARRAY').count = 10**9",
-        3,
-    ),
-    (
-        "arrays of arrays",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\nc = bpy.context.object\nfor i in range(8):\n    "
-        "c.modifiers.new('a', 'ARRAY').count = 99\nc.name = 'Car'",
-        2,
-    ),
-    (
-        "a size beyond all",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add(size=1e250)\nbpy.context.object.name = 'Car'",
-        2,
-    ),
+    ("long array", _CUBE + "bpy.context.object.modifiers.new('a', 'ARRAY').count = 10**9", 3),
+    ("arrays of arrays", _CUBE + "c = bpy.context.object\nfor i in range(8):\n"
+     "    c.modifiers.new('a', 'ARRAY').count = 99\nc.name = 'Car'", 2),
+    ("a size beyond all", "import bpy\nbpy.ops.mesh.primitive_cube_add(size=1e250)\n"
+     "bpy.context.object.name = 'Car'", 2),
     ("`with` that overrides", "import bpy\nwith bpy.context.temp_override(x=1) as f:\n    pass", 2),
     ("class that hides an operator", "class A(str):\n    def __add__(self, o):\n        return self", 1),
     ("match", "x = 1\nmatch x:\n    case 1:\n        pass", 2),
@@ -213,29 +196,14 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("lists in a generator", _NESTED + "b in (q for q in [a])", 6),
     ("lists in a named tuple", "from collections import namedtuple\n" + _NESTED + "b in namedtuple('P', 'x')(a)", 7),
     ("wide enumeration", "from enum import Enum\nclass E(Enum):\n" + _MANY_NAMES + "while True:\n    len(E)", 2),
-    (
-        "hasattr runs no property",
-        "class A:\n    @property\n    def x(self):\n        while True:\n            pass\nhasattr(A(), 'x')\nA().x",
-        4,
-    ),
-    (
-        "empty lists in a row",
-        "import itertools\na = [()] * 240000\nwhile True:\n    itertools.chain.from_iterable(a)",
-        4,
-    ),
+    ("hasattr runs no property", _SLOW + "hasattr(A(), 'x')\nA().x", 4),
+    ("empty lists in a row", "import itertools\na = [()] * 240000\nwhile True:\n"
+     "    itertools.chain.from_iterable(a)", 4),
     ("kinds", "while True:\n    isinstance('a', (int,) * 200000)", 2),
-    (
-        "normals",
-        "import bmesh\nbm = bmesh.new()\nbmesh.ops.create_grid(bm, x_segments=60, y_segments=60)\n"
-        "f = bm.faces.new(bm.verts)\nwhile True:\n    f.normal",
-        6,
-    ),
-    (
-        "a list in a modifier",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\n"
-        "m = bpy.context.object.modifiers.new('a', 'ARRAY')\nm.use_merge_vertices = [0] * 240000",
-        4,
-    ),
+    ("normals", _MESH + "bmesh.ops.create_grid(bm, x_segments=60, y_segments=60)\nf = bm.faces.new(bm.verts)\n"
+     "while True:\n    f.normal", 6),
+    ("a list in a modifier", _CUBE + "m = bpy.context.object.modifiers.new('a', 'ARRAY')\n"
+     "m.use_merge_vertices = [0] * 240000", 4),
     ("first elements that go", "a = [0] * 250000\nwhile True:\n    del a[0]", 3),
     ("slices that go", "a = [0] * 250000\nwhile True:\n    del a[:1]", 3),
     ("first elements that pop", "a = [0] * 250000\nwhile True:\n    a.pop(0)", 3),
@@ -245,123 +213,50 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("products of vectors", "from mathutils import Vector\nv = Vector((1, 2, 3))\nwhile 1:\n    v = v.cross(v)", 4),
     ("inverses", "from mathutils import Matrix\nm = Matrix()\nwhile True:\n    m = m.inverted()", 4),
     ("angles of matrices", "from mathutils import Matrix\nwhile True:\n    Matrix.Rotation(1, 3, 'X').to_euler()", 3),
-    (
-        "collections of one object",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\nwhile True:\n"
-        "    bpy.data.collections.new('a').objects.link(bpy.context.object)",
-        4,
-    ),
-    (
-        "turns of an object",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\nwhile True:\n    bpy.ops.transform.rotate(value=1)",
-        4,
-    ),
-    (
-        "places in the world",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\no = bpy.context.object\nwhile True:\n"
-        "    o.matrix_world = o.matrix_world",
-        5,
-    ),
-    (
-        "extents of a sphere",
-        "import bpy\nbpy.ops.mesh.primitive_uv_sphere_add(segments=500, ring_count=290)\nwhile 1:\n"
-        "    bpy.context.object.dimensions",
-        4,
-    ),
+    ("collections of one object", _CUBE + "while True:\n"
+     "    bpy.data.collections.new('a').objects.link(bpy.context.object)", 4),
+    ("turns of an object", _CUBE + "while True:\n    bpy.ops.transform.rotate(value=1)", 4),
+    ("places in the world", _CUBE + "o = bpy.context.object\nwhile True:\n    o.matrix_world = o.matrix_world", 5),
+    ("extents of a sphere", "import bpy\nbpy.ops.mesh.primitive_uv_sphere_add(segments=500, ring_count=290)\n"
+     "while 1:\n    bpy.context.object.dimensions", 4),
     ("generators of numbers", "import random\nwhile True:\n    random.Random(1)", 3),
     ("stars of modules", "while True:\n    from math import *", 2),
     ("a chain of comparisons", "x = 1\nwhile 1" + " < 2 > 1" * 6000 + ":\n    pass", 2),
     ("a chain of operators", "x = 1\nwhile " + "x or " * 12000 + "x:\n    pass", 2),
-    ("many names of a class", "from enum import Enum\nclass E(Enum):\n" + _MANY_NAMES + "E(1)", 2),
+    ("many names of a class", "from enum import Enum\nclass E(Enum):\n" + _MANY_NAMES + "E(1)", 6003),
     ("many lines under a loop", "while True:\n" + "    x = 1\n" * 8000, 1994),
     # what is compared, cached, raised and turned into text
     ("getattr of a dunder", "import bpy\ngetattr(bpy, '__class__')", 2),
     ("getattr private of text", "getattr('', '__class__').__mro__", 1),
     ("getattr in a format", "getattr('{0.__class__}', 'format')(1)", 1),
-    (
-        "getattr of a property without end",
-        "class A:\n    @property\n    def x(self):\n        while True:\n            pass\ngetattr(A(), 'x', 1)",
-        4,
-    ),
+    ("getattr of a property without end", _SLOW + "getattr(A(), 'x', 1)", 4),
     ("cached recursion", "from functools import cache\n@cache\ndef f(n):\n    return f(n + 1)\nf(0)", 4),
-    (
-        "cached memory",
-        "from functools import cache\n@cache\ndef f(n):\n    return [0] * 1000\ni = 0\nwhile True:\n"
-        "    f(i)\n    i += 1",
-        4,
-    ),
-    (
-        "cache of a shared key",
-        "from functools import cache\n@cache\ndef f(*a):\n    return 1\nwhile True:\n    f(*range(9000))",
-        6,
-    ),
-    (
-        "deque rotates",
-        "from collections import deque\nd = deque([0] * 240000)\nwhile True:\n    d.append(d.popleft())",
-        4,
-    ),
-    (
-        "Counter update of itself",
-        "from collections import Counter\nc = Counter(range(60000))\nwhile True:\n    c.update(c)",
-        4,
-    ),
+    ("cached memory", _CACHE + "def f(n):\n    return [0] * 1000\ni = 0\nwhile True:\n    f(i)\n    i += 1", 4),
+    ("cache of a shared key", _CACHE + "def f(*a):\n    return 1\nwhile True:\n    f(*range(9000))", 6),
+    ("deque rotates", "from collections import deque\nd = deque([0] * 240000)\nwhile True:\n"
+     "    d.append(d.popleft())", 4),
+    ("Counter update of itself", "from collections import Counter\nc = Counter(range(60000))\nwhile True:\n"
+     "    c.update(c)", 4),
     ("Counter of huge", "from collections import Counter\nc = Counter({'a': 2**62})\nwhile True:\n    c.update(c)", 4),
-    (
-        "duplicate_move",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\no = bpy.context.object\no.name='Car'\n"
-        "while True:\n    bpy.ops.object.duplicate_move(TRANSFORM_OT_translate={'value': (1, 0, 0)})",
-        6,
-    ),
-    (
-        "LocRotScale",
-        "from mathutils import Matrix\nwhile True:\n    Matrix.LocRotScale((1, 2, 3), (1, 2, 3), (1, 2, 3))",
-        3,
-    ),
-    (
-        "edges of bmesh",
-        "import bmesh\nbm = bmesh.new()\nbmesh.ops.create_grid(bm, x_segments=80, y_segments=80)\n"
-        "while True:\n    bm.edges[0]",
-        5,
-    ),
-    (
-        "edges of one face",
-        "import bmesh\nbm = bmesh.new()\n"
-        "f = bm.faces.new([bm.verts.new((i, 0, 0)) for i in range(4000)])\nwhile True:\n"
-        "    for e in bm.edges:\n        e.calc_length()",
-        6,
-    ),
+    ("duplicate_move", _CUBE + "o = bpy.context.object\no.name='Car'\nwhile True:\n"
+     "    bpy.ops.object.duplicate_move(TRANSFORM_OT_translate={'value': (1, 0, 0)})", 6),
+    ("LocRotScale", "from mathutils import Matrix\nwhile True:\n"
+     "    Matrix.LocRotScale((1, 2, 3), (1, 2, 3), (1, 2, 3))", 3),
+    ("edges of bmesh", _MESH + "bmesh.ops.create_grid(bm, x_segments=80, y_segments=80)\nwhile True:\n"
+     "    bm.edges[0]", 5),
+    ("edges of one face", _MESH + "f = bm.faces.new([bm.verts.new((i, 0, 0)) for i in range(4000)])\nwhile True:\n"
+     "    for e in bm.edges:\n        e.calc_length()", 6),
     ("__str__ of itself", "class A:\n    def __str__(self):\n        return f'{self}'\nstr(A())", 3),
-    (
-        "__str__ that is long",
-        "class A:\n    def __str__(self):\n        return 'a' * 200000\na = A()\nwhile True:\n    f'{a}{a}'",
-        6,
-    ),
-    (
-        "__str__ doubles",
-        "class A:\n    def __init__(self, x):\n        self.x = x\n    def __str__(self):\n"
-        "        return f'{self.x}{self.x}'\na = 1\nfor i in range(60):\n    a = A(a)\nstr(a)",
-        5,
-    ),
-    (
-        "dataclasses of dataclasses",
-        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: object\n"
-        "    y: object = 0\na = b = 1\nfor i in range(60):\n    a = A(a, a)\n    b = A(b, b)\na == b",
-        10,
-    ),
-    (
-        "dataclasses as keys",
-        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: object\n"
-        "    y: object = 0\na = b = 1\nfor i in range(60):\n    a = A(a, a)\n    b = A(b, b)\n"
-        "d = {a: 1}\nd[b]",
-        11,
-    ),
-    (
-        "dataclasses in tuples in order",
-        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: object\n"
-        "    y: object = 0\na = []\nb = []\nfor i in range(60):\n    a = [a, a]\n    b = [b, b]\n"
-        "sorted([(A(a), 1), (A(b), 2)])",
-        11,
-    ),
+    ("__str__ that is long", "class A:\n    def __str__(self):\n        return 'a' * 200000\na = A()\nwhile True:\n"
+     "    f'{a}{a}'", 6),
+    ("__str__ doubles", "class A:\n    def __init__(self, x):\n        self.x = x\n    def __str__(self):\n"
+     "        return f'{self.x}{self.x}'\na = 1\nfor i in range(60):\n    a = A(a)\nstr(a)", 5),
+    ("dataclasses of dataclasses", _CLASS + "    x: object\n    y: object = 0\na = b = 1\nfor i in range(60):\n"
+     "    a = A(a, a)\n    b = A(b, b)\na == b", 10),
+    ("dataclasses as keys", _CLASS + "    x: object\n    y: object = 0\na = b = 1\nfor i in range(60):\n"
+     "    a = A(a, a)\n    b = A(b, b)\nd = {a: 1}\nd[b]", 11),
+    ("dataclasses in tuples in order", _CLASS + "    x: object\n    y: object = 0\na = []\nb = []\n"
+     "for i in range(60):\n    a = [a, a]\n    b = [b, b]\nsorted([(A(a), 1), (A(b), 2)])", 11),
     (
         "wide dataclass as a key",
         "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n"
@@ -369,117 +264,54 @@ HOSTILE: list[tuple[str, str, int]] = [
         + "d = {A(): 1}\na = A()\nwhile True:\n    d[a]",
         157,
     ),
-    (
-        "keys of dataclasses",
-        "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: object\n"
-        "    y: object = 0\nd = {}\ni = 0\nwhile True:\n    d[A(i)] = 1\n    i += 1",
-        9,
-    ),
+    ("keys of dataclasses", _CLASS + "    x: object\n    y: object = 0\nd = {}\ni = 0\nwhile True:\n    d[A(i)] = 1\n"
+     "    i += 1", 9),
     ("raise with a long text", "x = 'a\\n' * 100000\nraise ValueError(x)", 2),
-    (
-        "raise again for ever",
-        "def f():\n    try:\n        raise KeyError\n    except KeyError:\n        raise\nwhile True:\n"
-        "    try:\n        f()\n    except KeyError:\n        pass",
-        2,
-    ),
+    ("raise again for ever", "def f():\n    try:\n        raise KeyError\n    except KeyError:\n        raise\n"
+     "while True:\n    try:\n        f()\n    except KeyError:\n        pass", 2),
     ("zip of many", "a = iter([1])\nwhile True:\n    zip(*[a] * 1000)", 3),
     ("islice far", "from itertools import islice, count\nislice(count(), 10**15, 10**15 + 1)", 2),
-    (
-        "ids of what arrays make",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\no = bpy.context.object\no.name='Car'\n"
-        "o['id'] = 'a' * 100000\no.modifiers.new('a', 'ARRAY').count = 1000",
-        6,
-    ),
-    (
-        "mesh of polygons",
-        "import bpy\nm = bpy.data.meshes.new('a')\nwhile True:\n"
-        "    m.from_pydata([(0, 0, 0)] * 3, [], [(0, 1, 2), (0, 1, 2, 0)] * 4000)",
-        4,
-    ),
-    (
-        "cone tips",
-        "import bpy\nwhile True:\n    bpy.ops.mesh.primitive_cone_add(vertices=500)\n    bpy.context.object.dimensions",
-        4,
-    ),
+    ("ids of what arrays make", _CUBE + "o = bpy.context.object\no.name='Car'\no['id'] = 'a' * 100000\n"
+     "o.modifiers.new('a', 'ARRAY').count = 1000", 6),
+    ("mesh of polygons", "import bpy\nm = bpy.data.meshes.new('a')\nwhile True:\n"
+     "    m.from_pydata([(0, 0, 0)] * 3, [], [(0, 1, 2), (0, 1, 2, 0)] * 4000)", 4),
+    ("cone tips", "import bpy\nwhile True:\n    bpy.ops.mesh.primitive_cone_add(vertices=500)\n"
+     "    bpy.context.object.dimensions", 4),
     ("sets that grow", "s = set()\nwhile True:\n    s.add(len(s))", 3),
     ("sets of sets", "s = set(range(60000))\nwhile True:\n    s | s", 3),
     ("sets of many", "s = set()\nwhile True:\n    s.union(*[[]] * 9000)", 3),
     ("sets without", "s = set(range(60000))\nwhile True:\n    s.isdisjoint([])", 3),
     ("functions that are made", "while True:\n    def g(a, b=1, *c, d=2, **e): pass", 2),
     ("classes that are made", "while True:\n    class B: pass", 1),
-    (
-        "json dumps shared",
-        "import json\na=[1]\nfor i in range(7):\n    a=[a]*9\nwhile True:\n    json.dumps(a, indent=8)",
-        6,
-    ),
-    (
-        "deepcopy of itself",
-        "import copy\na=[]\na.append(a)\nwhile True:\n    a=copy.deepcopy(a)\n    a.append(copy.deepcopy(a))",
-        5,
-    ),
+    ("json dumps shared", "import json\na=[1]\nfor i in range(7):\n    a=[a]*9\nwhile True:\n"
+     "    json.dumps(a, indent=8)", 6),
+    ("deepcopy of itself", "import copy\na=[]\na.append(a)\nwhile True:\n    a=copy.deepcopy(a)\n"
+     "    a.append(copy.deepcopy(a))", 5),
     ("exit with lists of lists", "import sys\na=[1]\nfor i in range(60):\n    a=[a,a]\nsys.exit(a)", 5),
-    (
-        "children get many",
-        "import bpy\nc=bpy.context.scene.collection\nfor i in range(3000):\n"
-        "    c.children.link(bpy.data.collections.new('a'))\nwhile True:\n    c.children.get('zz')",
-        6,
-    ),
-    (
-        "children in many",
-        "import bpy\nc=bpy.context.scene.collection\nfor i in range(3000):\n"
-        "    c.children.link(bpy.data.collections.new('a'))\nwhile True:\n    'zz' in c.children",
-        6,
-    ),
-    (
-        "children unlink",
-        "import bpy\nc=bpy.context.scene.collection\nd=bpy.data.collections.new('a')\n"
-        "for i in range(9000):\n    c.children.link(d)\ne=bpy.data.collections.new('e')\n"
-        "c.children.link(e)\nwhile True:\n    c.children.unlink(e)\n    c.children.link(e)",
-        5,
-    ),
-    (
-        "objects in collections",
-        "import bpy\nm=bpy.data.meshes.new('m')\nfor i in range(2000):\n"
-        "    bpy.context.collection.objects.link(bpy.data.objects.new('a',m))\n"
-        "c=bpy.context.collection.objects\nwhile True:\n    'zz' in c",
-        7,
-    ),
-    (
-        "mesh class property",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\nbpy.context.object.data['class']='a'*1900000",
-        2,
-    ),
+    ("children get many", _CHILDREN + "while True:\n    c.children.get('zz')", 6),
+    ("children in many", _CHILDREN + "while True:\n    'zz' in c.children", 6),
+    ("children unlink", "import bpy\nc=bpy.context.scene.collection\nd=bpy.data.collections.new('a')\n"
+     "for i in range(9000):\n    c.children.link(d)\ne=bpy.data.collections.new('e')\n"
+     "c.children.link(e)\nwhile True:\n    c.children.unlink(e)\n    c.children.link(e)", 5),
+    ("objects in collections", "import bpy\nm=bpy.data.meshes.new('m')\nfor i in range(2000):\n"
+     "    bpy.context.collection.objects.link(bpy.data.objects.new('a',m))\n"
+     "c=bpy.context.collection.objects\nwhile True:\n    'zz' in c", 7),
+    ("mesh class property", _CUBE + "bpy.context.object.data['class']='a'*1900000", 2),
     ("text of two million compare", "s='a'*1900000+'b'\nt='a'*1900000+'c'\nwhile True:\n    s==t", 4),
     ("text of two million order", "s='a'*1900000+'b'\nt='a'*1900000+'c'\nwhile True:\n    s<t", 4),
     ("text of two million braces", "s='{}'*900000\nwhile True:\n    s.format(1)", 3),
-    (
-        "generator of generators",
-        "def f(n):\n    while True:\n        yield f(n+1)\ng=f(0)\nfor x in g:\n    g=next(x)",
-        6,
-    ),
-    (
-        "generators unfinished",
-        "def f():\n    x=[0]*1000\n    yield x\nl=[]\nwhile True:\n    g=f()\n    next(g)\n    l.append(g)",
-        2,
-    ),
-    (
-        "generator chain",
-        "def f(g):\n    for x in g:\n        yield x\ng=range(10**9)\nfor i in range(140):\n    g=f(g)\n"
-        "for x in g: pass",
-        2,
-    ),
-    (
-        "suppress nest",
-        "from contextlib import suppress\ndef f():\n    with suppress(Exception):\n        f()\n    f()\nf()",
-        3,
-    ),
+    ("generator of generators", "def f(n):\n    while True:\n        yield f(n+1)\ng=f(0)\nfor x in g:\n"
+     "    g=next(x)", 6),
+    ("generators unfinished", "def f():\n    x=[0]*1000\n    yield x\nl=[]\nwhile True:\n    g=f()\n    next(g)\n"
+     "    l.append(g)", 2),
+    ("generator chain", "def f(g):\n    for x in g:\n        yield x\ng=range(10**9)\nfor i in range(140):\n"
+     "    g=f(g)\nfor x in g: pass", 2),
+    ("suppress nest", "from contextlib import suppress\ndef f():\n    with suppress(Exception):\n        f()\n"
+     "    f()\nf()", 3),
     ("sorted long texts", "a='a'*1900000+'b'\nb='a'*1900000+'c'\nsorted([a,b]*100000)", 3),
     ("max long texts", "a='a'*1900000+'b'\nb='a'*1900000+'c'\nmax([a,b]*100000)", 3),
-    (
-        "sets of long texts",
-        "a={'a'*1900000+str(i) for i in range(3)}\nb={'a'*1900000+str(i) for i in range(3)}\nwhile True:\n    a==b",
-        1,
-    ),
+    ("sets of long texts", "a={'a'*1900000+str(i) for i in range(3)}\nb={'a'*1900000+str(i) for i in range(3)}\n"
+     "while True:\n    a==b", 1),
     ("dict lookup long", "s='a'*1900000\nd={s+'b':1}\nt=s+'b'\nwhile True:\n    d[t]", 5),
     ("dict get long", "s='a'*1900000\nd={s+'b':1}\nt=s+'b'\nwhile True:\n    d.get(t)", 5),
     ("endswith long", "s='a'*1900000\nt='a'*1900000\nf=s.endswith\nwhile True:\n    f(t)", 5),
@@ -487,28 +319,16 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("split kept", "s='a '*900000\nf=s.split\nwhile True:\n    f('zz')", 4),
     ("count kept", "s='a'*1900000\nf=s.count\nwhile True:\n    f('b')", 4),
     ("isdigit kept", "s='1'*1900000\nf=s.isdigit\nwhile True:\n    f()", 4),
-    (
-        "object in by name",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\ns='a'*1900000\nt='a'*1900000\n"
-        "bpy.context.object.name=s\nwhile True:\n    t in bpy.data.objects",
-        7,
-    ),
-    (
-        "get by long name",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\ns='a'*1900000\nt='a'*1900000\n"
-        "bpy.context.object.name=s\nf=bpy.data.objects.get\nwhile True:\n    f(t)",
-        8,
-    ),
-    (
-        "properties long keys",
-        "import bpy\nbpy.ops.mesh.primitive_cube_add()\no=bpy.context.object\ns='a'*1900000\no[s]=1\n"
-        "t='a'*1900000\nwhile True:\n    t in o",
-        8,
-    ),
+    ("object in by name", _CUBE + "s='a'*1900000\nt='a'*1900000\nbpy.context.object.name=s\nwhile True:\n"
+     "    t in bpy.data.objects", 7),
+    ("get by long name", _CUBE + "s='a'*1900000\nt='a'*1900000\nbpy.context.object.name=s\nf=bpy.data.objects.get\n"
+     "while True:\n    f(t)", 8),
+    ("properties long keys", _CUBE + "o=bpy.context.object\ns='a'*1900000\no[s]=1\nt='a'*1900000\nwhile True:\n"
+     "    t in o", 8),
     (
         "comparison of paths",
         "from pathlib import Path\np=Path('a/'*120000)\nq=Path('a/'*120000)\nwhile p" + " == q == p" * 9 + ": pass",
-        4,
+        2,
     ),
     ("enumerate of enumerate", "g=(x for x in [1])\nfor _ in range(200):\n    g=enumerate(g)\nnext(g)", 4),
     ("kept zips of a generator", "g=(x for x in [1])\nx=[]\nwhile True:\n    x.append(zip(*[g]*1000))", 4),
@@ -539,10 +359,10 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("elif chain", "if 0:\n    pass\n" + "elif 0:\n    pass\n" * 2000, 299),
     ("unknown conversion of an f-string", "x = 1\ny = f'{x!z}'", 2),
     ("too many tokens", "x = [" + "1," * 200000 + "]", 1),
-    ("too many lines", "x = 1\n" * 100000, 8334),
+    ("too many lines", "x = 1\n" * 100000, 20834),
     ("long text in three quotes", 'x = 1\ny = """' + "a" * 3_900_000 + '"""', 2),
     ("quotes in three quotes", "x = 1\ny = '''" + '"a' * 1_900_000 + "'''", 2),
-    ("empty lines", "\n" * 3_900_000, 1_000_001),
+    ("empty lines", "\n" * 3_900_000, 125_001),
     ("long name", "x = 1\n" + "a" * 3_900_000, 2),
     ("long number", "x = 1\ny = 1." + "1" * 3_900_000, 2),
     ("too long", "# " + "a" * 5_000_000, 1),
@@ -551,11 +371,10 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("nothing", "", 1),
     ("nothing but a comment", "# a scene", 1),
 ]
+# fmt: on
 
 
 def says_where(said: str, script: str, line: int) -> bool:
-    """Whether a refusal names the line or, where the script takes too many steps, any line of it."""
-    named = re.search(r"\bline (\d+): ", said)
-    return bool(named) and (
-        int(named[1]) == line or ("steps; `limits`" in said and int(named[1]) <= 1 + script.count("\n"))
-    )
+    """Whether a refusal names the line or, where the script takes too long, any line of it."""
+    named = re.match(r"line (\d+): ", said)
+    return bool(named) and (int(named[1]) == line or ("; `limits`" in said and int(named[1]) <= 1 + script.count("\n")))

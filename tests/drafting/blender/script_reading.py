@@ -23,8 +23,8 @@ def reads(script: str, limits: Limits | None = None) -> Script:
 
 
 def refuses(script: str, said: str, line: int = 1, limits: Limits | None = None) -> None:
-    """The reader refuses it, naming the line or, where it takes too many steps, any line of it."""
+    """The reader refuses it, naming the line or, where it takes too long, any line of it."""
     with pytest.raises(RefusalError, match=said) as refused:
         reads(script, limits)
     named = refused.value.line or 0
-    assert named == line or ("steps; `limits`" in str(refused.value) and 1 <= named <= 1 + script.count("\n"))
+    assert named == line or ("; `limits`" in str(refused.value) and 1 <= named <= 1 + script.count("\n"))

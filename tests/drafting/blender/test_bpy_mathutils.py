@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 from scene_reading import refuses, scene, with_car
 
-from lidardraft.drafting.blender.bpy.mathutils import about_axis, angles_of, rotation_matrix
-from lidardraft.drafting.blender.script.limits import RefusalError
+from lidardraft.drafting.blender.bpy.mathutils import angles_of, rotation_matrix
 
 QUATERNION = "from mathutils import Quaternion\n"
 TRUE: list[str] = [
@@ -30,17 +29,14 @@ TRUE: list[str] = [
     "Matrix.LocRotScale(None, None, None) @ Vector((1, 2, 3)) == Vector((1, 2, 3))",
 ]
 REFUSED: list[tuple[str, str]] = [
-    # what they refuse
     ("Vector((1,))", "a vector of a tuple; it must be 2 to 4 numbers"),
     ("Vector((1, 2, float('nan')))", "a vector is nan; it must be a finite number"),
     ("Vector((1, 2)) + 1", "a Vector . 1 is not supported"),
     ("Vector((1, 2)) + Vector((1, 2, 3))", "the other vector is a Vector; it must be 2 numbers"),
-    # what it refuses
     (QUATERNION + "Quaternion((1, 2))", "the quaternion is a tuple; it must be 4 numbers"),
     (QUATERNION + "Quaternion((0, 0, 0), 1)", "a rotation about an axis without length"),
     ("from mathutils import noise\nnoise.noise((0, 0, 0))", "a call of mathutils.noise.noise"),
     ("Euler((0, 0, 0), 'ZYX')", "angles in the order 'ZYX'; only 'XYZ' is supported"),
-    # what they refuse
     ("Matrix.Rotation(1, 2)", "a matrix of 2 rows; it must have 3 or 4"),
     ("Matrix.Rotation(1, 'x', 'Z')", "a matrix of 'x' rows; it must have 3 or 4"),
     ("Matrix.Identity(-4)", "a matrix of -4 rows"),
@@ -72,13 +68,6 @@ def test_a_rotation_and_its_angles() -> None:
         np.testing.assert_allclose(angles_of(rotation_matrix(angles)), angles, atol=1e-9)
     upwards = rotation_matrix((0.3, np.pi / 2, 0.0))
     np.testing.assert_allclose(rotation_matrix(angles_of(upwards)), upwards, atol=1e-9)
-
-
-def test_a_turn_about_an_axis_is_that_of_its_angle() -> None:
-    for axis, angles in (((0, 0, 2.0), (0, 0, 0.7)), ((0.5, 0, 0), (0.7, 0, 0)), ((0, 3.0, 0), (0, 0.7, 0))):
-        np.testing.assert_allclose(about_axis(np.array(axis), 0.7), rotation_matrix(angles), atol=1e-12)
-    with pytest.raises(RefusalError, match="without length"):
-        about_axis(np.zeros(3), 1.0)
 
 
 def test_a_quaternion_turns_an_object_in_its_mode() -> None:

@@ -6,9 +6,6 @@ import random
 import pytest
 from script_reading import agrees, reads, refuses
 
-from lidardraft.drafting.blender.script.limits import Limits, RefusalError
-from lidardraft.drafting.blender.script.values import Outside, describe
-
 SCRIPT = """
 import argparse, sys
 parser = argparse.ArgumentParser(description="a street")
@@ -21,13 +18,11 @@ parser.add_argument("-s")
 parser.add_argument("rest", nargs="*")
 """
 AGREED: list[str] = [
-    # they give what python gives
     "from collections import defaultdict\nd = defaultdict(list)\nd['a'].append(1)\nd['a'].append(2)\n"
     "assert d['a'] == [1, 2] and 'b' not in d and d.get('b') is None and len(d) == 1\n"
     "e = d.copy()\ne['z'].append(3)\nassert e['z'] == [3] and 'z' not in d",
     "from collections import Counter, OrderedDict\nc = Counter('abca')\nc['d'] += 1\n"
-    "assert c['a'] == 2 and c['d'] == 1\n"
-    "assert list(OrderedDict([('x', 1)]).items()) == [('x', 1)]",
+    "assert c['a'] == 2 and c['d'] == 1\nassert list(OrderedDict([('x', 1)]).items()) == [('x', 1)]",
     "from collections import namedtuple\nP = namedtuple('P', 'x y')\np = P(1, y=2)\na, b = p\n"
     "assert p.x + p[1] == a + b == 3",
     "from functools import partial, reduce\nf = partial(max, 5, key=abs)\nassert f(3) == 5\n"
@@ -42,23 +37,18 @@ AGREED: list[str] = [
     "assert f(1) == f(1) == 2 and f(1, y=2) == 3 and g(5) == g(5) == -5 and made == [1, 1, 5]",
     "from abc import ABC, abstractmethod\nclass A(ABC):\n    @abstractmethod\n    def f(self):\n        pass\n"
     "class B(A):\n    def f(self):\n        return 1\nassert B().f() == 1",
-    # they give what pythons do
-    "from itertools import product\n"
-    "assert list(product([1, 2], 'ab')) == [(1, 'a'), (1, 'b'), (2, 'a'), (2, 'b')]\n"
+    "from itertools import product\nassert list(product([1, 2], 'ab')) == [(1, 'a'), (1, 'b'), (2, 'a'), (2, 'b')]\n"
     "assert len(list(product(range(3), repeat=2))) == 9",
-    "from itertools import combinations, permutations\n"
-    "assert list(combinations([1, 2, 3], 2)) == [(1, 2), (1, 3), (2, 3)]\n"
-    "assert len(list(permutations('abc'))) == 6",
+    "from itertools import combinations, permutations\nassert list(combinations([1, 2, 3], 2)) == [(1, 2), (1, 3), (2, "
+    "3)]\nassert len(list(permutations('abc'))) == 6",
     "from itertools import chain\n"
     "assert list(chain([1], (2, 3))) == list(chain.from_iterable([[1, 2], [3]])) == [1, 2, 3]",
-    "from itertools import count, cycle, repeat, islice\n"
-    "assert list(zip('ab', count(10, 2))) == [('a', 10), ('b', 12)]\n"
-    "assert list(islice(cycle([1, 2]), 5)) == [1, 2, 1, 2, 1] and list(repeat(0, 3)) == [0, 0, 0]\n"
+    "from itertools import count, cycle, repeat, islice\nassert list(zip('ab', count(10, 2))) == [('a', 10), ('b', "
+    "12)]\nassert list(islice(cycle([1, 2]), 5)) == [1, 2, 1, 2, 1] and list(repeat(0, 3)) == [0, 0, 0]\n"
     "c = count(5)\nassert next(c) == 5 and next(c) == 6\nfor k in c:\n    if k > 9:\n        break\nassert k == 10",
     "from itertools import accumulate, pairwise, islice\nassert list(accumulate([1, 2, 3])) == [1, 3, 6]\n"
-    "assert list(accumulate([1, 2, 3], lambda a, b: a * b)) == [1, 2, 6] and list(pairwise('abc')) == [('a', "
-    "'b'), ('b', 'c')]\n"
-    "assert list(islice(range(9), 1, 6, 2)) == [1, 3, 5]",
+    "assert list(accumulate([1, 2, 3], lambda a, b: a * b)) == [1, 2, 6] and list(pairwise('abc')) == [('a', 'b'), "
+    "('b', 'c')]\nassert list(islice(range(9), 1, 6, 2)) == [1, 3, 5]",
     "from itertools import accumulate, chain, count, cycle, islice, pairwise\nmade = []\n"
     "def f():\n    for k in count():\n        made.append(k)\n        yield k\n"
     "for part in (islice(f(), 5), chain(f(), [9]), accumulate(f()), pairwise(f()), cycle(f())):\n"
@@ -85,8 +75,7 @@ AGREED: list[str] = [
     "import json\ntry:\n    json.loads('{')\n    assert False\nexcept ValueError:\n    pass\n"
     "try:\n    json.loads('')\n    assert False\nexcept json.JSONDecodeError:\n    pass",
     # a default that is a text becomes its type
-    "import argparse\nparser = argparse.ArgumentParser()\n"
-    "parser.add_argument('--count', type=int, default='3')\n"
+    "import argparse\nparser = argparse.ArgumentParser()\nparser.add_argument('--count', type=int, default='3')\n"
     "parser.add_argument('--size', type=lambda s: [float(part) for part in s.split('x')], default='2x3.5')\n"
     "parser.add_argument('--names', nargs='*', default=None)\nparser.add_argument('--kind', type=str, default=5)\n"
     "parser.add_argument('first', nargs='?', type=float, default='1.5')\nparser.add_argument('rest', nargs='*')\n"
@@ -111,7 +100,6 @@ AGREED: list[str] = [
     "assert logging.INFO == 20",
 ]
 REFUSED: list[tuple[str, str, int]] = [
-    # what they refuse
     ("[1].popleft()", "a list has no 'popleft' that is supported", 1),
     ("from functools import singledispatch\nsingledispatch(1)", "a call of functools.singledispatch", 2),
     ("from functools import cache\n@cache\ndef f(x):\n    pass\nf([])", "of what cannot be a key", 5),
@@ -127,6 +115,15 @@ REFUSED: list[tuple[str, str, int]] = [
     ("import logging\nlogging.FileHandler('/tmp/a')", "logging.FileHandler is not supported", 2),
     ("import sys\nsys.stdout.buffer", "sys.stdout.buffer is not supported", 2),
     ("import logging\nlogging.getLogger().handlers", "a logger.handlers is not supported", 2),
+    # what reaches outside is refused where it is called
+    ("import sys\nsys.exit(1)", "the script ends itself here", 2),
+    ("import os\nos.makedirs('/tmp/x')", "os.makedirs is not supported", 2),
+    ("import os\nos.environ['HOME']", "os.environ has no item 'HOME'", 2),
+    ("import os\nos.path.getsize('a')", "os.path.getsize is not supported", 2),
+    ("from pathlib import Path\nPath('a').write_text('b')", "a path has no 'write_text'", 2),
+    ("from pathlib import Path\nlist(Path('/').iterdir())", "a path has no 'iterdir'", 2),
+    ("import sys\nsys.modules['os']", "sys.modules is not supported", 2),
+    ("from pathlib import Path\nPath('a/' * 9999)", "a path of 19998 characters; 4096 are the most", 2),
 ]
 
 
@@ -202,7 +199,7 @@ def test_what_they_refuse(call: str, said: str) -> None:
     ("call", "said"),
     [
         ("permutations(range(17))", "the number of elements at a time is 17; it must be 0 to 16"),
-        ("combinations(range(99), 9)", "more than 175000 steps"),
+        ("list(combinations(range(99), 9))", "more than 175000 steps"),
         ("list(islice(count(), None))", "more than 175000 steps"),
         ("list(chain(count(), [1]))", "more than 175000 steps"),
         ("list(islice(range(10**10), 10**9, None))", "10000000000 elements"),
@@ -243,7 +240,6 @@ def test_all_arguments_have_their_defaults() -> None:
     [
         ("add_argument('--a', required=True)", "the argument '--a' has no default"),
         ("add_argument('a')", "the argument 'a' has no default"),
-        ("add_argument()", "a parser of no argument"),
         ("add_argument('--a', action='version')", "the action 'version' of an argument is not supported"),
         ("parse_args(['--count', '5'])", "arguments that a script gives itself are not supported"),
         ("print_help()", "an ArgumentParser has no 'print_help'"),
@@ -288,42 +284,3 @@ def test_a_script_may_end_itself(code: str) -> None:
     reads(f"import sys\ntry:\n    sys.exit({code})\nexcept Exception:\n    assert False\nassert False")
     reads("raise SystemExit")
     reads("try:\n    raise SystemExit(0)\nfinally:\n    x = 1")
-
-
-@pytest.mark.parametrize(
-    ("script", "said"),
-    [
-        ("import sys\nsys.exit(1)", "the script ends itself here"),
-        ("import sys\nsys.exit('no road')", "the script ends itself here"),
-        ("import os\nos.makedirs('/tmp/x')", "os.makedirs is not supported"),
-        ("import os\nos.environ['HOME']", "os.environ has no item 'HOME'"),
-        ("import os\nos.listdir('.')", "os.listdir is not supported"),
-        ("import os\nos.path.getsize('a')", "os.path.getsize is not supported"),
-        ("from pathlib import Path\nPath('a').write_text('b')", "a path has no 'write_text'"),
-        ("from pathlib import Path\nPath('a').open()", "a path has no 'open'"),
-        ("from pathlib import Path\nlist(Path('/').iterdir())", "a path has no 'iterdir'"),
-        ("import sys\nsys.modules['os']", "sys.modules is not supported"),
-    ],
-)
-def test_what_reaches_outside_is_refused_where_it_is_called(script: str, said: str) -> None:
-    refuses(script, said, 2)
-
-
-def test_a_comparison_of_paths_counts_their_characters() -> None:
-    script = "from pathlib import Path\np, q = Path('a/' * 9999), Path('a/' * 9999)\nassert p == q and p != Path('a')\n"
-    refuses(f"{script}for _ in range(9):\n    p == q", "more than 20000 steps", 5, Limits(steps=20_000))
-    reads(f"{script}p == q", Limits(steps=20_000))
-
-
-def test_a_name_is_all_that_is_known_of_it() -> None:
-    part = Outside("socket").attribute("create_connection")
-    assert describe(part) == "socket.create_connection"
-    assert len(describe(part.attribute("a" * 10**6))) == 60
-    with pytest.raises(RefusalError, match=r"a call of socket\.create_connection: a script is read, not run"):
-        part.call([], {})
-    reads("import socket\nx = [socket, socket.a, socket.b]\nassert x[0] is socket and x[1] is not None")
-
-
-@pytest.mark.parametrize("use", ["m == 1", "m != m.a", "not m", "1 if m.x else 2", "f'{m}'", "str(m.x)", "m[0]"])
-def test_its_value_is_never_taken_for_one(use: str) -> None:
-    refuses(f"import socket as m\n{use}", "socket", 2)

@@ -5,8 +5,6 @@ import gc
 import pytest
 from script_reading import agrees, reads, refuses
 
-from lidardraft.drafting.blender.script.limits import Limits
-
 DATACLASS = "from dataclasses import dataclass\n"
 _EACH_OTHER = """def first():
     yield 1
@@ -21,7 +19,6 @@ next(h)
 next(g)
 """
 AGREED: list[str] = [
-    # they do what pythons do
     "x: int = 3\ny: int\nx += 2\nx -= 1\nx *= 3\nx //= 2\nassert x == 6",
     "len = 5\nassert len == 5",
     "x = 1\ndel x\nx = 2\nassert x == 2",
@@ -50,19 +47,15 @@ AGREED: list[str] = [
     # classes of errors of the scripts own
     "class SceneError(Exception):\n    pass\ntry:\n    raise SceneError('no road')\nexcept SceneError as e:\n"
     "    assert str(e) == 'no road'\nelse:\n    assert False",
-    # they are what python makes of them
     "class A:\n    n = 3\n    def __init__(self, x, y=2):\n        self.x = x + y\n    def f(self):\n"
-    "        return self.x * self.n\n"
-    "a = A(1)\nassert a.f() == 9 and A.n == 3\nA.n = 4\nassert a.f() == 12",
+    "        return self.x * self.n\na = A(1)\nassert a.f() == 9 and A.n == 3\nA.n = 4\nassert a.f() == 12",
     "class A:\n    def f(self):\n        return 1\nclass B(A):\n    def f(self):\n        return super().f() + 1\n"
-    "b = B()\n"
-    "assert b.f() == 2 and isinstance(b, A) and not isinstance(A(), B) and type(b) is B and B.__name__ == 'B'",
+    "b = B()\nassert b.f() == 2 and isinstance(b, A) and not isinstance(A(), B) and type(b) is B and B.__name__ == 'B'",
     "class A:\n    def __init__(self, x):\n        self._x = x\n    @property\n    def x(self):\n"
     "        return self._x\n"
     "    @x.setter\n    def x(self, value):\n        self._x = 2 * value\na = A(1)\na.x = 4\nassert a.x == 8",
     "class A:\n    made = []\n    @staticmethod\n    def f(x):\n        return x + 1\n    @classmethod\n"
-    "    def g(cls, x):\n"
-    "        cls.made.append(x)\n        return cls()\nassert A.f(1) == A().f(1) == 2\nA.g(5)\n"
+    "    def g(cls, x):\n        cls.made.append(x)\n        return cls()\nassert A.f(1) == A().f(1) == 2\nA.g(5)\n"
     "assert A.made == [5]",
     "class A:\n    kind = None\nassert A().kind is None and not hasattr(A(), 'other')",
     "x = 1\nclass A:\n    x = 2\n    def f(self):\n        return x\nassert A().f() == 1",
@@ -91,9 +84,7 @@ AGREED: list[str] = [
     "assert str([A()]) == '[A()]'",
     "class A:\n    def __repr__(self):\n        return 'A()'\nclass B(A):\n    pass\nassert str(B()) == 'A()'",
     "class A:\n    pass\na, b = A(), A()\nassert a == a and a != b and a in [b, a] and len({a: 1, b: 2}) == 2",
-    # they give what pythons do
-    "def f(n):\n    for i in range(n):\n        if i % 2:\n            yield i\n        else:\n"
-    "            yield -i\n"
+    "def f(n):\n    for i in range(n):\n        if i % 2:\n            yield i\n        else:\n            yield -i\n"
     "assert list(f(4)) == [0, 1, -2, 3] and sum(f(4)) == 2 and [x for x in f(2)] == [0, 1]",
     "made = []\ndef f():\n    made.append(1)\n    yield 1\n    made.append(2)\n    yield 2\n    made.append(3)\n"
     "g = f()\nassert made == []\nassert next(g) == 1 and made == [1]\nassert list(g) == [2] and made == [1, 2, 3]\n"
@@ -101,18 +92,15 @@ AGREED: list[str] = [
     "def f():\n    x = 0\n    while True:\n        x += 1\n        if x == 3:\n            continue\n"
     "        if x > 5:\n            break\n        yield x\n    else:\n        yield 'never'\n    yield 'last'\n"
     "assert list(f()) == [1, 2, 4, 5, 'last']",
-    "def f():\n    for i in range(3):\n        yield i\n    else:\n        yield 'else'\n"
-    "    return\n    yield 'never'\n"
-    "assert tuple(f()) == (0, 1, 2, 'else')",
+    "def f():\n    for i in range(3):\n        yield i\n    else:\n        yield 'else'\n    return\n"
+    "    yield 'never'\nassert tuple(f()) == (0, 1, 2, 'else')",
     "def f(n):\n    if n:\n        yield n\n        yield from f(n - 1)\n        yield from [n * 10]\n"
     "assert list(f(3)) == [3, 2, 1, 10, 20, 30]",
     "def count():\n    n = 0\n    while True:\n        yield n\n        n += 1\n"
-    "assert list(zip(count(), 'ab')) == [(0, 'a'), (1, 'b')]\n"
-    "from itertools import islice\nassert list(islice(count(), 2, 5)) == [2, 3, 4]\n"
-    "for a in count():\n    if a > 3:\n        break\nassert a == 4",
+    "assert list(zip(count(), 'ab')) == [(0, 'a'), (1, 'b')]\nfrom itertools import islice\n"
+    "assert list(islice(count(), 2, 5)) == [2, 3, 4]\nfor a in count():\n    if a > 3:\n        break\nassert a == 4",
     "def f(a):\n    yield from a\nassert list(zip(f([1, 2]), f([3, 4, 5]))) == [(1, 3), (2, 4)]",
-    "class A:\n    def __init__(self):\n        self.x = [1, 2]\n"
-    "    def each(self, k=2):\n        for x in self.x:\n"
+    "class A:\n    def __init__(self):\n        self.x = [1, 2]\n    def each(self, k=2):\n        for x in self.x:\n"
     "            yield x * k\nassert sorted(A().each(), reverse=True) == [4, 2] and max(A().each(k=5)) == 10",
     "def f():\n    yield 1\n    raise ValueError('x')\ntry:\n    list(f())\n    assert False\nexcept ValueError:\n"
     "    pass\ng = f()\nnext(g)\ntry:\n    next(g)\nexcept ValueError:\n    pass\nassert list(g) == []",
@@ -144,7 +132,6 @@ AGREED: list[str] = [
     "def f(a: Numbers, b: t.Optional[int] = None) -> Numbers:\n    return a\nassert f([1]) == [1]",
 ]
 REFUSED: list[tuple[str, str, int]] = [
-    # what they refuse
     ("a, b = 1, 2, 3", "3 values for 2 names", 1),
     ("*a, b = []", "0 values for 2 names", 1),
     ("x = 5\nx.y = 1", "the attribute 'y' of 5 cannot be set", 2),
@@ -154,16 +141,15 @@ REFUSED: list[tuple[str, str, int]] = [
     ("del x", "the name 'x' is not known", 1),
     ("def f():\n    nonlocal x\nf()", "no function around this one has the name 'x'", 2),
     ("__x__ = 1", "the name '__x__' cannot be set", 1),
-    # what they refuse
     ("x = 1\nclass A(metaclass=x):\n    pass", "a class with a metaclass", 2),
     ("class A:\n    pass\nclass B(A, A):\n    pass", "derived from several", 3),
     ("class A(1):\n    pass", "a class derived from 1 is not supported", 1),
     ("with 1:\n    pass", "`with` of 1 is not supported", 1),
+    ("class A:\n    @staticmethod\n    def f():\n        pass\n    @f.setter\n    def f(x): pass", "'setter'", 5),
     # errors that are suppressed
     ("from contextlib import suppress\nwith suppress(KeyError):\n    [][1]", "has no place 1", 3),
     ("from contextlib import suppress\nwith suppress(5):\n    pass", "no class of errors", 2),
     ("from contextlib import suppress\nwith suppress(Exception):\n    raise SystemExit(2)", "ends itself", 3),
-    # what they refuse
     ("class A:\n    def __getattr__(self, name):\n        return 1", "the name '__getattr__' cannot be set", 2),
     ("class A(dict):\n    pass", "a class derived from a function is not supported", 1),
     ("class A:\n    pass\nA(1)", "the class A takes no arguments", 3),
@@ -197,17 +183,13 @@ def test_what_is_never_reached_is_not_refused() -> None:
     reads("def never():\n    import os\n    with open('a') as f:\n        yield f\nif 0:\n    class A: pass")
 
 
-def test_only_a_property_has_a_setter() -> None:
-    script = "class A:\n    @staticmethod\n    def f():\n        pass\n    @f.setter\n    def f(x):\n        pass"
-    refuses(script, "'setter'", 5)
-
-
 def test_other_modules_may_be_imported_and_nothing_is_done_with_them() -> None:
     reads("import math, subprocess, os.path\nfrom shutil import rmtree as remove\nfrom functools import wraps")
     for use in ("m.a.b()", "m()", "not m", "m == 1", "str(m)", "m[0]", "m + 1", "1 in m", "len(m)", "list(m)"):
         refuses(f"import socket as m\n{use}", "socket", 2)
     refuses("from shutil import rmtree\nx = list(map(rmtree, ['/']))", "a call of shutil.rmtree: a script is read", 2)
     refuses("import socket\nx = socket\nwhile True:\n    x = x.a", "more than 175000 steps", 3)
+    refuses(f"import {'a' * 99} as m\nm()", f"a call of {'a' * 60}: ", 2)
     refuses("from os import *\nsystem('ls')", "the name 'system' is not known", 2)
 
 
@@ -215,14 +197,6 @@ def test_a_number_of_random_without_a_seed_is_noted_once() -> None:
     evaluator = reads("import random\nx = 1\nfor i in range(3):\n    x += random.random()\nx += random.random()")
     assert evaluator.notes == {"random numbers without a seed: the seed 0 is taken": 4}
     assert reads("import random\nrandom.seed(5)\nrandom.random()").notes == {}
-
-
-def test_the_length_of_a_script_counts_as_steps() -> None:
-    """Parsing takes as long as going through it, so a script may be long or take many rounds, and not both."""
-    script = "x = 1 + 2\n" * 900  # 4500 tokens
-    reads(script, Limits(steps=40_000))
-    refuses(script, "more than 15000 steps; `limits` allows more", 900, Limits(steps=15_000))
-    refuses("for i in range(10000):\n    x = 1", "more than 100 steps", 2, Limits(steps=100))
 
 
 def test_the_collector_of_python_is_left_as_it_was() -> None:

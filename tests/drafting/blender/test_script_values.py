@@ -5,18 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from script_reading import agrees, reads, refuses
 
-from lidardraft.drafting.blender.script.limits import Limits, RefusalError, Script
-from lidardraft.drafting.blender.script.values import (
-    Builtin,
-    Namespace,
-    Record,
-    checked,
-    describe,
-    elements,
-    length,
-    real,
-    reals,
-)
+from lidardraft.drafting.blender.script.limits import Limits
 
 NUMBERS = st.one_of(st.integers(-(2**40), 2**40), st.floats(-1e6, 1e6), st.booleans())
 _PLACED = "at = []\ndef placed():\n    for k in range(3):\n        at.append(0)\n        yield k\n"
@@ -39,15 +28,12 @@ AGREED: list[str] = [
     "a = [1, 2, 3]\nfor x, y in zip(a, 'abc'):\n    a.pop()\nassert a == [1]",
     "x = [1]\ntry:\n    x[3] = 1\nexcept IndexError:\n    x.append(2)\ntry:\n    del x[9]\n"
     "except IndexError:\n    pass",
-    # values are what python makes of them
     "assert 2 in [1, 2] and 'b' in 'abc' and 3 in range(5) and 2.5 not in range(5) and 'a' in {'a': 1}",
     "assert [1] in [[1], [2]] and (1, 2) not in [(2, 1)] and None is None and [] is not []",
-    # they give what python gives
     "assert {'a': 1, 'b': 2} | {'a': 3} == {'a': 3, 'b': 2}",
     "assert 'Car.001'.rsplit('.', 1) == ['Car', '001'] and 'a b c'.split(maxsplit=1) == ['a', 'b c']",
     "import math\nassert math.isqrt(17) == 4 and math.modf(1.5) == (0.5, 1.0)",
     "calls = []\ndef f(x):\n    calls.append(x)\n    return x\nassert not f(1) > f(2) > f(3) and calls == [1, 2]",
-    # they hold what pythons do
     "a = [1, *range(2), 3]\nassert a == [1, 0, 1, 3] and (*a, 4)[-1] == 4",
     "d = {'a': 1, **{'b': 2}, 3: (4,)}\nassert d['b'] == 2 and d[3] == (4,) and list(d) == ['a', 'b', 3]",
     "assert [x * y for x in range(3) if x for y in range(x)] == [0, 0, 2]",
@@ -63,7 +49,6 @@ AGREED: list[str] = [
     "'{0:>4}|{name:.1f}'.format(1, name=2.0) == '   1|2.0'",
     "assert f'{12345:,} {0.5:%} {3:b} {\"x\":*^5}' == '12,345 50.000000% 11 **x**'",
     "assert str({'a': (1,), 2: None}) == \"{'a': (1,), 2: None}\" and f'{[1, True]}' == '[1, True]'",
-    # they do what pythons do
     "assert ' Ab '.strip().lower() == 'ab' and 'a-b'.title() == 'A-B' and 'x'.isalpha() and '7'.isdigit()",
     "assert 'abcabc'.find('c', 3) == 5 and 'aab'.count('a') == 2 and 'abc'.startswith(('x', 'a'))",
     "assert 'a b  c'.split() == ['a', 'b', 'c'] and 'a,b,c'.split(',', 1) == ['a', 'b,c']",
@@ -74,13 +59,11 @@ AGREED: list[str] = [
     "assert x == [9, 3, 2, 5, 4] and x.pop() == 4",
     "x = [3, 1, 2]\nx.sort(key=lambda v: -v)\nassert x == [3, 2, 1] and x.index(2) == 1 and x.count(1) == 1",
     "x = [1, 2]\ny = x.copy()\nx.reverse()\nx.clear()\nassert y == [1, 2] and x == []",
-    "d = {'a': 1}\nd.update({'b': 2}, c=3)\nassert d.get('z', 0) == 0 and "
-    "list(d.items())[1] == ('b', 2) and "
+    "d = {'a': 1}\nd.update({'b': 2}, c=3)\nassert d.get('z', 0) == 0 and list(d.items())[1] == ('b', 2) and "
     "d.pop('a') == 1",
     "d = {}\nd.setdefault('a', []).append(1)\nassert d == {'a': [1]} and list(d.keys()) == ['a'] and "
     "list(d.values()) == [[1]]",
     "assert (1, 2, 1).count(1) == 2 and (1, 2).index(2) == 1",
-    # they are what python makes of them
     "s = set()\ns.add((1, 2))\ns.add((1, 2))\nassert len(s) == 1 and (1, 2) in s and (2, 1) not in s\n"
     "assert s and not set()",
     "s = {1, 2, 3}\ns.discard(9)\ns.remove(1)\ns.update([5], (6,))\nassert sorted(s) == [2, 3, 5, 6] and sum(s) == 16",
@@ -105,13 +88,11 @@ AGREED: list[str] = [
     "def f():\n    while True:\n        yield 1\nfor i, _ in enumerate(f(), 3):\n    if i > 5:\n        break\n"
     "assert i == 6 and any(x for x in f()) and not all(x - 1 for x in f())",
     "from itertools import count\ndef f():\n    yield 1\n    yield 2\n"
-    "assert list(zip(count(), f())) == [(0, 1), (1, 2)]\n"
-    "assert list(zip([1, 2], f(), strict=True)) == [(1, 1), (2, 2)]\n"
-    "try:\n    list(zip([1], f(), strict=True))\n    assert False\nexcept ValueError:\n    pass",
+    "assert list(zip(count(), f())) == [(0, 1), (1, 2)]\nassert list(zip([1, 2], f(), strict=True)) == [(1, 1), (2, "
+    "2)]\ntry:\n    list(zip([1], f(), strict=True))\n    assert False\nexcept ValueError:\n    pass",
     "a = [1, 2]\ng = (x for x in a)\na = [3]\nassert list(g) == [1, 2]",
     "made = []\ng = (made.append(x) for x in range(3))\nassert made == []\nnext(g)\nassert made == [0]",
     "i = iter([1, 2, 3, 4])\nfor x in i:\n    if x == 2:\n        break\nassert [x for x in i] == [3, 4]",
-    # they give what pythons do
     "assert int('12') == 12 and int(3.9) == 3 and int('ff', 16) == 255",
     "assert float('1e3') == 1000.0 and bool([]) is False",
     "assert abs(-2) == 2 and round(2.675, 2) == 2.67 and round(7, -1) == 10 and pow(2, 5) == 32 and "
@@ -140,9 +121,9 @@ REFUSED: list[tuple[str, str, int]] = [
     # what cannot be calculated
     ("1 + 'a'", "1 . 'a' is not supported", 1),
     ("[1] - [2]", "a list - a list is not supported", 1),
+    ("2 ** 62 * 2 + 1", "more than 63 bits", 1),
     ("-'a'", "'a' cannot have this sign", 1),
     ("1 < 'a'", "1 and 'a' have no order", 1),
-    # what they refuse
     ("x = 1\ny = 'a' + x", "'a' . 1 is not supported", 2),
     ("from collections import Counter\nCounter('a') | Counter('b')", "a Counter . a Counter is not supported", 2),
     ("x = 1\ny = 1 if x < 'a' else 2", "1 and 'a' have no order", 2),
@@ -156,32 +137,30 @@ REFUSED: list[tuple[str, str, int]] = [
     ("{'a': 1}['b']", "the key 'b' is not in the dict", 1),
     # formats that are not read
     ("f'{1:>300}'", "a width of 300 characters; 200 are the most", 1),
-    ("f'{1:y}'", "the format 'y' is not supported", 1),
-    ("f'{\"a\":d}'", "'a' cannot be formatted as 'd'", 1),
+    ("f'{1:y}'", "not supported: Unknown format code 'y'", 1),
+    ("f'{\"a\":d}'", "not supported: Unknown format code 'd'", 1),
     ("f'{[]:5}'", "a list cannot be formatted as '5'", 1),
     # wrong uses are named
-    ("[].pop()", "a list of 0 has no place -1", 1),
+    ("[].pop()", "pop: pop from empty list", 1),
     ("[1].remove(2)", "2 is not in the list", 1),
     ("{}.pop('a')", "pop: 'a'", 1),
     ("{}.setdefault([])", "a list cannot be a key", 1),
-    # what they refuse
     ("{[1]}", "a list cannot be a key", 1),
     ("x = 1\n{1}.add([1])", "a list cannot be a key", 2),
     ("{1}.pop()", "a set has no 'pop' that is supported", 1),
     ("{1} + {2}", "a set . a set is not supported", 1),
-    # what they refuse
     ("len(iter([1]))", "an iterator has no length", 1),
     ("from itertools import islice\nislice([1], -1)", "a bound of islice is -1; it must be 0 or more", 2),
     ("next([1])", "a list is no iterator", 1),
     ("next(x for x in [])", "there is no value left", 1),
     # wrong arguments are named
     ("len(5)", "5 has no length", 1),
+    ("len(range(-(2**63), 2**63))", "a range without end", 1),
     ("int('x')", "int: invalid literal", 1),
     ("float([])", "a list is no number", 1),
     ("sum(['a'])", "sum: only numbers", 1),
     # types in brackets and unions of types
     ("x = int | 5", "a function . 5 is not supported", 1),
-    ("k = int\nwhile True:\n    k = k | int", "a union of 51 types; 50 are the most", 3),
     ("x = int + float", "a function . a function is not supported", 1),
 ]
 
@@ -217,63 +196,3 @@ def test_nesting_and_calls_share_one_limit() -> None:
     recursion = "def f(n):\n    return n and f(n - 1)\nf(%d)"
     reads(recursion % 10)
     refuses(recursion % 1000, "nested more than 150 levels deep", 2)
-
-
-def test_a_method_that_is_kept_costs_as_much_each_time() -> None:
-    for method, arguments in (("upper", ""), ("count", "'b'"), ("split", "'zz'"), ("isdigit", "")):
-        refuses(
-            f"s = 'a' * 900000\nf = s.{method}\nwhile True:\n    f({arguments})", "all values together have more", 4
-        )
-
-
-def test_a_record_has_nothing_of_its_own() -> None:
-    record = Record()
-    for use in (
-        lambda: record.attribute("x"),
-        lambda: record.set_attribute("x", 1),
-        lambda: record.item(0),
-        lambda: record.set_item(0, 1),
-        record.elements,
-        record.negative,
-        lambda: record.call([], {}),
-    ):
-        with pytest.raises(RefusalError, match="a value"):
-            use()
-    assert record.truth()
-    assert record.equals(record)
-    assert not record.equals(Record())
-
-
-def test_what_python_says_of_wrong_arguments_is_passed_on() -> None:
-    double = Builtin("double", lambda x: 2 * x)
-    assert double.call([4], {}) == 8
-    with pytest.raises(RefusalError, match=r"^double\(\) does not take the arguments \(\)"):
-        double.call([], {})
-    with pytest.raises(RefusalError, match=r"math\.tau is not supported"):
-        Namespace("math", {"pi": 3}).attribute("tau")
-
-
-def test_numbers_are_finite_and_not_too_large() -> None:
-    assert real(True, "x") == 1.0
-    assert reals([1, 2.5], 2, "x") == (1.0, 2.5)
-    for bad in (float("nan"), float("inf"), 1e301, "1", None):
-        with pytest.raises(RefusalError, match=r"x is .*; it must be a finite number"):
-            real(bad, "x")
-    for bad in ([1], [1, 2, 3], "ab", 5):
-        with pytest.raises(RefusalError, match=r"x is .*; it must be 2 numbers"):
-            reals(bad, 2, "x")
-    assert checked(2**63) == 2**63
-    with pytest.raises(RefusalError, match="more than 63 bits"):
-        checked(2**63 + 1)
-
-
-def test_lengths_and_elements() -> None:
-    budget = Script(Limits(length=5))
-    assert elements("ab", budget) == ["a", "b"]
-    assert elements({"a": 1}, budget) == ["a"]
-    assert length(range(3)) == 3
-    with pytest.raises(RefusalError, match="a range without end"):
-        length(range(-(2**63), 2**63))
-    with pytest.raises(RefusalError, match="a value of 6 elements; 5 are the most"):
-        elements(range(6), budget)
-    assert describe("a" * 100) == repr("a" * 40)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from lidardraft.drafting.solver import layout as solver
 from lidardraft.drafting.solver.layout import layout_from_spec
-from lidardraft.drafting.solver.occupancy import Occupancy
+from lidardraft.drafting.solver.scene import SpecScene
 from lidardraft.drafting.solver.scene_spec import (
     HEADINGS,
     LANES,
@@ -37,10 +37,9 @@ def one(kind: str, count: int | str = 1, *places: str, road: str = "straight", *
 @pytest.mark.parametrize("kind", sorted(SENTENCE_KINDS))
 @pytest.mark.parametrize("road", ROADS)
 def test_every_kind_stands_on_every_road(kind: str, road: str) -> None:
-    for seed in range(3):
-        layout = layout_from_spec(one(kind, "some", road=road), seed=seed)
-        assert check(layout) == []
-        assert objects(layout)
+    layout = layout_from_spec(one(kind, "some", road=road), seed=len(kind))
+    assert check(layout) == []
+    assert objects(layout)
 
 
 @settings(max_examples=30, deadline=None)
@@ -112,13 +111,7 @@ def test_absent_kinds_leave_the_mix() -> None:
     ("kind", "count", "place", "fields", "said"),
     [
         ("bus", 60, "front", {}, r"Only \d+ of 60 buses fit in front; blocked by .*bus_\d"),
-        (
-            "bus",
-            40,
-            "front",
-            {"distance": (0, 10)},
-            r"Only \d of 40 buses fit in front, 0 to 10 m away; blocked by bus_",
-        ),
+        ("bus", 40, "front", {"distance": (0, 10)}, r"Only \d of 40 buses fit in front, 0 to 10 m away; blocked by"),
         ("tree", 1, "left", {"distance": (2, 2)}, "No tree fits on the left, 2 m away; blocked by the road"),
         ("tree", "some", "left", {"distance": (2, 2)}, "No tree fits on the left, 2 m away; blocked by the road"),
         ("tree", 10, "left", {"spacing": 30.0}, "None of 10 trees fits on the left, every 30 m; blocked by the end of"),
@@ -184,7 +177,7 @@ def random_spec(rng: np.random.Generator) -> SceneSpec:
     return SceneSpec(road=road, groups=tuple(groups))
 
 
-@pytest.mark.parametrize("tenth", range(10))
+@pytest.mark.parametrize("tenth", [0, 1, 2, *(pytest.param(tenth, marks=pytest.mark.slow) for tenth in range(3, 10))])
 def test_every_relation_of_a_random_spec_holds(tenth: int) -> None:
     refused = 0
     for number in range(100 * tenth, 100 * tenth + 100):
@@ -232,19 +225,18 @@ def test_who_drives_through_the_ring_of_a_roundabout_drives_around() -> None:
                 assert x * math.sin(box.yaw) - y * math.cos(box.yaw) > 0.9 * math.hypot(x, y)
 
 
-@pytest.mark.parametrize("count", [1000, 5000])
-def test_an_impossible_crowd_is_refused_early(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_impossible_crowd_is_refused_early(monkeypatch: pytest.MonkeyPatch) -> None:
     tried = 0
-    place = Occupancy.place
+    place = SpecScene.place
 
     def counted(*arguments: Any, by_end: bool) -> Any:
         nonlocal tried
         tried += 1
         return place(*arguments, by_end=by_end)
 
-    monkeypatch.setattr(Occupancy, "place", counted)
-    with pytest.raises(LayoutError, match=rf"^At most \d+ of {count} people fit on the left, on the sidewalk; "):
-        layout_from_spec(one("person", count, "left", surface="sidewalk"), seed=0)
+    monkeypatch.setattr(SpecScene, "place", counted)
+    with pytest.raises(LayoutError, match=r"^At most \d+ of 5000 people fit on the left, on the sidewalk; "):
+        layout_from_spec(one("person", 5000, "left", surface="sidewalk"), seed=0)
     assert tried < 40_000  # a third of what all arrangements take
 
 

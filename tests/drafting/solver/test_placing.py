@@ -15,9 +15,9 @@ from lidardraft.drafting.solver.layout import (
     with_references,
     with_sides,
 )
-from lidardraft.drafting.solver.occupancy import Occupancy
 from lidardraft.drafting.solver.poses import RoadPose
 from lidardraft.drafting.solver.road_from_spec import road_from_spec
+from lidardraft.drafting.solver.scene import SpecScene
 from lidardraft.drafting.solver.scene_spec import EGO_LANES, ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import check
@@ -127,8 +127,8 @@ def test_crowns_leave_room_for_each_other() -> None:
     assert (row.size[0] or 9.0) < 2.0
 
 
-def occupancy(**fields: object) -> Occupancy:
-    return Occupancy(Road(**fields), np.random.default_rng(0))  # type: ignore[arg-type]
+def occupancy(**fields: object) -> SpecScene:
+    return SpecScene(Road(**fields), np.random.default_rng(0))  # type: ignore[arg-type]
 
 
 def test_what_finds_no_room_says_what_is_in_the_way() -> None:

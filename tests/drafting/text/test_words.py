@@ -3,10 +3,11 @@
 import pytest
 
 from lidardraft.drafting.solver.scene_spec import MAX_COUNT
+from lidardraft.drafting.text import lexicon
 from lidardraft.drafting.text.chart import Chart, Grammar, Node, rule
 from lidardraft.drafting.text.grammar import parse
 from lidardraft.drafting.text.layout import nearest_words, spec_from_text
-from lidardraft.drafting.text.lexicon import vocabulary
+from lidardraft.drafting.text.lexicon import rows, vocabulary
 from lidardraft.drafting.text.positions import BEHIND, FRONT, LEFT, Position
 from lidardraft.drafting.text.tokens import NUMBER, clean, number, tokens_of
 from lidardraft.errors import LayoutError
@@ -64,7 +65,7 @@ def test_numbers_in_words_and_digits_are_never_another_count(hundred: int) -> No
     ("text", "value"),
     [
         *(("a hundred", 100), ("a hundred and one", 101), ("nineteen hundred", 1900), ("2 hundred", 200)),
-        *(("two million", 2_000_000), ("3 thousand", 3000), ("a row of ten", 10), ("007", 7)),
+        *(("two million", 2_000_000), ("3 thousand", 3000), ("a group of ten", 10), ("007", 7)),
         *(("one-hundred-and-two", 102), ("two dozen", 24), ("2 dozen", 24), ("half a dozen", 6), ("about 20", 20)),
         *(("a couple of", 2), ("2x", 2), ("2 x", 2)),
     ],
@@ -134,7 +135,7 @@ def test_metres(text: str, low: float, high: float) -> None:
         ("cars trucks", ["object", "object"]),
         ("a car at the wall", ["object", "relation"]),
         ("a car at 20 m on the left", ["object", "whereabouts"]),
-        ("a bus stop", ["stranger"]),
+        ("a bus ticket", ["stranger"]),
         ("a left bend 20 m ahead", ["street", "whereabouts"]),
     ],
 )
@@ -161,3 +162,18 @@ def test_words_that_fit_together_narrow_a_place_and_others_are_alternatives() ->
 def test_a_misspelled_noun_is_named_and_never_taken_for_it() -> None:
     found = nearest_words(["two trcuk ahead", "a bsu, a zebra, a mouse, a cra, tress, a hosue"])
     assert found == {"trcuk": "truck", "bsu": "bus", "cra": "car", "tress": "trees", "hosue": "house"}
+
+
+def test_a_synonym_and_a_relation_are_a_row_each(monkeypatch: pytest.MonkeyPatch) -> None:
+    added = ["kind kind=car: jalopy", "prep relation=behind at.places=behind: astern of"]
+    monkeypatch.setattr(lexicon, "rows", lambda name: [*rows(name), *added])
+    caches = (lexicon.lexicon, lexicon.vocabulary)
+    for one in caches:
+        one.cache_clear()
+    try:
+        spec = spec_from_text("two jalopies astern of a bus", strict=True)
+    finally:
+        monkeypatch.undo()
+        for one in caches:
+            one.cache_clear()
+    assert [(one.kind, one.count, one.relation) for one in spec.groups] == [("car", 2, "behind"), ("bus", 1, None)]

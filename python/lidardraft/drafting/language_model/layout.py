@@ -21,6 +21,8 @@ from lidardraft.drafting.solver.scene_spec import (
     EGO_LANES,
     HEADINGS,
     LANES,
+    MOTIONS,
+    PAINTS,
     PLACES,
     RELATIONS,
     ROADS,
@@ -34,6 +36,7 @@ from lidardraft.files import named
 from lidardraft.json_fields import check_fields, parse_object
 from lidardraft.scene.check import check
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.weather import WEATHERS
 from lidardraft.semantics import CLASSES
 
 Schema = dict[str, Any]
@@ -94,8 +97,9 @@ def layout_from_llm(
 def spec_prompt() -> Prompt:
     """The instructions for a spec; what names a field can have is filled in from the code that reads them."""
     names = {"roads": ROADS, "kinds": SENTENCE_KINDS, "counts": COUNTS, "places": PLACES, "lanes": LANES}
-    names |= {"ego_lanes": EGO_LANES, "headings": HEADINGS, "relations": RELATIONS}
+    names |= {"ego_lanes": EGO_LANES, "headings": HEADINGS, "motions": MOTIONS, "relations": RELATIONS}
     names |= {"districts": DISTRICTS, "activities": ACTIVITIES}
+    names |= {"paints": PAINTS, "weathers": WEATHERS}
     texts = {name: ", ".join(values) for name, values in names.items()}
     return Prompt.from_file("scene_spec", farthest=f"{MAX_DISTANCE:g}", **texts)
 
@@ -109,7 +113,9 @@ def _spec_of(reply: str, text: str) -> SceneSpec:
     """The spec that a reply holds; it can be arranged, and quotes nothing that is not in the text."""
     with named("spec"):
         fields = parse_object(json_of(reply))
-        check_fields(fields, ("road", "groups"), ("absent", "not_around", "district", "activity", "not_understood"))
+        check_fields(
+            fields, ("road", "groups"), ("absent", "not_around", "district", "activity", "weather", "not_understood")
+        )
         spec = SceneSpec.from_dict(fields)
     if len(spec.groups) > MAX_GROUPS:
         raise LayoutError(f"the spec has {len(spec.groups)} groups; it may have {MAX_GROUPS}")
@@ -164,6 +170,9 @@ def scene_spec_schema() -> Schema:
         "sidewalk": _or_null({"type": "boolean"}),
         "one_way": {"type": "boolean"},
         "ego_lane": _or_null(_one_of(EGO_LANES)),
+        "ego_motion": _or_null(_one_of(MOTIONS)),
+        "ego_speed": _or_null({"type": "number"}),
+        "junction": _or_null(numbers),
     }
     count = [{"type": "integer"}, _one_of(COUNTS), _list_of({"type": "integer"})]
     group = {
@@ -176,18 +185,22 @@ def scene_spec_schema() -> Schema:
         "lane": _or_null(_one_of(LANES)),
         "at_junction": {"type": "boolean"},
         "heading": _or_null(_one_of(HEADINGS)),
+        "motion": _or_null(_one_of(MOTIONS)),
+        "speed": _or_null({"type": "number"}),
         "distance": _or_null(numbers),
         "spacing": _or_null({"type": "number"}),
         "from_road": _or_null(numbers),
         "from_sidewalk": _or_null(numbers),
         "size": _or_null(_list_of(_or_null({"type": "number"}))),
         "scale": _or_null(numbers),
+        "paint": _or_null(_one_of(PAINTS)),
         "relation": _or_null(_one_of(RELATIONS)),
         "references": _list_of({"type": "integer"}),
     }
     kinds = _list_of(_one_of(SENTENCE_KINDS))
     spec = {"road": _object(road), "groups": _list_of(_object(group)), "absent": kinds, "not_around": kinds}
     spec |= {"district": _or_null(_one_of(DISTRICTS)), "activity": _or_null(_one_of(ACTIVITIES))}
+    spec |= {"weather": _or_null(_one_of(WEATHERS))}
     return _object(spec | {"not_understood": _list_of({"type": "string"})})
 
 

@@ -26,6 +26,7 @@ from lidardraft.formats.intrinsics import read_intrinsics
 from lidardraft.formats.picture import Picture, read_picture
 from lidardraft.json_fields import are_numbers, is_number
 from lidardraft.perception.mask_votes import number_objects
+from lidardraft.scene.edit import placed
 from lidardraft.scene.layout import Layout
 from lidardraft.semantics import NUM_CLASSES
 
@@ -278,19 +279,10 @@ def _coverage(camera: Pinhole, plane: RoadPlane) -> tuple[float, float]:
 
 
 def _placed(layout: Layout, place: tuple[float, float, float]) -> Layout:
-    x, y, yaw = map(float, place)
-    if (x, y, yaw) == (0.0, 0.0, 0.0):
-        return layout
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    moved = []
-    for primitive in layout:
-        u, v, z = primitive.center
-        moved.append(
-            replace(primitive, center=(x + cos * u - sin * v, y + sin * u + cos * v, z), yaw=primitive.yaw + yaw)
-        )
+    yaw = float(place[2])
     assert layout.coverage is not None
     right, left = layout.coverage
-    return replace(layout, primitives=tuple(moved), coverage=(right + yaw, left + yaw))
+    return replace(layout, primitives=tuple(placed(layout, place)), coverage=(right + yaw, left + yaw))
 
 
 def _name(given: object) -> str:

@@ -146,17 +146,10 @@ def _standing(
     id: str, parts: list[tuple[CoarseShape, float]], place: tuple[float, float, float], instances: Iterator[int]
 ) -> Iterator[Primitive]:
     for part, yaw in parts:
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        x, y, z = part.center
-        yield Primitive(
-            shape=part.shape,
-            center=(place[0] + cos * x - sin * y, place[1] + sin * x + cos * y, place[2] + z),
-            size=part.size,
-            yaw=math.remainder(yaw, math.tau),
-            label=part.label,
-            id=f"{id}.{part.name}" if part.name else id,
-            instance=next(instances) if BY_NAME[part.label].is_thing else 0,
-        )
+        x, y, level = place
+        instance = next(instances) if BY_NAME[part.label].is_thing else 0
+        turned = x, y, math.remainder(yaw, math.tau)
+        yield part.placed(turned, level, f"{id}.{part.name}" if part.name else id, instance)
 
 
 def _shortened(lines: list[str]) -> list[str]:

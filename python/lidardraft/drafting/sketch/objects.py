@@ -23,6 +23,7 @@ from lidardraft.objects.coarse_shapes import (
 )
 from lidardraft.scene import class_names
 from lidardraft.scene.check import SIZE_RANGES
+from lidardraft.scene.pose import point_at
 
 # The kind that a class stands for where neither a name nor a size says it, unless it has the name of the class.
 _USUAL_KIND = {"building": "house", "vegetation": "tree", "trunk": "tree", "rider": "bicycle"}
@@ -105,8 +106,7 @@ def objects_of_stroke(stroke: Stroke, rng: np.random.Generator) -> Iterator[Plac
         length, turn = float(np.linalg.norm(b - a)), math.atan2(*(b - a)[::-1])
         if length > _SHORTEST_PART:
             x, y = ((a + b) / 2 - place).tolist()
-            cos, sin = math.cos(turn), math.sin(turn)
-            center = (cos * x + sin * y, cos * y - sin * x, whole.center[2])
+            center = (*point_at((0.0, 0.0, -turn), x, y), whole.center[2])
             parts.append((whole._replace(center=center, size=(length, *whole.size[1:])), turn))
     if not parts:
         raise NotDrawnError("it has no length")

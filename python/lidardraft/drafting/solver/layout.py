@@ -10,11 +10,11 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from lidardraft.drafting.solver.occupancy import GAP, Occupancy, is_at
 from lidardraft.drafting.solver.poses import RoadPose, Try, each_lane, lanes_of, sample_full
 from lidardraft.drafting.solver.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.solver.road_from_spec import road_from_spec
 from lidardraft.drafting.solver.road_zones import Zone, along_row, measured_from, zone_of
+from lidardraft.drafting.solver.scene import GAP, SpecScene, is_at
 from lidardraft.drafting.solver.scene_spec import (
     EXTENTS,
     ObjectGroup,
@@ -30,6 +30,7 @@ from lidardraft.scene.layout import Layout
 TRIES = 60  # of places for one object
 ARRANGEMENTS = 10  # of the whole scene
 _CROWDED = 100  # objects of one group that need more room from the start
+_DEEPER = 5  # arrangement from which the buildings of an alley may stand further back
 _LATER = 4.0  # m that a row begins later with each arrangement
 _MOST_SPACED = 40  # objects of a row whose number is a word
 # Estimates of ours.
@@ -37,6 +38,7 @@ _APART = 1.5  # m between what stands in a row at a wall
 _BETWEEN_CROWNS = 0.3  # m
 _LONGEST_ROW, _SHORTEST_STRIP = 90.0, 3.0  # m, of many walls or hedges together, and of one of them
 _BARRIER = 2.0  # m, the length of a fence or wall that stands in a lane, across it
+_AT_KERB = (0.1, 0.4)  # m from the road to the fronts of an alley
 _LEAST = 200  # tries to find room in a crowd before anything is said of it
 # Objects placed at random saturate at 0.56 (squares) or 0.75 (along a line) of their area (Feder, J. Theor. Biol. 1980;
 # Renyi, 1958). With the share r of places still free, at most (1 + c sqrt(r) / (1 - r)) times those that stand then
@@ -76,9 +78,11 @@ class _Solver:
     def __init__(self, spec: SceneSpec, seed: int, attempt: int) -> None:
         self.spec, self.attempt = spec, attempt
         self.groups = tuple(map(with_gap, with_sides(long_strips(spec.groups))))
+        if spec.district == "alley" and attempt < _DEEPER:
+            self.groups = tuple(map(at_the_kerb, self.groups))
         self.rng = np.random.default_rng([seed, attempt] if attempt else seed)
         self.road = road_from_spec(spec, self.rng, attempt)
-        self.scene = Occupancy(self.road, self.rng)
+        self.scene = SpecScene(self.road, self.rng)
         self.placed: dict[int, list[Footprint]] = {}
         self.crowd: Crowd | None = None
         self.overcrowded = False
@@ -421,6 +425,12 @@ def with_gap(group: ObjectGroup) -> ObjectGroup:
     if spacing >= least + GAP:
         return group
     return dataclasses.replace(group, size=(length, *size[1:]), spacing=spacing + length)
+
+
+def at_the_kerb(group: ObjectGroup) -> ObjectGroup:
+    """The group, with its front at the kerb where it is one of buildings that nothing is said of."""
+    free = group.record.family == "buildings" and not (group.relation or group.distance or group.set_back)
+    return dataclasses.replace(group, from_road=_AT_KERB) if free else group
 
 
 def _row_length(group: ObjectGroup) -> float:

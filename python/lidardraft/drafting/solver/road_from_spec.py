@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 
+from lidardraft.arranging.district import SETTINGS
 from lidardraft.drafting.solver.poses import LOT_DEPTHS
 from lidardraft.drafting.solver.road_zones import queue_length
 from lidardraft.drafting.solver.scene_spec import MAX_LANES, ObjectGroup, SceneSpec, split_place
@@ -27,10 +28,10 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     is further than a sensor sees.
     """
     kind = spec.road.kind
-    motorway, lot = kind == "motorway", kind == "parking-lot"
+    motorway, lot, narrow = kind == "motorway", kind == "parking-lot", spec.district == "alley"
     usual, needed = _usual_ego_lane(spec)
     lanes = spec.road.lanes or max(
-        needed, min(_most_lanes(spec), _sample_lanes(spec, rng, max(needed, 1 + effort // 2)))
+        needed, min(_most_lanes(spec), _sample_lanes(spec, rng, max(needed, 1 + (0 if narrow else effort // 2))))
     )
     ego_lane = min({"left": lanes - 1, "middle": lanes // 2, "right": 0}.get(str(spec.road.ego_lane), usual), lanes - 1)
     distances = [(g.distance[1], g.kind) for g in spec.groups if g.distance and g.relation is None]
@@ -39,13 +40,18 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
         raise LayoutError(f"{farthest_kind}: distance is {farthest:g} m; it must be {MAX_DISTANCE:g} m or less")
     queue = max((queue_length(group) for group in spec.groups if group.record.is_vehicle), default=0.0)
     row = max((_row_end(group) for group in spec.groups), default=0.0)
+    if spec.road.junction and spec.road.junction[1] > MAX_DISTANCE - 30.0:
+        raise LayoutError(f"road: junction is {spec.road.junction[1]:g} m; it must be {MAX_DISTANCE - 30:g} m or less")
+    farthest = max(farthest, spec.road.junction[1] + 30.0 if spec.road.junction else 0.0)
     half_length = max(80.0, farthest + 15.0, row + 5.0, min(MAX_DISTANCE, max(queue, 30.0 * effort) + 10.0))
     if motorway:  # nothing else of it may differ from one seed to the next
         half_length += float(rng.spawn(1)[0].uniform(0.0, 8.0))
     wanted = spec.road.sidewalk
-    sidewalk = float(rng.uniform(1.8, 3.0)) if wanted or (wanted is None and not (motorway or lot)) else 0.0
+    usual_walk = not (motorway or lot) and (spec.district is None or SETTINGS[spec.district].sidewalk[1] > 0.0)
+    sidewalk = float(rng.uniform(1.8, 3.0)) if wanted or (wanted is None and usual_walk) else 0.0
     bend = {"left-bend": 1.0, "right-bend": -1.0, "bend": float(rng.choice([-1, 1]))}.get(kind, 0.0)
-    lane_width = 3.75 if motorway else AISLE_LANE if lot else float(rng.uniform(3.3, _WIDEST_LANE))
+    widths = SETTINGS["alley"].lane_width if narrow else (3.3, _WIDEST_LANE)
+    lane_width = 3.75 if motorway else AISLE_LANE if lot else float(rng.uniform(*widths))
     parking = HARD_SHOULDER if motorway else 0.0 if lot else _parking_width(spec, ego_lane)
     oncoming = 0 if spec.road.one_way else spec.road.oncoming_lanes or lanes
     median = MEDIAN if motorway and not (spec.road.one_way or _has_junction(spec)) else 0.0
@@ -61,7 +67,7 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
         parking=parking,
         sidewalk=sidewalk,
         curvature=curvature,
-        junction=float(rng.uniform(near, near + 12.0 + 8.0 * effort)) if _has_junction(spec) else None,
+        junction=_junction(spec, edge if radius is None else radius, near, rng, effort),
         side_roads=(int(rng.choice([LEFT, RIGHT])),) if kind == "t-junction" else (LEFT, RIGHT),
         half_length=half_length,
         median=median,
@@ -79,7 +85,7 @@ def _row_end(group: ObjectGroup) -> float:
 
 
 def _sample_lanes(spec: SceneSpec, rng: np.random.Generator, needed: int) -> int:
-    if spec.road.kind == "parking-lot":
+    if spec.road.kind == "parking-lot" or spec.district == "alley":
         return needed
     if spec.road.kind == "motorway":
         return max(needed, int(rng.choice([2, 3])))
@@ -135,6 +141,15 @@ def _has_junction(spec: SceneSpec) -> bool:
     return spec.road.kind in kinds or any(
         group.crosses or group.turns or group.at_junction for group in spec.groups if spec.road.kind != "parking-lot"
     )
+
+
+def _junction(spec: SceneSpec, half: float, near: float, rng: np.random.Generator, effort: int) -> float | None:
+    """How far ahead the middle of the crossing road is [m], which reaches `half` from there."""
+    if not _has_junction(spec):
+        return None
+    if spec.road.junction is not None:
+        return half + float(rng.uniform(*spec.road.junction))
+    return float(rng.uniform(near, near + 12.0 + 8.0 * effort))
 
 
 def _parking_lot(spec: SceneSpec, edge: float, farthest: float, rng: np.random.Generator) -> tuple[PavedArea, ...]:

@@ -14,6 +14,7 @@ from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS, Se
 from lidardraft.errors import LayoutError, one_of
 from lidardraft.files import named
 from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number, parse_object
+from lidardraft.scene.weather import WEATHERS
 
 ROADS = (
     *("straight", "bend", "left-bend", "right-bend", "crossroads", "t-junction", "roundabout"),
@@ -30,13 +31,17 @@ HEADINGS = (
     *("with", "against", "parked"),
     *("across", "across-left", "across-right", "turning", "turning-left", "turning-right"),
 )
+MOTIONS = ("brakes", "accelerates", "overtakes")
+MAX_SPEED = 70.0  # m/s
 LANES = ("own", "left", "middle", "right", "opposite", "each")
 EGO_LANES = ("left", "middle", "right")
 RELATIONS = ("behind", "in-front-of", "beside", "left-of", "right-of", "between", "opposite", "near")
 DISTRICTS = tuple(SETTINGS)
 ACTIVITIES = ("empty", "quiet", "busy")
+PAINTS = ("light", "mid", "dark")
 MAX_COUNT = 5000
 MAX_LANES = 6  # in one direction
+NEAREST_JUNCTION = 6.0  # m, before the ego
 MIN_SPACING = 0.1  # m
 EXTENTS = (0.05, 100.0)  # m, that an object can be asked for with
 
@@ -52,6 +57,7 @@ _HEADINGS = {
     "turning-left": "turning left",
     "turning-right": "turning right",
 }
+_MOTIONS = {"brakes": "braking", "accelerates": "accelerating", "overtakes": "overtaking"}
 _RELATIONS = {"left-of": "on the left of", "right-of": "on the right of", "in-front-of": "in front of"}
 
 
@@ -66,7 +72,9 @@ class RoadSpec:
     """The road under the ego vehicle; `lanes` (in one direction) and `sidewalk` are None where its kind decides.
 
     `oncoming_lanes` are those of the other direction where they are not as many. With `one_way` all lanes lead in the
-    ego's direction. `ego_lane` is one of EGO_LANES, or None where that is left open.
+    ego's direction. `ego_lane` is one of EGO_LANES, or None where that is left open; `ego_motion` and `ego_speed` are
+    as those of a group.
+    `junction` is the range from the ego to where the crossing road begins [m], None where that is left open.
     """
 
     kind: str = "straight"
@@ -75,11 +83,15 @@ class RoadSpec:
     sidewalk: bool | None = None
     one_way: bool = False
     ego_lane: str | None = None
+    ego_motion: str | None = None
+    ego_speed: float | None = None
+    junction: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         _one_of("road: kind", self.kind, ROADS)
         if self.ego_lane is not None:
             _one_of("road: ego_lane", self.ego_lane, EGO_LANES)
+        _check_motion("road: ego_", self.ego_motion, self.ego_speed)
         for name in ("lanes", "oncoming_lanes"):
             number = getattr(self, name)
             fits = number is None or (type(number) is int and 1 <= number <= MAX_LANES)
@@ -90,6 +102,10 @@ class RoadSpec:
         said = self.sidewalk is None or type(self.sidewalk) is bool
         _require(said, "road: sidewalk", self.sidewalk, "true, false or null")
         _require(type(self.one_way) is bool, "road: one_way", self.one_way, "true or false")
+        if self.junction is not None:
+            fits = are_numbers(self.junction, 2) and NEAREST_JUNCTION <= self.junction[0] <= self.junction[1]
+            _require(fits, "road: junction", self.junction, f"a range in metres, {NEAREST_JUNCTION:g} <= from <= to")
+            object.__setattr__(self, "junction", (float(self.junction[0]), float(self.junction[1])))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -100,11 +116,12 @@ class ObjectGroup:
     on or beside the road, but at none of `not_places`. `surface` asks for one other than the usual of the kind, `lane`
     for one of LANES: "left" is the leftmost in the ego's direction, and with "each" every lane that `heading` allows
     has so many objects. `at_junction` is where another road meets the ego's; `heading` is relative to the ego's.
+    `motion`, one of MOTIONS, and `speed` [m/s] are how it moves in a sequence; 0 stands.
     `distance` is a range from the ego [m]: across the road for what stands beside it at a place that is neither in
     front nor behind, else along the road. `spacing` is the distance between neighbours [m]. `from_road` is a range from
     the kerb to the near side [m], beyond the kerb, but before it for what drives and on the surface "road";
     `from_sidewalk` is one from the far edge of the sidewalk. `size` is length, width and height [m], None where nothing
-    is said, and `scale` what the usual size is multiplied by.
+    is said, and `scale` what the usual size is multiplied by; `paint`, one of PAINTS, is for vehicles.
 
     `relation` says where the objects are from those of other groups, `references`, by their numbers in the spec;
     then `distance` is measured from there. `words` are those of the sentence that asked for the group.
@@ -118,12 +135,15 @@ class ObjectGroup:
     lane: str | None = None
     at_junction: bool = False
     heading: str | None = None
+    motion: str | None = None
+    speed: float | None = None
     distance: tuple[float, float] | None = None
     spacing: float | None = None
     from_road: tuple[float, float] | None = None
     from_sidewalk: tuple[float, float] | None = None
     size: tuple[float | None, float | None, float | None] | None = None
     scale: tuple[float, float, float] | None = None
+    paint: str | None = None
     relation: str | None = None
     references: tuple[int, ...] = ()
     words: str = field(default="", compare=False)
@@ -135,10 +155,12 @@ class ObjectGroup:
         for place in (*self.places, *self.not_places):
             _one_of(f"{self.kind}: place", place, PLACES)
         choices = {"surface": self.record.surfaces, "lane": LANES, "heading": HEADINGS, "relation": RELATIONS}
+        choices["paint"] = PAINTS
         for name, names in choices.items():
             if getattr(self, name) is not None:
                 _one_of(f"{self.kind}: {name}", getattr(self, name), names)
         _require(type(self.at_junction) is bool, f"{self.kind}: at_junction", self.at_junction, "true or false")
+        _check_motion(f"{self.kind}: ", self.motion, self.speed)
         _require(type(self.words) is str, f"{self.kind}: words", self.words, "text")
         if (self.relation is None) != (not self.references):
             raise LayoutError(f"{self.kind}: relation is {self.relation!r} to {self.references}; one needs the other")
@@ -225,7 +247,7 @@ class SceneSpec:
     `absent` are kinds that nothing in the scene may be; `not_understood` the parts of the source that say nothing here.
     `district`, one of DISTRICTS, is where the road lies, and `activity`, one of ACTIVITIES, how much goes on there:
     they decide what surrounds the scene (`surround`), not the scene. Nor are kinds in `not_around` added there: those
-    that are denied somewhere, or in some state, as parked cars are.
+    that are denied somewhere, or in some state, as parked cars are. `weather` is one of WEATHERS.
     """
 
     road: RoadSpec = field(default_factory=RoadSpec)
@@ -235,11 +257,12 @@ class SceneSpec:
     district: str | None = None
     activity: str | None = None
     not_around: tuple[str, ...] = ()
+    weather: str | None = None
 
     def __post_init__(self) -> None:
         for name in ("groups", "absent", "not_understood", "not_around"):
             object.__setattr__(self, name, _items(name, getattr(self, name)))
-        for name, names in (("district", DISTRICTS), ("activity", ACTIVITIES)):
+        for name, names in (("district", DISTRICTS), ("activity", ACTIVITIES), ("weather", tuple(WEATHERS))):
             if getattr(self, name) is not None:
                 _one_of(name, getattr(self, name), names)
         for name in ("absent", "not_around"):
@@ -302,6 +325,13 @@ def _require(fits: bool, name: str, value: object, limit: str) -> None:
         raise LayoutError(f"{name} is {value!r}; it must be {limit}")
 
 
+def _check_motion(name: str, motion: str | None, speed: float | None) -> None:
+    if motion is not None:
+        _one_of(f"{name}motion", motion, MOTIONS)
+    fits = speed is None or (is_number(speed) and 0.0 <= speed <= MAX_SPEED)
+    _require(fits, f"{name}speed", speed, f"0 to {MAX_SPEED:g} m/s")
+
+
 def _items(name: str, value: Any) -> tuple[Any, ...]:
     _require(isinstance(value, tuple | list), name, value, "a list")
     return tuple(value)
@@ -320,7 +350,8 @@ def relations(spec: SceneSpec) -> list[str]:
             f"{group.kind}: {', '.join([count_text(group), *group_relations(group, spec, place)])}"
             for place in group.places or ("",)
         ]
-    return found + [f"{kind}: none" for kind in spec.absent]
+    found += [f"{kind}: none" for kind in spec.absent]
+    return found + ([f"weather: {spec.weather}"] if spec.weather else [])
 
 
 def road_relations(road: RoadSpec) -> list[str]:
@@ -337,7 +368,16 @@ def road_relations(road: RoadSpec) -> list[str]:
         found.append("sidewalks" if road.sidewalk else "no sidewalks")
     if road.ego_lane is not None:
         found.append(f"the ego in the {road.ego_lane} lane")
+    found += [f"the ego {text}" for text in _motion_text(road.ego_motion, road.ego_speed)]
+    if road.junction is not None:
+        near, far = road.junction
+        found.append(f"the junction {near:g} m ahead" if near == far else f"the junction {near:g} to {far:g} m ahead")
     return found
+
+
+def _motion_text(motion: str | None, speed: float | None) -> list[str]:
+    pace = [] if speed is None else [f"at {speed * 3.6:.3g} km/h" if speed else "standing"]
+    return [*pace, *([] if motion is None else [_MOTIONS[motion]])]
 
 
 def count_text(group: ObjectGroup) -> str:
@@ -365,6 +405,8 @@ def group_relations(group: ObjectGroup, spec: SceneSpec, place: str) -> list[str
     if group.spacing is not None:
         found.append(f"every {group.spacing:g} m")
     found += [_HEADINGS[group.heading]] if group.heading is not None else []
+    found += _motion_text(group.motion, group.speed)
+    found += [f"{group.paint} paint"] if group.paint is not None else []
     sizes = zip(("long", "wide", "high"), group.size or (None,) * 3, group.scale or (None,) * 3, strict=True)
     for name, metres, scale in sizes:
         if metres is not None:

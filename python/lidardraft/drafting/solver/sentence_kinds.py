@@ -18,6 +18,7 @@ from lidardraft.objects.coarse_shapes import (
     LIGHTS_HEIGHT,
     TRUNK_DIAMETER,
     CoarseShape,
+    rider_on,
     standing,
     street_light_parts,
     traffic_light_parts,
@@ -29,7 +30,6 @@ from lidardraft.semantics import BY_NAME
 
 _HEDGE_HEIGHT = (0.6, 1.1)  # m, of a garden; that of its bushes, and how far behind the hedge they stand
 _BUSH_HEIGHT, _BUSHES_BEHIND = (0.7, 1.2), 1.3
-_SADDLE = 0.6  # of the height of a two-wheeler
 _RIDER_TOP = (1.6, 1.85)  # m
 _CONE_FOOT = 0.04  # m high
 
@@ -84,9 +84,7 @@ def sample_box(sizes: Sizes, label: str, rng: np.random.Generator) -> list[Coars
 
 def with_rider(machine: CoarseShape, rng: np.random.Generator) -> list[CoarseShape]:
     """A two-wheeler and who rides it."""
-    saddle, top = _SADDLE * machine.size[2], float(rng.uniform(*_RIDER_TOP))
-    rider = CoarseShape("box", (-0.1, 0.0, (saddle + top) / 2), (0.7, 0.55, top - saddle), "rider", name="rider")
-    return [machine._replace(name=machine.label), rider]
+    return [machine._replace(name=machine.label), rider_on(machine, float(rng.uniform(*_RIDER_TOP)), name="rider")]
 
 
 def sample_tree(sizes: Sizes, _label: str, rng: np.random.Generator) -> list[CoarseShape]:
@@ -120,6 +118,29 @@ def sample_cone(sizes: Sizes, label: str, rng: np.random.Generator) -> list[Coar
     return [
         standing("box", (foot, foot, _CONE_FOOT), label, "foot"),
         CoarseShape("cylinder", (0.0, 0.0, _CONE_FOOT + body[2] / 2), body, label, name="body"),
+    ]
+
+
+def sample_animal(sizes: Sizes, label: str, rng: np.random.Generator) -> list[CoarseShape]:
+    """A body on four legs, and a head."""
+    length, width, height = sizes.sample(rng)
+    leg, belly = 0.18 * width, 0.45 * height
+    legs = [(x, y, belly / 2) for x in (-0.3 * length, 0.25 * length) for y in (-0.3 * width, 0.3 * width)]
+    return [
+        CoarseShape(
+            "ellipsoid", (-0.05 * length, 0.0, 0.65 * height), (0.9 * length, width, 0.45 * height), label, name="body"
+        ),
+        CoarseShape(
+            "ellipsoid",
+            (0.4 * length, 0.0, 0.85 * height),
+            (0.2 * length, 0.4 * width, 0.3 * height),
+            label,
+            name="head",
+        ),
+        *(
+            CoarseShape("cylinder", center, (leg, leg, belly), label, name=f"leg_{number}")
+            for number, center in enumerate(legs, start=1)
+        ),
     ]
 
 
@@ -299,6 +320,10 @@ _KINDS = (
     ),
     _furniture("bin", SizeBetween((0.5, 0.5, 0.9), (0.8, 0.7, 1.2))),
     _furniture("bench", SizeBetween((1.4, 0.5, 0.75), (1.9, 0.6, 0.9)), setback=(0.7, 1.0, 3.0)),
+    _furniture("shelter", SizeBetween((2.6, 1.2, 2.3), (5.0, 1.8, 2.8)), precedence=3, setback=(0.8, 1.1, 3.0)),
+    _thing("box", SizeBetween((0.5, 0.4, 0.4), (0.7, 0.6, 0.6)), "other", set_down=True),
+    _thing("animal", SizeBetween((1.8, 0.5, 1.3), (2.3, 0.7, 1.6)), "other", shapes=sample_animal, walks=True),
+    _vehicle("trailer", SizeBetween((3.0, 1.8, 1.6), (6.0, 2.3, 2.6)), "other", precedence=5),
     # 0.75 m for motorways and 0.5 m for other roads in the German rules for road works (RSA 21)
     _thing("cone", SizeBetween((0.28, 0.28, 0.5), (0.4, 0.4, 0.75)), "other", shapes=sample_cone, set_down=True),
 )  # fmt: skip

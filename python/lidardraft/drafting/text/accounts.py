@@ -10,7 +10,7 @@ from dataclasses import replace
 from functools import cache
 from typing import Any
 
-from lidardraft.drafting.solver.scene_spec import SceneSpec
+from lidardraft.drafting.solver.scene_spec import SceneSpec, relations
 from lidardraft.drafting.text.chart import Features, Grammar, Node, Rule
 from lidardraft.drafting.text.doubts import STRANGE
 from lidardraft.drafting.text.positions import Position
@@ -26,7 +26,15 @@ _NEUTRAL = (  # words that join others, or say what is so anyway
     *("the", "a", "single", "about", "motion", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
     *(",", ".", ":", "(", ")"),
 )
-_PLAIN = (("road", "straight"), ("each_way", True), ("posture", True), ("everywhere", True), ("another", True))
+_CONTENT = ("usual", "time", "motion", "unit", "ego")  # of those, what says something
+_PLAIN = (
+    ("road", "straight"),
+    ("each_way", True),
+    ("still", True),
+    ("everywhere", True),
+    ("another", True),
+    ("rest", "other"),
+)
 _OTHERS = {
     **{"left": "right", "right": "left", "front": "behind", "behind": "front"},
     **{"parked": "against", "many": "few", "some": "many"},
@@ -50,7 +58,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
             return True
         turned = [{at: (other,)} for at, leaf in _leaves(node, path) if (other := _turned(leaf, whole)) is not None]
         turned = [one for one in turned if _with(nodes, one, grammar) is not None]
-        if node.symbol == "number" and _with(nodes, {path: ()}, grammar) is None:
+        if (node.symbol == "number" or node.get("shape")) and _with(nodes, {path: ()}, grammar) is None:
             return bool(turned) and all(_read(read, _with(nodes, one, grammar) or []) == whole for one in turned)
         return same({path: ()}) and all(same(one) for one in turned)
 
@@ -88,7 +96,48 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     numbers = [
         leaf for pair in twice for node in (idle[path][0] for path in pair) for leaf in leaves(node, "number", *STRANGE)
     ]
+    more += [leaf for path in settled for _, leaf in _leaves(idle[path][0], path) if leaf.get("more")]
     return [*more, *numbers, *(node for path, (node, _) in idle.items() if path not in settled)]
+
+
+def gave(nodes: Sequence[Node], index: int, read: Read) -> tuple[tuple[int, ...], tuple[str, ...]]:
+    """The numbers of the groups, and the other relations of the spec, that would not be there without a constituent.
+
+    Of what is said twice they are those that would not be there without both.
+    """
+    node, whole = nodes[index], read(nodes)
+    for feature, said in (("asks", "a scene"), ("still", "standing")):
+        if node.get(feature):
+            return (), (said,)
+    if node.symbol == "ego":
+        return (), ("the ego vehicle",)
+    for twin in (index, *range(len(nodes))):
+        kept = [one for number, one in enumerate(nodes) if number != twin or twin == index]
+        spec, less = _read(read, kept), _read(read, [one for one in kept if one is not node])
+        if spec is None or less in (None, spec):
+            continue
+        assert less is not None
+        gone = [group for group in spec.groups if group not in less.groups]
+        groups = tuple(number for number, group in enumerate(whole.groups) if group in gone)
+        others = tuple(one for one in _of_scene(spec) if one in _of_scene(whole) and one not in _of_scene(less))
+        if groups or others:
+            return groups, others
+    roads = any(leaves(node, "road", "usual", "oneway", "eachway"))
+    return (), tuple(one for one in _of_scene(whole) if roads and one.startswith("road"))
+
+
+def _of_scene(spec: SceneSpec) -> list[str]:
+    """The relations of a spec that are of none of its groups."""
+    around = [f"around: {one}" for one in (spec.district, spec.activity) if one]
+    return relations(replace(spec, groups=())) + around + [f"around: no {kind}" for kind in spec.not_around]
+
+
+def says_something(node: Node) -> bool:
+    """Whether a constituent is more than words that join others."""
+    if node.children and node.symbol not in STRANGE:
+        return any(map(says_something, node.children))
+    silent = node.symbol in _NEUTRAL and node.symbol not in _CONTENT and not (node.get("act") or node.get("asks"))
+    return not (silent or node.symbol.startswith("'") or (node.symbol == "number" and node.get("value") == 1))
 
 
 def _beside(nodes: Sequence[Node], path: Path) -> Sequence[Node]:
@@ -103,12 +152,16 @@ def _said(node: Node) -> set[str]:
     positions = (value for _, value in node.features if isinstance(value, Position))
     fields = ((one.name, getattr(at, one.name)) for at in positions for one in dataclasses.fields(at))
     said = (*((name, value) for name, value in node.features if name not in ("plural", "at")), *fields)
-    return {repr(feature) for feature in said if feature not in _SAYS_NOTHING}
+    return {  # "crossing" and "from the left" both say that it crosses
+        f"{name} {str(value).partition('-')[0] if name == 'heading' else value!r}"
+        for name, value in said
+        if (name, value) not in _SAYS_NOTHING
+    }
 
 
 def _is_neutral(node: Node) -> bool:
     """Whether all words of a constituent are."""
-    if node.symbol in STRANGE:
+    if node.symbol in STRANGE or node.get("act"):
         return False
     if node.symbol in _NEUTRAL or node.symbol.startswith("'") or any(one in node.features for one in _PLAIN):
         return not node.children or node.symbol in _NEUTRAL or all(map(_is_neutral, node.children))

@@ -8,6 +8,7 @@ from collections.abc import Iterable, Iterator
 
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.text.chart import Node
+from lidardraft.drafting.text.mentions import COMPANIONS
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import (
     Clause,
@@ -130,7 +131,7 @@ class _Reading:
             elif node.symbol == "ego" and self._only_looks(index):
                 link = "" if self._at(index + 1) == "has" else link
                 index += self._at(index + 1) == "has"
-            elif node.symbol in ("busy", "quiet", "size") and verb and self._items and not link:
+            elif node.symbol in ("busy", "quiet", "size", "colour") and verb and self._items and not link:
                 self._qualify(node)
             elif node.symbol in (*_NAMES, *_ROADS):
                 self._name(node, link, "" if verb == "there" else verb)
@@ -179,9 +180,6 @@ class _Reading:
         """ "Respectively" says that as many places as objects are one for each."""
         if self._items and self._items[-1].modifiers:
             each = tuple(dataclasses.replace(one, verb="respectively") for one in self._items[-1].modifiers)
-            said = each[-1].said
-            last = said
-            each = (*each[:-1], dataclasses.replace(each[-1], said=last))
             self._items[-1] = dataclasses.replace(self._items[-1], modifiers=each)
 
     def _name(self, node: Node, link: str, verb: str) -> None:
@@ -224,6 +222,9 @@ class _Reading:
             return  # "the driver of the bus"
         if head.kind is None and not link and before is not None and named and not self._is_placed(before):
             return  # it only says something of the object before it: "a man walking his dog"
+        if not link and named and head.kind in COMPANIONS and (head.kind == "animal" or head.owned):
+            link = "with"  # "a man walking his dog"
+            head = dataclasses.replace(head, owned=False)
         self._items.append(Item(head, link, verb))
 
     def _qualify(self, node: Node) -> None:
@@ -234,7 +235,7 @@ class _Reading:
             if head.traffic and node.symbol != "size":
                 head = dataclasses.replace(head, count="many" if node.symbol == "busy" else "few")
                 self._items[-1] = dataclasses.replace(item, head=head)
-            elif node.symbol == "size" and is_known(head):
+            elif node.symbol == "colour" or (node.symbol == "size" and is_known(head)):
                 self._items[-1] = _with(item, Modifier(manner_of([node]), verb="one"))
         elif not head.sidewalk:
             settings = head.settings | frozenset(node.all("setting"))
@@ -279,13 +280,6 @@ class _Reading:
             return end
         if link in (",", "and", "but") and self._items and self._at(index + 1) == "is":
             return index + 1  # "and the left lane is free"
-        if node.symbol == "relation" and link in (",", "and", "or") and self._items and self._is_place_of_target(node):
-            relation = relation_of(node)
-            assert relation.ego_at is not None
-            self._end(link)
-            self._lead = [Modifier(Place(relation.ego_at))]
-            self._items = [Item(relation.targets[0])]
-            return index + 1
         if node.symbol == "blocked":
             return index + 1
         first = self._texts[node.start]
@@ -299,14 +293,6 @@ class _Reading:
                 self._lead.append(modifier)
         self._alone = not self._items
         return index + 1
-
-    @staticmethod
-    def _is_place_of_target(node: Node) -> bool:
-        """Whether "and behind a truck" says where the truck is."""
-        relation = relation_of(node)
-        target = relation.targets[0]
-        new = is_known(target) and not target.definite and len(relation.targets) == 1
-        return new and not relation.strong and relation.ego_at is not None
 
     def _leads_to(self, index: int, link: str) -> int:
         """The index of the object that what is said here introduces; 0 where it says something of those before.

@@ -57,7 +57,7 @@ def _is_told(item: Item) -> bool:
 
 
 def _is_listed(head: object) -> bool:
-    return isinstance(head, NounPhrase) and bool(head.kind) and not head.traffic and not head.manner.overtakes
+    return isinstance(head, NounPhrase) and bool(head.kind) and not head.traffic and head.manner.motion != "overtakes"
 
 
 def _is_unknown(head: object) -> bool:

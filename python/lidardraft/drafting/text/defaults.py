@@ -6,13 +6,14 @@ from dataclasses import replace
 
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.text.exceptions import keep_away
-from lidardraft.drafting.text.mentions import Mention, Mentions, RoadNotes
+from lidardraft.drafting.text.mentions import JUNCTIONS, Mention, Mentions, RoadNotes
 from lidardraft.drafting.text.parts import divided
 from lidardraft.drafting.text.positions import BESIDE, Place, Position
 from lidardraft.drafting.text.tree import NO_SCALE
 
 _BESIDE_EACH_OTHER = 1.0  # m between people in a queue; estimate
 _QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate
+_ROW_GAP = 1.0  # m between things in a row; estimate
 _SIDES = ("left", "right")
 _CROSSED = ("crossroads", "t-junction")
 
@@ -43,7 +44,7 @@ def spec_of(mentions: Mentions, road: RoadNotes, texts: list[str]) -> SceneSpec:
         road=_road_spec(road, mentions, needs_sidewalk),
         groups=tuple(groups),
         absent=tuple(sorted(absent)),
-        not_around=tuple(sorted({str(one.kind) for one in denied} - set(absent))),
+        not_around=tuple(sorted({str(one.kind) for one in mentions if one in denied or one.only} - set(absent))),
     )
 
 
@@ -68,7 +69,8 @@ def _wanted(mention: Mention, denied: list[Mention], road: RoadNotes) -> Mention
 def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, words: str) -> ObjectGroup:
     """As a group of the spec; vehicles along the sides of a road are parked."""
     at, kind = _overtaking(mention), mention.record
-    heading = "across" if at.heading == "across" else mention.heading or at.heading
+    sideways = str(at.heading).startswith("across-") and mention.heading == "across"
+    heading = at.heading if sideways or at.heading == "across" else mention.heading or at.heading
     lane, spacing = at.lane, at.spacing
     if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides):
         heading = "parked"
@@ -80,6 +82,8 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         spacing = spacing or (kind.sizes.largest[0] if kind.sizes else 6.0) + _QUEUE_GAP
     elif mention.queue and kind.walks:
         spacing = spacing or _BESIDE_EACH_OTHER
+    elif mention.queue and kind.sizes and not references:
+        spacing = spacing or kind.sizes.largest[0] + _ROW_GAP
     still = bool(references) and not any(
         mentions[one].record.drives or mentions[one].record.walks for one in mention.references if one >= 0
     )
@@ -99,12 +103,17 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         lane=lane if "road" in kind.surfaces and (not references or kind.is_vehicle) else None,
         at_junction=at.at_junction,
         heading=heading,
+        motion=mention.motion
+        if kind.drives and not (mention.motion == "overtakes" and str(heading).startswith("across"))
+        else None,
+        speed=mention.speed if kind.drives or kind.walks else None,
         distance=at.distance,
         from_road=None if references else at.from_road,
         from_sidewalk=None if references or at.from_road else at.from_sidewalk,
         spacing=spacing,
         size=mention.size if any(mention.size) else None,
         scale=mention.scale if mention.scale != NO_SCALE else None,
+        paint=mention.paint,
         relation=mention.relation if references else None,
         references=references,
         words=words,
@@ -114,7 +123,7 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
 def _overtaking(mention: Mention) -> Position:
     """Where something is; what overtakes is beside the ego in the left lane, unless it is said to be elsewhere."""
     at = mention.at
-    if not mention.overtakes or str(mention.heading).startswith("across"):
+    if mention.motion != "overtakes" or str(mention.heading).startswith("across"):
         return at
     if mention.references:
         return replace(at, heading="with")
@@ -138,8 +147,9 @@ def _words(mention: Mention, mentions: Mentions, texts: list[str]) -> str:
 
 def _road_spec(notes: RoadNotes, mentions: Mentions, needs_sidewalk: bool) -> RoadSpec:
     kind = notes.kind or "straight"
-    whole = kind == "motorway" or notes.each_way or notes.one_way
     number = notes.lanes or _lanes_filled(mentions) or notes.usual_lanes
+    middle = notes.ego_lane == "middle" and number == 3  # which has a lane on each side that leads the same way
+    whole = kind == "motorway" or notes.each_way or notes.one_way or middle
     if kind == "motorway" and number > 3 and number % 2 == 0 and not (notes.each_way or notes.one_way):
         number //= 2  # a six-lane motorway has three each way
     lanes = number if whole else (number + 1) // 2
@@ -152,6 +162,9 @@ def _road_spec(notes: RoadNotes, mentions: Mentions, needs_sidewalk: bool) -> Ro
         sidewalk=True if needs_sidewalk else sidewalk,
         one_way=notes.one_way,
         ego_lane=notes.ego_lane,
+        ego_motion=notes.ego_motion,
+        ego_speed=notes.ego_speed,
+        junction=notes.junction if kind in JUNCTIONS else None,
     )
 
 

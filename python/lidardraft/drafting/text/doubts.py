@@ -45,6 +45,11 @@ def _doubtful(nodes: list[Node], index: int, words: Sequence[str]) -> Sequence[i
     of = words[-1:] == ["of"] and index > 0 and nodes[index - 1].symbol in STRANGE  # "tens of cars"
     if node.symbol == "silent" and words[-1] in _PREPOSITIONS and after in _NAMES and not of:
         return range(index, _after_places(nodes, index + 2))  # "in a traffic jam"
+    last = nodes[index - 1].symbol if index else ""
+    if node.symbol == "pronoun" and last in STRANGE:  # "walks past them towards us"
+        return governed
+    if node.symbol == "object" and last == "unknown" and index > 1 and nodes[index - 2].symbol == "object":
+        return (index,)  # "a lorry chasing two cats drives 30 m ahead"
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
     if node.symbol == "except" or (node.symbol == "object" and node.get("count") == 0):

@@ -20,7 +20,8 @@ def leave_out(d: Discourse, phrase: NounPhrase, before: Ids, told: bool, verb: b
     if told and source.count == 1:
         return []
     if told:
-        return [d.add(Mention(source.kind, phrase.count, same_as=last, of_them=True))]
+        kept = source.heading if source.heading == "parked" else None
+        return [d.add(Mention(source.kind, phrase.count, heading=kept, same_as=last, of_them=True))]
     hosted = next((n for n, one in enumerate(d.mentions) if one.host is not None and last in (n, one.host)), None)
     if hosted is not None and isinstance(phrase.count, int):
         d.change(hosted, left_out=phrase.count)

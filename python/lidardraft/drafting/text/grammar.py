@@ -150,6 +150,10 @@ def _length(node: Node) -> Features:
     return (("length", (values[0], values[-1])),)
 
 
+def _pace(node: Node) -> Features:
+    return (("speed", round(node.get("value") * node.get("pace"), 3)),)
+
+
 def _distance(node: Node) -> Features:
     return (("at", Position(distance=node.get("length"))),)
 
@@ -223,7 +227,11 @@ def _crossing(node: Node) -> Features | None:
 
 def _from_side(node: Node) -> Features:
     (at,) = node.all("at")
-    return (("at", dataclasses.replace(at, heading="across")),)
+    heading = f"across-{_ACROSS_FROM[at.sides[0]]}"
+    return (("at", dataclasses.replace(at, heading=heading)),)
+
+
+_ACROSS_FROM = {"left": "right", "right": "left"}
 
 
 def _turning(node: Node) -> Features:
@@ -313,7 +321,8 @@ def _qualified_one(node: Node) -> Features | None:
 
 def _foreign_compound(node: Node) -> Features | None:
     """A "bus stop" is no bus; "buses stop" is a clause."""
-    return None if node.children[-2].get("plural") else ()
+    one = any(part.symbol == "a" for child in node.children for part in child.children)  # "a bus stops" is a clause
+    return None if node.children[-2].get("plural") or (one and node.children[-1].get("plural")) else ()
 
 
 def _foreign_compounds(node: Node) -> Features | None:
@@ -372,7 +381,19 @@ _TOPS = dict.fromkeys(
     (
         *("object", "ellipsis", "stranger", "street", "lanes", "whereabouts", "relation", "crossed", "turned", "state"),
         *("walkway", "measure", "abreast", "eachway", "oneway", "pronoun", "ego", "there", "crosswalk", "nothing"),
-        *("road_part", "overtakes", "overtaking", "size", "distances", "respectively", "blocked", "quiet", "busy"),
+        *(
+            "road_part",
+            "overtakes",
+            "overtaking",
+            "size",
+            "distances",
+            "respectively",
+            "blocked",
+            "quiet",
+            "busy",
+            "sky",
+            "colour",
+        ),
         *("time", "usual", "aside"),
         *("and", "or", "with", "has", "but", "except", "which", "is", "silent", "unknown", *_SIGNS),
     ),

@@ -5,22 +5,23 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 
 from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.scene_spec import SceneSpec, relations
-from lidardraft.drafting.text.accounts import idle_parts
+from lidardraft.drafting.text.accounts import gave, idle_parts, says_something
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.clauses import clauses_of
 from lidardraft.drafting.text.defaults import spec_of
 from lidardraft.drafting.text.doubts import STRANGE, with_doubts
+from lidardraft.drafting.text.explanation import Explanation, Meaning
 from lidardraft.drafting.text.grammar import grammar, parse
 from lidardraft.drafting.text.lexicon import lexicon, vocabulary
-from lidardraft.drafting.text.parts import part
+from lidardraft.drafting.text.parts import divided, part
 from lidardraft.drafting.text.statements import resolve
-from lidardraft.drafting.text.tokens import Token, clean, tokens_of
-from lidardraft.drafting.text.tree import Tokens, leaves
+from lidardraft.drafting.text.tokens import Token, clean, slip_of, tokens_of
+from lidardraft.drafting.text.tree import leaves
 from lidardraft.errors import TextError, check_type, nearest_name
 from lidardraft.scene.layout import Layout
 
@@ -28,9 +29,8 @@ MAX_LENGTH = 10_000  # characters
 MAX_WORDS = 200  # and signs; each is tried without
 _FREE_TEXT = "--llm-url takes free text"
 _SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
-_WEATHER = re.compile(r"\b(?:rain|fog|snow|drizzl|mist|wet\b|hail|sleet|downpour|storm)")
-_MOST_UNCLEAR = 3  # parts of a sentence that are not understood, where the rest of it can still be relied on
-_SETTING = ("road", "setting", "busy", "quiet", "time", "traffic")
+_MOST_UNCLEAR = 4  # words of a sentence that are not understood, two at most of those in a row; else none of it is
+_SETTING = ("weather", "road", "setting", "busy", "quiet", "time", "traffic")
 _JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
 _GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
 
@@ -42,7 +42,7 @@ def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> L
     - "understood": the relations that the sentence was read as, a line each;
     - "not_understood": the words that changed nothing, and "nearest_words": known words that some of them are near to;
     - "objects": for each object the number of its group in the spec, whose "words" asked for it;
-    - "notes": where weather is asked for, what it is an option of.
+    - "notes": words with a slip, and what they are read as.
 
     Raises `TextError` where nothing was understood or, with `strict`, anything was not; `LayoutError` where a relation
     cannot hold, naming it and what is in the way.
@@ -54,10 +54,9 @@ def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> L
         "sentence": sentence,
         "understood": relations(spec),
         "not_understood": list(spec.not_understood),
+        "notes": [f"{word!r} is read as {slip!r}" for word, slip in slips(sentence).items()],
         "nearest_words": nearest_words(spec.not_understood),
     }
-    if any(_WEATHER.search(part) for part in spec.not_understood):
-        said["notes"] = ["weather is no part of a layout; `simulate` takes it, as in --weather rain:10mm"]
     return dataclasses.replace(layout, provenance=layout.provenance | said)
 
 
@@ -66,6 +65,14 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
 
     Raises `TextError` as above, and on a sentence that is empty or longer than `MAX_LENGTH`.
     """
+    spec = explain(sentence).spec
+    if strict and spec.not_understood:
+        raise TextError(f"not understood: {_listed(spec.not_understood)}; {_FREE_TEXT}")
+    return spec
+
+
+def explain(sentence: str) -> Explanation:
+    """What each word of a sentence becomes, with the spec; raises `TextError` as `spec_from_text` does."""
     check_type("sentence", sentence, str)
     if len(sentence) > MAX_LENGTH:
         raise TextError(f"the sentence has {len(sentence)} characters; it may have {MAX_LENGTH}")
@@ -77,17 +84,28 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
         raise TextError(f"the text has {len(tokens)} words and signs; it may have {MAX_WORDS}, more with --llm-url")
     texts = [token.text for token in tokens]
     nodes, idle = _read(tokens, texts)
-    spec = _spec_of(nodes, texts)
-    unknown = _reported(text, tokens, frozenset(n for one in idle for n in range(one.start, one.end)))
+    mentions, _ = resolve(clauses_of(list(nodes), texts))
+    spec, silent = _spec_of(nodes, texts), {n for one in idle for n in range(one.start, one.end)}
+    said = [mention.tokens for _, mention in divided(part(mentions))]
+    meanings = []
+    for index, node in enumerate(nodes):
+        run = range(node.start, node.end)
+        groups = tuple(number for number, its in enumerate(said) if its & set(run) - silent)
+        others: tuple[str, ...] = ()
+        if not groups and says_something(node) and not silent.issuperset(run):
+            groups, others = gave(nodes, index, lambda kept: _without_words(_spec_of(kept, texts)))
+            silent |= set() if groups or others else set(run)
+        words = text[tokens[node.start].start : tokens[node.end - 1].end]
+        if words.strip(",.:();"):
+            lost = tuple(_reported(text, tokens[: node.end], silent & set(run)))
+            meanings.append(Meaning(words, groups, others, lost))
+    unknown = _reported(text, tokens, silent)
     if spec == SceneSpec() and not any(_names_road(node) for node in nodes):
         parts = f" (unknown as a whole: {_listed(unknown)})" if unknown else ""
         raise TextError(
             f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are; {_FREE_TEXT}"
         )
-    spec = dataclasses.replace(spec, not_understood=tuple(unknown))
-    if strict and spec.not_understood:
-        raise TextError(f"not understood: {_listed(spec.not_understood)}; {_FREE_TEXT}")
-    return spec
+    return Explanation(tuple(meanings), dataclasses.replace(spec, not_understood=tuple(unknown)))
 
 
 def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]]:
@@ -96,7 +114,8 @@ def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]
     idle: list[Node] = []
     for _ in range(2):
         idle = idle_parts(nodes, grammar(), lambda said: _without_words(_spec_of(said, texts)))
-        strange = [one.start for one in idle if not one.get("more")]
+        lost = {n for one in idle if not one.get("more") for n in range(one.start, one.end)}
+        strange = [n for n in lost if not {n - 1, n - 2} <= lost]
         stops = [0, *(node.end for node in nodes if node.symbol == "."), len(tokens)]
         unclear = [
             range(*ends)
@@ -119,7 +138,8 @@ def _names_road(node: Node) -> bool:
 def _spec_of(nodes: Sequence[Node], texts: list[str]) -> SceneSpec:
     mentions, road = resolve(clauses_of(list(nodes), texts))
     spec = spec_of(part(mentions), road, texts)
-    return dataclasses.replace(spec, district=_setting(nodes, "district"), activity=_setting(nodes, "activity"))
+    district, activity, weather = (_setting(nodes, name) for name in ("district", "activity", "weather"))
+    return dataclasses.replace(spec, district=district, activity=activity, weather=weather)
 
 
 def _setting(nodes: Sequence[Node], name: str) -> str | None:
@@ -132,7 +152,7 @@ def _without_words(spec: SceneSpec) -> SceneSpec:
     return dataclasses.replace(spec, groups=tuple(dataclasses.replace(one, words="") for one in spec.groups))
 
 
-def _reported(text: str, tokens: list[Token], idle: Tokens) -> list[str]:
+def _reported(text: str, tokens: list[Token], idle: Collection[int]) -> list[str]:
     """The words that changed nothing; those that adjoin are one."""
     found: list[str] = []
     run: list[Token] = []
@@ -148,6 +168,13 @@ def _reported(text: str, tokens: list[Token], idle: Tokens) -> list[str]:
             found.append(text[run[0].start : run[-1].end])
         run = []
     return found
+
+
+def slips(sentence: str) -> dict[str, str]:
+    """The words of a sentence that are read as others: letters changed places, or one is missing or too many."""
+    words = re.findall(r"[a-z]+", clean(sentence))
+    found = {word: slip_of(word, vocabulary()) for word in words}
+    return {word: slip for word, slip in found.items() if slip}
 
 
 def nearest_words(parts: Iterable[str]) -> dict[str, str]:

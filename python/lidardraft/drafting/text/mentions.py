@@ -22,6 +22,7 @@ class Mention:
     host, left_out: "two trees for each house except one": the houses are the host, one of them is left out
     name: the A of "car A"
     summed: "a queue: three cars and a bus": the queue is all that is listed after its colon
+    only: "parked cars on the left only": none are elsewhere
     with_it: "a garden with two trees": the trees are near it where nothing else places them
     """
 
@@ -37,6 +38,7 @@ class Mention:
     weak: bool = False
     size: Sizes = NO_SIZE
     scale: tuple[float, float, float] = NO_SCALE
+    paint: str | None = None
     relation: str | None = None
     references: tuple[int, ...] = ()
     described: bool = False
@@ -44,11 +46,13 @@ class Mention:
     of_them: bool = False
     host: int | None = None
     abreast: bool = False
-    overtakes: bool = False
+    motion: str | None = None
+    speed: float | None = None
     name: str = ""
     left_out: int = 0
     summed: bool = False
     with_it: int | None = None
+    only: bool = False
     tokens: Tokens = frozenset()
 
     @property
@@ -74,12 +78,17 @@ class RoadNotes:
     each_way: bool = False
     one_way: bool = False
     ego_lane: str | None = None
+    junction: tuple[float, float] | None = None
     sidewalk: bool | None = None
+    ego_motion: str | None = None
+    ego_speed: float | None = None
     settings: frozenset[str] = frozenset()
 
 
 Mentions = tuple[Mention, ...]
+COMPANIONS = ("animal", "box", "trailer")  # that are where those are who have them
 JUNCTIONS = ("crossroads", "t-junction", "roundabout")
+RUNNING = 2.8  # m/s, of words.txt
 Ids = list[int]
 
 
@@ -122,9 +131,25 @@ class Discourse:
                 return number
         return None
 
+    def building_before(self, number: int) -> int | None:
+        """The building of this sentence that what stands beside roads is in front of where nothing else is said."""
+        thing = self.mentions[number]
+        if thing.kind is None or thing.record.on_road or thing.record.family == "buildings" or thing.count != 1:
+            return None
+        before = [n for n in range(self.sentence, number) if self.mentions[n].is_wanted]
+        buildings = [n for n in before if self.mentions[n].record.family == "buildings"]
+        return buildings[0] if buildings and buildings == before and self.mentions[buildings[0]].count == 1 else None
+
+    def introduced(self, number: int) -> bool:
+        """Whether only a relation names a mention."""
+        return not self.mentions[number].placed and not self.mentions[number].described
+
     def depends(self, number: int, other: int) -> bool:
         """Whether a mention is another one, or placed from it."""
-        return number == other or any(self.depends(one, other) for one in self.mentions[number].references)
+        reached = [number]
+        for one in reached:  # grows
+            reached += [reference for reference in self.mentions[one].references if reference not in reached]
+        return other in reached
 
 
 def count_times(count: Count, each: Count) -> Count:
@@ -145,13 +170,15 @@ def mention_of(phrase: NounPhrase) -> Mention:
         queue=manner.queue,
         ridden=phrase.ridden,
         size=manner.size,
-        scale=manner.scale if manner.scale != NO_SCALE else NO_SCALE,
+        scale=manner.scale,
+        paint=manner.paint,
         name=phrase.name,
         abreast=manner.abreast,
         described=phrase.traffic,
         at=phrase.at or Position(),
         placed=phrase.at is not None,
-        overtakes=manner.overtakes,
+        motion=manner.motion,
+        speed=manner.speed,
         tokens=phrase.tokens,
     )
 
@@ -164,4 +191,8 @@ def fitting_manner(manner: Manner, mention: Mention) -> Manner:
     abreast = mention.count in (2, 3, 4, 5)
     if manner.abreast and not abreast:
         manner = replace(manner, abreast=False)
+    if not kind.drives:
+        manner = replace(manner, paint=None)
+    elif manner.speed == RUNNING:
+        manner = replace(manner, speed=None)  # "a tram runs"
     return manner if fits else replace(manner, heading=None)

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from lidardraft.drafting.text.mentions import Mention, Mentions, count_times
-from lidardraft.drafting.text.positions import NOWHERE, RIGHT, Position
+from lidardraft.drafting.text.positions import RIGHT, Position
 from lidardraft.drafting.text.tree import NO_SCALE, Count
 
+_DRAWBAR = (0.5, 1.0)  # m
 _MOST_ABREAST = 5  # that stand side by side; a word for a number says nothing of them
 
 
@@ -69,7 +70,15 @@ def _keep_with(mentions: list[Mention], number: int) -> None:
     if mention.placed or mention.relation is not None or (mention.record.drives and not other.record.drives):
         return
     if not _depends(mentions, mention.with_it, number):  # type: ignore[arg-type]
-        mentions[number] = replace(mention, relation="near", references=(mention.with_it,), placed=True)  # type: ignore[arg-type]
+        mentions[number] = kept_with(mention, mention.with_it)  # type: ignore[arg-type]
+
+
+def kept_with(mention: Mention, host: int) -> Mention:
+    """A mention near its host; a trailer is right behind it."""
+    if mention.kind == "trailer":
+        at = Position(distance=_DRAWBAR, heading="with")
+        return replace(mention, relation="behind", references=(host,), at=at, placed=True)
+    return replace(mention, relation="near", references=(host,), placed=True)
 
 
 def _depends(mentions: list[Mention], number: int, other: int) -> bool:
@@ -151,7 +160,7 @@ def _is_sum(mentions: list[Mention], number: int) -> bool:
         return False
     if any(one.of_them for one in parts):
         return True
-    free = not whole.placed and not whole.overtakes
+    free = not whole.placed and whole.motion != "overtakes"
     return free or (len(parts) > 1 and all(one.at.agrees(whole.at) for one in parts))
 
 
@@ -173,6 +182,7 @@ def _inherit(one: Mention, whole: Mention) -> Mention:
         size=whole.size if alike and not any(one.size) else one.size,
         scale=whole.scale if alike and one.scale == NO_SCALE else one.scale,
         heading=one.heading or whole.heading,
+        paint=one.paint or whole.paint,
         on_road=one.on_road or whole.on_road,
     )
 
@@ -207,6 +217,3 @@ def _at_each_side(mention: Mention) -> Iterator[Mention]:
     for place, odd in zip(mention.at.places, (1, 0), strict=True):
         count: Count = (low + odd) // 2 if low == high else ((low + odd) // 2, (high + odd) // 2)
         yield replace(mention, count=count, at=replace(mention.at, places=(place,)))
-
-
-__all__ = ["NOWHERE", "divided", "part"]

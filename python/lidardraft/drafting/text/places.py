@@ -15,6 +15,14 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
     """Note a place of objects; those that what is said next is said of."""
     note_place(d, place)
     place = with_side(d, place)
+    building = d.building_before(ids[0]) if place.bare and ids else None
+    if building is not None:  # "a house, hedge in front"
+        for one in ids:
+            d.change(one, relation="in-front-of", references=(building,), placed=True)
+        return ids
+    if place.only:
+        for one in ids:
+            d.change(one, only=True)
     if modifier.link == "except":
         leave_out_place(d, ids, place)
         return ids
@@ -118,6 +126,8 @@ def _add_elsewhere(d: Discourse, number: int, at: Position) -> None:
 
 def _goes_on(at: Position, mention: Mention, link: str) -> bool:
     """Whether a place after a comma describes the same place more closely, as in "on the left, 20 m away"."""
+    if at == Position(spacing=at.spacing):
+        return True  # "and there is a gap of 1 m between them"
     closer = mention.count == 1 or not (at.only_places and mention.at.only_places)
     second = link == "," and mention.count == 1 and bool(at.distance and mention.at.distance)
     return (link == "," and closer and at.agrees(mention.at)) or second
@@ -187,7 +197,8 @@ def describe(d: Discourse, number: int, manner: Manner) -> None:
         d.change(number, kind="bicycle", ridden=False)
     mention = d.mentions[number]
     manner = fitting_manner(manner, mention)
-    heading = manner.heading or mention.heading
+    stays = mention.heading == "parked" and (manner.facing or str(manner.heading).startswith("across"))
+    heading = mention.heading if stays else manner.heading or mention.heading
     at, size, scale = mention.at, manner.size, manner.scale
     if manner.length is not None:
         size = _sized(mention, manner)
@@ -202,7 +213,9 @@ def describe(d: Discourse, number: int, manner: Manner) -> None:
         on_road=mention.on_road or manner.on_the_road,
         at=replace(at, at_junction=at.at_junction or manner.at_junction),
         placed=mention.placed or manner.at_junction,
-        overtakes=mention.overtakes or manner.overtakes,
+        motion=manner.motion or mention.motion,
+        speed=mention.speed if manner.speed is None else manner.speed,
+        paint=manner.paint or mention.paint,
         size=tuple(new if new is not None else old for new, old in zip(size, mention.size, strict=True)),
         scale=tuple(a * b for a, b in zip(mention.scale, scale, strict=True)),
     )

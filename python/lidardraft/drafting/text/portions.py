@@ -27,7 +27,9 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
         return []
     if phrase.all_but or phrase.all or phrase.each:
         return _all_or_each(d, phrase, whole, before) if told or phrase.one_each or following in _HAVING else []
-    of_them = phrase.of_them or (whole is not None and (phrase.rest or phrase.ordinal is not None))
+    of_them = phrase.of_them or (
+        whole is not None and (phrase.rest or phrase.ordinal is not None or phrase.at is not None)
+    )
     last = whole if of_them and whole is not None else last
     source = d.mentions[last]
     if phrase.count == 0:
@@ -36,7 +38,8 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
     aside = bool(item.modifiers) and item.modifiers[0].link == "," and phrase.of_them
     if (not told and not phrase.of_them) or ((aside or not told) and isinstance(source.count, str)):
         count = phrase.count if phrase.exact or isinstance(phrase.count, tuple) else None
-        if count is None or phrase.ordinal is not None or not isinstance(source.count, str):
+        open_count = isinstance(source.count, str) or (source.count == 1 and source.at.spacing)
+        if count is None or phrase.ordinal is not None or not open_count:
             return []
         d.change(last, count=count)  # "bicycles at a fence: 15 of them"
         return [last]
@@ -149,13 +152,18 @@ def _following(clause: Clause, number: int) -> str:
     return clause.items[number + 1].link if number + 1 < len(clause.items) else ""
 
 
-def counted_later(d: Discourse, phrase: NounPhrase, told: bool, before: Ids, link: str) -> int | None:
+def counted_later(d: Discourse, phrase: NounPhrase, told: bool, before: Ids, link: str, alone: bool) -> int | None:
     """The mention that a number is told of later, as in "every lamp has a bin; there are four lamps"."""
     if not phrase.exact or told or (before and link != ":") or phrase.name:
         return None
     for number, one in enumerate(d.mentions):
         hosts = any(other.host == number for other in d.mentions) or one.left_out
-        if one.kind == phrase.kind and isinstance(one.count, str) and one.count != "few" and (hosts or phrase.in_total):
+        if (
+            one.kind == phrase.kind
+            and isinstance(one.count, str)
+            and one.count != "few"
+            and (hosts or phrase.in_total or alone)
+        ):
             d.change(number, count=phrase.count)
             return number
     return None

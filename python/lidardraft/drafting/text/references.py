@@ -17,6 +17,14 @@ def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
     else:
         fitting = [n for n in numbers if d.mentions[n].count == 1 or not isinstance(d.mentions[n].count, int)]
     found = (fitting or numbers)[-1:]
+    for subject in fitting[:-1]:  # "a car behind a truck, a man next to it": the car
+        if (
+            found
+            and found[-1] == subject + 1
+            and found[-1] in d.mentions[subject].references
+            and d.introduced(found[-1])
+        ):
+            found = [subject]
     if phrase.pronoun == "it" and d.it in fitting:
         found = [d.it]
     if phrase.pronoun == "it" and found:
@@ -104,7 +112,7 @@ def _target(d: Discourse, phrase: NounPhrase, subjects: Ids) -> Ids:
     if phrase.ordinal is not None and (phrase.definite or not phrase.another):
         whole = d.several(phrase.kind)
         if whole is not None:
-            return [whole]
+            return [] if any(one.same_as == whole for one in d.mentions) else [whole]
     if is_car_of_ego(d, phrase):
         return []
     bare = not phrase.plural and phrase.count == 1 and len(phrase.tokens) == 1

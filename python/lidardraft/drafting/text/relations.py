@@ -31,7 +31,7 @@ def relate(d: Discourse, ids: Ids, said: Relation, references: Ids) -> Ids:
     if said.overtakes and not references:
         return ids
     if pronouns == ["it"] and not references and (d.road.kind is not None or (said.at_it and d.last_lead)):
-        return _relate_to_junction(d, ids, said)
+        return _relate_to_junction(d, ids)
     if pronouns == ["junction"]:
         for one in subjects:
             d.change(one, at=replace(d.mentions[one].at, at_junction=True), placed=True)
@@ -82,9 +82,10 @@ def _relate_one(d: Discourse, number: int, said: Relation, references: Ids) -> N
     if before.from_road or before.from_sidewalk:
         return
     at = before.narrowed(said.at)
+    motion = d.mentions[number].motion
     if said.overtakes:
-        at = replace(at, heading="with")
-    d.change(number, relation=relation, references=tuple(references), at=at, placed=True, weak=False)
+        at, motion = replace(at, heading="with"), "overtakes"
+    d.change(number, relation=relation, references=tuple(references), at=at, placed=True, weak=False, motion=motion)
 
 
 def _turn_round(d: Discourse, number: int, relation: str | None, references: Ids) -> bool:
@@ -103,7 +104,7 @@ def _relate_to_ego(d: Discourse, ids: Ids, said: Relation) -> Ids:
     d.has_ego = True
     for one in ids:
         if said.overtakes:
-            describe(d, one, Manner(overtakes=True, heading=None))
+            describe(d, one, Manner(motion="overtakes"))
         elif said.ego_at is not None:
             place_at(d, one, Place(said.ego_at.narrowed(said.at)))
     return ids
@@ -132,12 +133,12 @@ def _relate_to_road(d: Discourse, subjects: Ids, said: Relation, references: Ids
     return subjects
 
 
-def _relate_to_junction(d: Discourse, ids: Ids, said: Relation) -> Ids:
+def _relate_to_junction(d: Discourse, ids: Ids) -> Ids:
     """ "It" is the road where nothing else was named: "a roundabout with houses around it"."""
     for one in ids:
         if d.mentions[one].kind is None:
             continue
-        if d.road.kind in JUNCTIONS and not said.at_it:
+        if d.road.kind in JUNCTIONS:
             d.change(one, at=replace(d.mentions[one].at, at_junction=True), placed=True)
     return ids
 

@@ -7,13 +7,21 @@ from dataclasses import replace
 
 from lidardraft.drafting.text.coordination import spread
 from lidardraft.drafting.text.exceptions import is_denied, leave_out
-from lidardraft.drafting.text.mentions import Discourse, Ids, Mention, Mentions, RoadNotes, mention_of
+from lidardraft.drafting.text.mentions import COMPANIONS, Discourse, Ids, Mention, Mentions, RoadNotes, mention_of
+from lidardraft.drafting.text.parts import kept_with
 from lidardraft.drafting.text.places import attach, describe, note_place, place_at, queue_up, say_place, with_side
 from lidardraft.drafting.text.portions import counted_later, named_part
 from lidardraft.drafting.text.positions import NOWHERE, Position
 from lidardraft.drafting.text.references import call, can_be_where, known_mention, meant_by, targets_of
 from lidardraft.drafting.text.relations import is_side_of, relate, relate_another
-from lidardraft.drafting.text.streets import note_street, on_street, say_of_ego, say_of_road, with_direction
+from lidardraft.drafting.text.streets import (
+    note_junction,
+    note_street,
+    on_street,
+    say_of_ego,
+    say_of_road,
+    with_direction,
+)
 from lidardraft.drafting.text.tree import Clause, Item, Manner, Modifier, NounPhrase, Place, Relation, Street
 
 
@@ -53,6 +61,7 @@ def read(d: Discourse, clause: Clause) -> None:
         alone = bool(item.modifiers) and item.modifiers[0].verb == "one" and number > 0
         for one in new if lead is not None and not alone else []:
             place_at(d, one, lead, weak=not strong)  # type: ignore[arg-type]
+            d.cover(one, lead.tokens)  # type: ignore[union-attr]
         for one, said in itertools.product(new, manner):
             describe(d, one, said)
         link = clause.items[number].link
@@ -85,8 +94,6 @@ def _lead(d: Discourse, clause: Clause) -> tuple[Place | None, tuple[Relation, I
     which = False
     for modifier in clause.lead:
         said, which = modifier.said, which or modifier.link == "which"
-        if isinstance(said, Relation) and said.targets[0].pronoun == "us" and said.ego_at is not None:
-            said = Place(said.ego_at.narrowed(said.at))
         if isinstance(said, Place):
             note_place(d, said)
             said = with_side(d, said)
@@ -158,7 +165,8 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
         )
         if several and (item.verb or not clause.items[number - 1].modifiers):
             return call(d, phrase, before)
-    counted = counted_later(d, phrase, told, before, item.link)
+    alone = clause.begins and len(clause.items) == 1 and not clause.lead
+    counted = counted_later(d, phrase, told, before, item.link, alone)
     if counted is not None:
         return [counted]
     known = known_mention(d, phrase, [])
@@ -195,7 +203,8 @@ def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: 
     if not clause.items[number].link or item.link == "." or number == 0:
         d.summed = None
     if d.summed is not None and mention.is_wanted and mention.record.is_vehicle:
-        mention = replace(mention, same_as=d.summed, of_them=True)
+        tokens = mention.tokens | d.mentions[d.summed].tokens
+        mention = replace(mention, same_as=d.summed, of_them=True, tokens=tokens)
     made = d.add(replace(mention, count=count, with_it=host if len(before) == 1 else None))
     if phrase.each:
         d.each = made
@@ -237,16 +246,21 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
     first = next((n for n, one in enumerate(modifiers) if not isinstance(one.said, Manner) or one.said.says), -1)
     for index, modifier in enumerate(modifiers):
         said = modifier.said
+        facade = isinstance(said, Place) and said.bare and open_ids and d.building_before(open_ids[0]) is not None
+        is_first = index == first and item.link != "except" and not verb and not facade
+        if is_first:
+            numbers = spread(clause, number, modifier)
+            open_ids = [one for n in numbers for one in named[n]] if numbers != [number] else open_ids
         if not isinstance(said, Street):
             for one in open_ids:
                 d.cover(one, said.tokens)
-        if index == first and item.link != "except" and not verb:
-            numbers = spread(clause, number, modifier)
-            open_ids = [one for n in numbers for one in named[n]] if numbers != [number] else open_ids
-            if _respective(d, clause, number, open_ids) or _carries(d, item, open_ids, named, number, said):
-                return
+        if is_first and (_respective(d, clause, number, open_ids) or _carries(d, item, open_ids, named, number, said)):
+            return
         if modifier.link == "," and isinstance(said, Relation) and last is not None:
             open_ids = named[number]  # "in front of the shop, next to a bench"
+        before = modifiers[index - 1].said if index else None
+        if isinstance(said, Place) and isinstance(before, Street) and not modifier.link and note_junction(d, said):
+            continue
         if isinstance(said, Place):
             if last is not None and is_side_of(d, last, said, open_ids):
                 last = None
@@ -293,16 +307,25 @@ def _split_part(d: Discourse, clause: Clause, number: int, ids: Ids) -> tuple[Mo
 
 def _carries(d: Discourse, item: Item, ids: Ids, named: list[Ids], number: int, said: object) -> bool:
     """ "A lorry with a sign at 65 m": the place is that of the lorry, where the sign is."""
-    if item.link != "with" or not isinstance(said, Place) or len(item.modifiers) != 1 or number == 0 or len(ids) != 1:
+    if item.link != "with" or not isinstance(said, Place) or number == 0 or len(ids) != 1:
         return False
     host = named[number - 1]
-    if len(host) != 1 or not said.at.distance or d.mentions[host[0]].placed or d.mentions[host[0]].relation:
+    if len(host) != 1 or d.mentions[host[0]].placed or d.mentions[host[0]].relation:
         return False
     carried, carrier = d.mentions[ids[0]], d.mentions[host[0]]
-    if not carrier.is_wanted or not carried.is_wanted or carried.record.drives or carrier.same_as is not None:
+    if carried.kind not in COMPANIONS and (not said.at.distance or len(item.modifiers) != 1):
         return False
-    d.change(ids[0], relation="near", references=(host[0],), placed=True)
-    say_place(d, host, said, item.modifiers[0])
+    if (
+        not carrier.is_wanted
+        or not carried.is_wanted
+        or (carried.record.drives and carried.kind not in COMPANIONS)
+        or carrier.same_as is not None
+    ):
+        return False
+    d.mentions[ids[0]] = kept_with(carried, host[0])
+    for modifier in item.modifiers:
+        if isinstance(modifier.said, Place):
+            say_place(d, host, modifier.said, modifier)
     return True
 
 

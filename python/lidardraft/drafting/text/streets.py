@@ -49,6 +49,15 @@ def note_street(d: Discourse, street: Street) -> None:
     )
 
 
+def note_junction(d: Discourse, place: Place) -> bool:
+    """Whether a place at a distance is that of the junction, as in "a crossroads 30 m ahead"."""
+    ahead = place.at == Position(place.at.places, distance=place.at.distance) and not place.at.sides
+    if d.road.kind not in JUNCTIONS or not place.at.distance or not ahead or place.at.places == (BEHIND,):
+        return False
+    d.road = replace(d.road, junction=place.at.distance)
+    return True
+
+
 def with_direction(item: Item) -> Street:
     """Lanes with the direction that is said of them: "one lane in the other direction"."""
     street = item.head
@@ -72,6 +81,8 @@ def say_of_road(d: Discourse, item: Item) -> None:
             isinstance(said, Place) and said.at == Position(said.at.places) and said.at.sides and d.road.kind == "bend"
         ):
             d.road = replace(d.road, kind=f"{said.at.sides[0]}-bend")
+        elif isinstance(said, Place) and said.at.distance:
+            note_junction(d, said)
         elif isinstance(said, Relation) and said.relation == "between" and len(said.targets) == 1:
             for one in targets_of(d, said, []):
                 place_at(d, one, Place(Position((LEFT, RIGHT), both_sides=True)))  # "an alley between houses"
@@ -116,10 +127,17 @@ def say_of_ego(d: Discourse, item: Item) -> None:
                 attach(d, one, said, modifier.link)
         elif isinstance(said, Relation) and said.relation is not None:
             placed = targets_of(d, said, [])
+            if said.overtakes and not said.followed:
+                d.road = replace(d.road, ego_motion="overtakes")
+            for one in placed if said.overtakes and said.followed else []:
+                d.change(one, motion="overtakes")
             where = BEHIND if said.followed else _FROM_THE_EGO.get(said.relation)
             for one in placed if where is not None else []:
                 if not d.mentions[one].placed:
                     place_at(d, one, Place(Position(places=(where,)).narrowed(said.at)))  # type: ignore[arg-type]
+        elif isinstance(said, Manner):
+            speed = 0.0 if said.heading == "parked" else d.road.ego_speed if said.speed is None else said.speed
+            d.road = replace(d.road, ego_motion=said.motion or d.road.ego_motion, ego_speed=speed)
         elif isinstance(said, Street):
             note_street(d, said)
     if placed:

@@ -49,7 +49,7 @@ _SPELLED = {"@": " at ", "~": " about ", ">=": " at least ", "<=": " at most ", 
 _SAID = {"&": "and", "+": "and", "w/o": "without", "w/": "with", "and/or": "or", "=": ":"}
 _TOKEN = re.compile(
     rf"""(?P<word>w/o\b|w/(?=\s)|and/or\b)
-    |(?P<speed>{_figures}\ ?(?:km/h|m/s|mph|kph)\b)
+    |(?P<pace>{_figures}(?=\ ?(?:km/h|m/s|mph|kph)\b)|\b(?:km/h|m/s))
     |(?P<compound>(?<![a-z0-9])(?:{_word}-)*(?:{_word}|[\d.,]*\d)-(?!{_goes_on})[a-z][a-z-]*)
     |(?P<nth>\b\d(?=(?:st|nd|rd|th)\b)(?:st|nd|rd|th))
     |(?P<figure>(?:(?<![\w.,'/+-])|(?<=\d-)|(?<=\ x)|(?<=\(x)){_figures}
@@ -66,7 +66,8 @@ _TOKEN = re.compile(
     |(?P<other>\S)""",
     re.VERBOSE,
 )  # fmt: skip
-_CONTRACTED = {"n't": "not", "'s": "is", "'re": "", "'m": "", "'ve": "", "'ll": "", "'d": ""}
+_LETTERS = "abcdefghijklmnopqrstuvwxyz"
+_SHORTEST_SLIP, _LONG_SLIP = 5, 8  # letters
 _SUBJECTS = ("there", "it", "that", "here", "who", "i", "we", "you", "they", "he", "she")
 _NAME = re.compile(r"(?<=[a-z] )([A-HJKM-QSU-Z])(?=[,.;:!?)]|$|'s\b| (?![A-Z]))")  # "car A"; L and R are sides
 
@@ -110,7 +111,7 @@ def tokens_of(text: str, vocabulary: Collection[str]) -> list[Token]:
             case "dash":
                 between = found and found[-1].text[-1:].isdigit() and text[end:].lstrip()[:1].isdigit()
                 found.append(Token("to" if between else ",", start, end))
-            case "speed" | "compound" | "strange":
+            case "compound" | "strange":
                 found.append(Token(said, start, end, is_strange=True))
             case "symbol" | "word":
                 found += [Token(word, start, end) for word in _SAID[said].split()]
@@ -127,7 +128,7 @@ def tokens_of(text: str, vocabulary: Collection[str]) -> list[Token]:
                 else:
                     found.append(Token(said, start, end))
             case "letters":
-                found += _letters(said, start)
+                found += _letters(slip_of(said, vocabulary) or said, start, start + len(said))
             case "other" if said == "/":
                 found.append(Token("per" if text[end:].startswith(("dir", "way", "side", "lane")) else ",", start, end))
             case _:
@@ -135,10 +136,25 @@ def tokens_of(text: str, vocabulary: Collection[str]) -> list[Token]:
     return found
 
 
-def _letters(said: str, start: int) -> list[Token]:
+def slip_of(word: str, vocabulary: Collection[str]) -> str | None:
+    """The only word that differs in two letters that changed places or, of long words, in a letter too few or too many.
+
+    No letter stands for another one: "horse" and "house" are both words.
+    """
+    if word in vocabulary or len(word) < _SHORTEST_SLIP or not word.isalpha():
+        return None
+    cuts = range(len(word))
+    near = {word[:n] + word[n + 1 : n + 2] + word[n] + word[n + 2 :] for n in cuts}
+    if len(word) >= _LONG_SLIP:
+        near |= {word[:n] + word[n + 1 :] for n in cuts}
+        near |= {word[:n] + letter + word[n:] for n in range(len(word) + 1) for letter in _LETTERS}
+    known = [one for one in near if one in vocabulary]
+    return known[0] if len(known) == 1 else None
+
+
+def _letters(said: str, start: int, end: int) -> list[Token]:
     """A word, or the two of a contraction."""
     word, mark, ending = said.partition("'")
-    end = start + len(said)
     if said.endswith("n't"):
         return [Token(said.removesuffix("n't") or "not", start, end), Token("not", start, end)]
     if mark and word in _SUBJECTS:

@@ -27,8 +27,10 @@ class Manner:
     heading: str | None = None
     queue: bool = False
     cycling: bool = False
+    facing: bool = False  # says nothing of how it moves
     abreast: bool = False
-    overtakes: bool = False
+    motion: str | None = None
+    speed: float | None = None  # m/s
     riding: bool = False
     on_the_road: bool = False
     at_junction: bool = False
@@ -39,6 +41,7 @@ class Manner:
     long: bool | None = None  # whether a word such as "long" or "tall" says which
     in_row: bool = False  # "one behind the other"
     road: str | None = None  # that is crossed
+    paint: str | None = None
     tokens: Tokens = frozenset()
 
 
@@ -86,6 +89,8 @@ class Place:
     lanes: int = 0
     other_side: bool = False
     bend_side: str = ""
+    bare: bool = False  # "in front", which may be of a building
+    only: bool = False
     shoulder: bool = False
     crosswalk: bool = False
     there: bool = False
@@ -191,8 +196,10 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
         heading=next((one for one in headings if one != "with"), headings[0] if headings else None),
         queue="queue" in values,
         cycling="cycling" in values,
+        facing="facing" in values,
         abreast="abreast" in values,
-        overtakes="overtakes" in values,
+        motion=next(iter(values.get("motion", [])), None),
+        speed=next(iter(values.get("speed", [])), None),
         riding=any(node.symbol == "riding" for node in nodes),
         on_the_road="on_the_road" in values,
         at_junction="at_junction" in values,
@@ -205,6 +212,7 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
         long=False if "tall" in values else True if "long" in values else None,
         in_row="in_row" in values,
         road=next(iter(values.get("road", [])), None),
+        paint=next(iter(values.get("paint", [])), None),
         scale=scale,
         tokens=frozenset().union(*(tokens_of(node) for node in nodes)),
     )
@@ -331,7 +339,7 @@ def relation_of(node: Node) -> Relation:
         at=Position(distance=lengths[0]) if lengths else Position(),
         ego_at=said.get("at"),
         strong=bool(said.get("strong")) or not any(one.symbol == "prep" for one in node.children),
-        overtakes=bool(said.get("overtakes")),
+        overtakes=said.get("motion") == "overtakes",
         followed=bool(said.get("followed")),
         at_it=any(one.symbol == "at_prep" for one in node.children),
         target_place=place_of(places[0]) if places else None,
@@ -348,6 +356,8 @@ def place_of(node: Node) -> Place:
         lanes=node.get("lanes", 0),
         other_side=bool(node.get("other_side")),
         bend_side=node.get("bendside", ""),
+        bare=bool(node.get("bare")),
+        only=any(leaves(node, "'only")),
         shoulder=bool(node.get("shoulder")),
         crosswalk=bool(node.get("crosswalk")),
         in_row=any(leaves(node, "neighbour")) and any(leaves(node, "the_next")),

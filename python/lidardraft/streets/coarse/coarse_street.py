@@ -181,13 +181,13 @@ class CoarseStreet:
         self._mesh = GroundMesh(road, [p for p in scene if p.label in GROUND and object_of(p) not in number_of])
         kinds = [kind_of(t.kind) for t in self.objects]
         exact = [
-            (i, shape, (t.x, t.y, t.yaw))
+            (i, shape, t.place)
             for i, (t, kind) in enumerate(zip(self.objects, kinds, strict=True))
             for shape in kind.coarse(t)
         ]
         self.exact = ShapeColumns.from_rows(self.objects, exact)
         self.solved = ShapeColumns.from_rows(self.objects, solver_shapes(self.objects, road, middles))
-        self.places = np.array([(t.x, t.y, t.yaw) for t in self.objects], dtype=float).reshape(-1, 3)
+        self.places = np.array([t.place for t in self.objects], dtype=float).reshape(-1, 3)
         self.levels = np.array([t.level for t in self.objects], dtype=float)
         self.heights = np.array([t.z for t in self.objects], dtype=float)
         self.instances = np.array([t.instance for t in self.objects], dtype=np.uint32)

@@ -9,18 +9,14 @@ from dataclasses import replace
 import numpy as np
 
 from lidardraft.arranging.district import PARKING_STRIP
-from lidardraft.drafting.solver.occupancy import GAP
 from lidardraft.drafting.solver.poses import LANE_OFFSET, YAW_DEVIATION
+from lidardraft.drafting.solver.scene import GAP
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.objects.coarse_shapes import (
     CROWN_BASE,
-    TRUNK_DIAMETER,
     CoarseShape,
     standing,
     street_light_parts,
-    traffic_light_parts,
-    traffic_sign_parts,
-    tree_parts,
 )
 from lidardraft.objects.kinds import Kind, kind_of
 from lidardraft.objects.placed_object import PlacedObject, Vector
@@ -31,8 +27,6 @@ _MOST_RESIZED, _ALWAYS_RESIZED = 0.25, 0.12  # share of the size; m that are alw
 _MOST_YAW = 3 * YAW_DEVIATION  # rad
 _CROOKED = 0.2  # rad; what is turned by more stands as it does
 _IN_LANE = 0.5  # m from the middle of a lane that is still in it
-_TRUNK_SHARE = 0.05  # of the height of a tree, before the limits of the solver
-_WIDEST_ON_POLE = 1.0  # m; wider traffic lights hang from an arm
 _LEAST_CROWN = 0.6  # of the height of a tree, the highest that its crown begins
 
 
@@ -98,18 +92,11 @@ def _nearest(extent: float, low: float, high: float) -> float:
 def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
     """The parts that a sentence has for the word of a kind, at the size of the object."""
     length, width, height = placed.size
-    if kind.word == "tree":
-        trunk = min(max(_TRUNK_SHARE * height, TRUNK_DIAMETER[0]), TRUNK_DIAMETER[1])
-        return tree_parts(height, length, trunk, placed.clearance)
     if kind.word == "building" and length > _LONGEST_BUILDING:
         count = math.ceil(length / _LONGEST_BUILDING)
         step = length / count
         along = (np.arange(count) + 0.5) * step - length / 2
         return [standing("box", (step - GAP, width, height), "building", x=x) for x in along.tolist()]
-    if kind.word == "traffic-sign":
-        return traffic_sign_parts(height, width)
-    if kind.word == "traffic-light" and width <= _WIDEST_ON_POLE:
-        return traffic_light_parts(placed.clearance)
     if kind.word == "street-light":
         return street_light_parts(height)
     if kind.word in ("house", "truck"):  # a sentence knows no roofs, and one kind of lorry
@@ -120,7 +107,7 @@ def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
 def _settled(placed: PlacedObject, kind: SentenceKind, road: Road, rows: np.ndarray) -> tuple[float, float, float]:
     """x, y [m] and yaw [rad] of the object along the road, near the middle of a row if it stands in one."""
     if not (kind.is_vehicle or kind.is_square or kind.yaw_deviation):
-        return placed.x, placed.y, placed.yaw
+        return placed.place
     along, across = road.along_across(placed.x, placed.y)
     heading = road.curvature * along
     turn = math.remainder(placed.yaw - heading, math.tau)
@@ -128,7 +115,7 @@ def _settled(placed: PlacedObject, kind: SentenceKind, road: Road, rows: np.ndar
     if kind.is_square:
         return placed.x, placed.y, heading + square
     if abs(turn - square) > _CROOKED:
-        return placed.x, placed.y, placed.yaw
+        return placed.place
     turn = square + min(max(turn - square, -_MOST_YAW), _MOST_YAW)
     if kind.is_vehicle and round(square / (math.pi / 2)) % 2 == 0:
         row = rows[int(np.argmin(np.abs(rows - across)))]

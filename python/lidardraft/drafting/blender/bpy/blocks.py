@@ -9,9 +9,6 @@ from typing import ClassVar
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.values import Builtin, Methods, Record, Value, describe, place, text
 
-_STEPS = 3  # that a block costs
-_MOST_PROPERTIES = 200  # of an object or a mesh
-
 
 class Unread(Record):
     """A part of Blender that no shape depends on: what is set in it is passed over, all of it is such a part."""
@@ -112,7 +109,6 @@ class Blocks(Listed):
 
     def new(self, name: str, *arguments: Value, **named: Value) -> Value:
         """A new block; its name gets a number where another one has it."""
-        self.script.take_steps(_STEPS)
         block = self._make(self, *arguments, **named)
         block.name = self.free_name(text(name, "the name"))
         self.by_name[block.name] = block
@@ -126,7 +122,6 @@ class Blocks(Listed):
         stem = re.sub(r"\.\d+$", "", name) if len(name) < 200 else name
         number = self._next.get(stem, 1)
         while f"{stem}.{number:03}" in self.by_name:
-            self.script.take_steps(1)
             number += 1
         self._next[stem] = number + 1
         return f"{stem}.{number:03}"
@@ -140,17 +135,16 @@ class Blocks(Listed):
 
     def remove(self, block: Value) -> None:
         """Forget a block."""
+        self.script.check_time()
         if not isinstance(block, Block) or self.by_name.get(block.name) is not block:
             raise RefusalError(f"{describe(block)} is not in {self.kind}")
         del self.by_name[block.name]
         self._next.clear()
 
     def named(self, name: Value) -> Value:
-        self.script.take_compared(name)
         return self.by_name.get(name)
 
     def held(self) -> list[Value]:
-        self.script.take_cells(len(self.by_name))
         return list(self.by_name.values())
 
     def length(self) -> int:
@@ -174,7 +168,6 @@ class Block(Record):
         self.properties: dict[str, Value] = {}
 
     def item(self, key: Value) -> Value:
-        self.script.take_compared(key)
         if not self.contains(key):
             raise RaisedError("KeyError", f"{self.kind} {self.name!r:.60} has no property {describe(key)}")
         return self.properties[key]
@@ -182,15 +175,12 @@ class Block(Record):
     def set_item(self, key: Value, value: Value) -> None:
         if value is not None and not isinstance(value, int | float | str | list | tuple):
             raise RefusalError(f"a property of {describe(value)} is not supported")
-        if len(self.properties) >= _MOST_PROPERTIES:
-            raise RefusalError(f"{self.kind} with more than {_MOST_PROPERTIES} properties")
         self.properties[text(key, "the name of a property")] = value
 
     def contains(self, value: Value) -> bool:
         return isinstance(value, str) and value in self.properties
 
     def _get(self, name: Value, default: Value = None) -> Value:
-        self.script.take_compared(name)
         return self.properties.get(text(name, "a name"), default)
 
     fields: ClassVar[Methods] = {

@@ -27,9 +27,7 @@ from lidardraft.drafting.blender.script.values import (
     reals,
 )
 
-_STEPS = 6  # that a vertex or a face costs
-_STEPS_OF_MATRIX = 15  # that what is done with a small array costs
-_CELLS = 8
+_CELLS = 8  # that a vertex or a face costs
 _ORIGIN = (0.0, 0.0, 0.0)
 _LOOKS = ("select", "smooth", "material_index", "hide", "tag", "index", "seam")
 _LOOKUP = dict.fromkeys(("ensure_lookup_table", "index_update"), nothing)
@@ -48,11 +46,9 @@ class Face(Record):
         self._script = script
 
     def _verts(self) -> list[Vertex]:
-        self._script.take_steps(len(self.corners) // 4)
         return list(self.corners)
 
     def _places(self) -> np.ndarray:
-        self._script.take_steps(6 * _STEPS + len(self.corners))
         return np.array([corner.place.numbers for corner in self.corners])
 
     def _normal(self) -> Vector:
@@ -78,7 +74,6 @@ class Edge(Record):
 
     kind = "a BMEdge"
     is_key = True
-    weight = 2
 
     def __init__(self, verts: tuple[Vertex, Vertex]) -> None:
         self.verts = verts
@@ -101,7 +96,6 @@ class EditedMesh(Record):
     def edges(self) -> list[Edge]:
         """The edges of its faces; those of no face are in no shape."""
         sides = sum(len(face.corners) for face in self.faces)
-        self.script.take_steps(2 * sides)
         self.script.take_cells(_CELLS * sides)
         found: dict[frozenset[Vertex], tuple[Vertex, Vertex]] = {}
         for face in self.faces:
@@ -111,7 +105,6 @@ class EditedMesh(Record):
 
     def charge(self, count: int) -> None:
         """Count so many vertices and faces, before they are made."""
-        self.script.take_steps(_STEPS * count)
         self.script.take_cells(_CELLS * count)
 
     def add(self, vertices: np.ndarray, faces: list[list[int]]) -> list[Vertex]:
@@ -130,7 +123,6 @@ class EditedMesh(Record):
     def transform(self, matrix: Value, vertices: list[Vertex]) -> None:
         """Move vertices by a matrix of 3 or 4 rows."""
         four_rows = of_kind(matrix, Matrix, "the matrix").four_rows()
-        self.script.take_steps(_STEPS + len(vertices))
         if vertices:
             places = moved(np.array([vertex.place.numbers for vertex in vertices]), four_rows)
             for vertex, place in zip(vertices, places.tolist(), strict=True):
@@ -158,9 +150,7 @@ class EditedMesh(Record):
 
     def to_mesh(self, mesh: Value) -> None:
         """Make a mesh of it; one without faces has no shape."""
-        self.script.take_steps(len(self.vertices) + len(self.faces))
         polygons = polygons_of(self._corners())
-        self.script.take_steps(2 * len(polygons))
         of_kind(mesh, Mesh, "the mesh").shape = polyhedron(self._places(), polygons) if polygons else None
         mesh.matrix = IDENTITY
 
@@ -170,21 +160,17 @@ class EditedMesh(Record):
             self.add_shape(shape, mesh.matrix)
 
     def _new_vertex(self, co: Value = _ORIGIN, *_: Value) -> Vertex:
-        self.charge(1)
         self.vertices.append(Vertex(list(reals(co, 3, "a vertex"))))
         return self.vertices[-1]
 
     def _new_face(self, verts: Value, *_: Value) -> Face:
         corners = [of_kind(corner, Vertex, "a corner of a face") for corner in elements(verts, self.script)]
-        self.script.take_steps(len(corners))
-        self.charge(1)
         if len(corners) < 3 or len(set(corners)) < len(corners):
             raise RaisedError("ValueError", f"a face of {len(set(corners))} vertices; it needs 3 or more, each once")
         self.faces.append(Face(corners, self.script))
         return self.faces[-1]
 
     def _remove(self, parts: list[Value], part: Value) -> None:
-        self.script.take_steps(len(parts))
         if part not in parts:
             raise RefusalError(f"{describe(part)} is not in this part of the BMesh")
         parts.remove(part)
@@ -262,9 +248,7 @@ def _adding(name: str) -> Callable[..., Value]:
 
 def _move(bm: Value, verts: Value, linear: np.ndarray, offset: np.ndarray, space: Value) -> None:
     mesh, matrix = of_kind(bm, EditedMesh, "bm"), affine(linear, offset)
-    mesh.script.take_steps(_STEPS_OF_MATRIX)
     if isinstance(space, Matrix) and space.array.shape == (4, 4):
-        mesh.script.take_steps(4 * _STEPS_OF_MATRIX)
         matrix = np.linalg.pinv(space.array) @ matrix @ space.array
     _transform(mesh, Matrix(matrix), verts)
 
@@ -291,7 +275,6 @@ def _transform(bm: Value, matrix: Value = None, verts: Value = (), **_: Value) -
 
 def _extrude_face_region(bm: Value, geom: Value = (), **_: Value) -> Value:
     mesh = of_kind(bm, EditedMesh, "bm")
-    mesh.script.take_steps(_STEPS_OF_MATRIX)
     faces = [item for item in elements(geom, mesh.script) if isinstance(item, Face)]
     corners = list(dict.fromkeys(corner for face in faces for corner in face.corners))
     place = {corner: number for number, corner in enumerate(corners)}
@@ -312,7 +295,6 @@ def _delete(bm: Value, geom: Value = (), context: Value = "VERTS", **_: Value) -
     gone = set(elements(geom, mesh.script))
     if context not in ("VERTS", "FACES", "FACES_ONLY"):
         raise RefusalError(f"delete in the context {describe(context)} is not supported")
-    mesh.script.take_steps(3 * len(mesh.faces) + len(mesh.vertices))
     if context == "VERTS":
         mesh.faces = [face for face in mesh.faces if not gone.intersection(face.corners)]
     else:

@@ -28,7 +28,6 @@ from lidardraft.drafting.blender.script.values import (
 
 IDENTITY = np.eye(4)
 IDENTITY.flags.writeable = False
-_STEPS_OF_MATRIX = 15  # steps that what is done with a small array costs
 _OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
 
 
@@ -135,7 +134,6 @@ class Vector(Record):
     """Two to four finite numbers, which can be set one by one."""
 
     kind = "a Vector"
-    weight = 3
     axes = "xyzw"  # the names of the numbers
 
     def __init__(self, numbers: Sequence[float]) -> None:
@@ -266,11 +264,6 @@ class Vector(Record):
         "to_4d": lambda self: Vector([*self.numbers, *(0.0, 1.0)[len(self.numbers) - 2 :]]),
         "to_track_quat": lambda self, track="Z", up="Y": Quaternion(quaternion_of(tracking(self.numbers, track, up))),
     }
-    weights: ClassVar[dict[str, int]] = {
-        **{"dot": 3, "cross": 3, "lerp": 3, "angle": 5, "rotate": _STEPS_OF_MATRIX},
-        **dict.fromkeys(("to_track_quat", "rotate_axis"), 4 * _STEPS_OF_MATRIX),
-        **dict.fromkeys(("to_matrix", "to_quaternion", "to_euler"), _STEPS_OF_MATRIX),
-    }
 
 
 class LiveVector(Vector):
@@ -320,7 +313,6 @@ class Quaternion(Vector):
     """A rotation, as four numbers."""
 
     kind = "a Quaternion"
-    weight = _STEPS_OF_MATRIX
     axes = "wxyz"
 
     @classmethod
@@ -355,7 +347,6 @@ class Matrix(Record):
     """A square matrix of three or four rows; `changed` is told what it is changed to."""
 
     kind = "a Matrix"
-    weight = _STEPS_OF_MATRIX
 
     def __init__(self, array: np.ndarray, changed: Callable[[np.ndarray], None] | None = None) -> None:
         self._changed = changed
@@ -509,7 +500,7 @@ def _euler(array: np.ndarray, order: Value) -> Euler:
 def mathutils_module() -> Namespace:
     """Vector, Euler, Matrix, Quaternion and Color."""
     vectors = builtins("", {"Vector": Vector.from_value, "Euler": Euler.from_value, "Color": Vector.from_value})
-    quaternion = Builtin("Quaternion", Quaternion.from_value, 2 * _STEPS_OF_MATRIX)
+    quaternion = Builtin("Quaternion", Quaternion.from_value)
     matrices: Methods = {
         "Translation": lambda vector: Matrix(affine(np.eye(3), np.array(reals(vector, 3, "the translation")))),
         "Rotation": _rotated,
@@ -518,5 +509,5 @@ def mathutils_module() -> Namespace:
         "Identity": lambda size: _sized(np.eye(4), size),
         "LocRotScale": _composed,
     }
-    matrix = Builtin("Matrix", Matrix.from_value, _STEPS_OF_MATRIX, matrices)
+    matrix = Builtin("Matrix", Matrix.from_value, matrices)
     return Namespace("mathutils", {**vectors, "Matrix": matrix, "Quaternion": quaternion})

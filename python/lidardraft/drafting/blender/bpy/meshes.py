@@ -32,9 +32,7 @@ Polygons = list[np.ndarray]  # int64 [F, K] each: so many polygons of K corners
 _ROUND_CIRCLE, _ROUND_RINGS, _ROUND_SUBDIVISIONS = 10, 6, 2
 _MOST = {"subdivisions": 8}  # that an argument may be, if not 500 corners
 _LEAST = dict.fromkeys(("subdivisions", "x_subdivisions", "y_subdivisions", "x_segments", "y_segments"), 1)  # if not 3
-_STEPS, _CELLS = 2, 8  # that a vertex costs which a script moves
-_STEPS_OF_COPY = 10
-_MOST_MATERIALS = 256
+_CELLS = 8  # that a vertex costs which a script moves
 _MESH_ELEMENTS = ("edges", "polygons", "loops", "uv_layers", "vertex_colors", "color_attributes", "attributes")
 
 
@@ -285,8 +283,6 @@ class MaterialList(Listed):
 
     def append(self, material: Value) -> None:
         """Add a material."""
-        if len(self.materials) >= _MOST_MATERIALS:
-            raise RefusalError(f"a mesh of more than {_MOST_MATERIALS} materials")
         self.materials.append(_material(material))
 
     def held(self) -> list[Material | None]:
@@ -322,8 +318,8 @@ class Mesh(Block):
 
     def copy(self) -> Mesh:
         """Another mesh of the same shape and materials."""
-        self.script.take_steps(_STEPS_OF_COPY)
-        self.script.take_cells(3 * len(self.properties) + len(self.materials.materials))
+        self.script.take_made(self.properties)
+        self.script.take_made(self.materials.materials)
         mesh: Mesh = self.owner.new(self.name)
         mesh.shape, mesh.matrix = self.shape, self.matrix
         mesh.materials.materials = list(self.materials.materials)
@@ -332,6 +328,7 @@ class Mesh(Block):
 
     def made(self) -> tuple[np.ndarray, Polygons]:
         """Its vertices float64 [V, 3] and its faces; none, without a shape."""
+        self.script.check_time()
         if self.shape is None:
             return np.zeros((0, 3)), []
         vertices, polygons = self.shape.make()
@@ -341,7 +338,6 @@ class Mesh(Block):
         """Its vertices; it follows where they are moved."""
         if self.shape is None or (self._vertices and self._read is self.shape):
             return self._vertices if self.shape else []
-        self.script.take_steps(_STEPS * self.shape.vertices)
         self.script.take_cells(_CELLS * self.shape.vertices)
         places, faces = self.made()
         vertices = [Vertex(place, number) for number, place in enumerate(places.tolist())]
@@ -356,10 +352,9 @@ class Mesh(Block):
             raise RefusalError("a mesh is transformed by a matrix of 4 rows")
         self.matrix = matrix.array @ self.matrix
 
-    def _from_pydata(self, vertices: Value, edges: Value, faces: Value, *_: Value) -> None:
+    def _from_pydata(self, vertices: Value, _edges: Value, faces: Value, *_: Value) -> None:
         script = self.script
         places, sides = elements(vertices, script), elements(faces, script)
-        script.take_steps(len(places) + len(elements(edges, script)) + len(sides))
         points = np.array([reals(place, 3, "a vertex") for place in places]).reshape(-1, 3)
         polygons: list[tuple[int, ...]] = []
         for face in sides:
@@ -368,7 +363,6 @@ class Mesh(Block):
                 raise RefusalError(f"face {len(polygons)} is {corners!r:.60}; the mesh has {len(points)} vertices")
             polygons.append(corners)
         shaped = polygons_of(polygons)
-        script.take_steps(2 * len(shaped))
         self.shape = polyhedron(points, shaped) if shaped else None
 
     fields: ClassVar[Methods] = {

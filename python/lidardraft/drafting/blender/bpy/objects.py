@@ -39,7 +39,6 @@ from lidardraft.drafting.blender.script.values import (
 
 # What changes a surface by little; the note on another says that the shape is that without it.
 _SMOOTHING = ("BEVEL", "SUBSURF", "EDGE_SPLIT", "WEIGHTED_NORMAL", "SMOOTH", "TRIANGULATE", "SMOOTH_BY_ANGLE")
-_MOST_MODIFIERS = 8  # modifiers of an object
 _MOST_COPIES = 1000  # that one array makes
 # What changes how an object is shown, and not where it is or what shape it has.
 _LOOKS = (
@@ -48,8 +47,6 @@ _LOOKS = (
     *("show_transparent", "empty_display_size", "empty_display_type", "use_fake_user", "track_axis", "up_axis"),
     "lock_location",
 )
-_LONGEST_CHAIN = 32  # of parents
-_STEPS = 20  # that a copy or a matrix costs
 _CORNERS = [(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1, 1, 1), (1, 1, 0)]
 
 
@@ -119,8 +116,6 @@ class Modifiers(Listed):
         """A new modifier; what is set in one that is passed over is passed over too."""
         kind = text(type, "the modifier")
         if kind == "ARRAY":
-            if len(self.arrays) >= _MOST_MODIFIERS:
-                raise RefusalError(f"an object with more than {_MOST_MODIFIERS} modifiers")
             self.arrays.append(ArrayModifier(text(name, "the name")))
             return self.arrays[-1]
         shape = "" if kind in _SMOOTHING else ": the shape is that without it"
@@ -194,7 +189,6 @@ class SceneObject(Block):
     """An object: a mesh, an empty, a light or a camera, with its transform."""
 
     kind = "an object"
-    weight = 2
     owner: Objects
 
     def __init__(self, owner: Objects, object_data: Value = None) -> None:
@@ -216,6 +210,7 @@ class SceneObject(Block):
 
     def local(self) -> np.ndarray:
         """parent_from_object [4, 4], without the inverse of the parent."""
+        self.script.check_time()
         return affine(self.turned() * self.scale.numbers, np.array(self.location.numbers))
 
     def turned(self) -> np.ndarray:
@@ -240,11 +235,6 @@ class SceneObject(Block):
             inverse, parent = parent.parent_inverse, parent.parent
         return matrix
 
-    def charged_world(self) -> np.ndarray:
-        """`world()`, counted as steps."""
-        self.script.take_steps(_STEPS * (1 + len(self.parents())))
-        return self.world()
-
     def parents(self) -> list[SceneObject]:
         """The object that it is a part of, the one that this is a part of, and so on."""
         above, found = self.parent, list[SceneObject]()
@@ -255,9 +245,8 @@ class SceneObject(Block):
 
     def set_world(self, matrix: np.ndarray) -> None:
         """Place it so that `world()` is the matrix [4, 4]; raises `RefusalError` for one that shears."""
-        self.script.take_steps(3 * _STEPS)
         if self.parent is not None:
-            parent = self.parent.charged_world() @ self.parent_inverse
+            parent = self.parent.world() @ self.parent_inverse
             matrix = inverse(parent, f"the parent of {self.name!r:.60}") @ matrix
         self.set_local(matrix)
 
@@ -277,17 +266,13 @@ class SceneObject(Block):
 
     def set_parent(self, parent: Value) -> None:
         """Make it a part of another object, or of none."""
-        if parent is not None:
-            above = [parent, *of_kind(parent, SceneObject, "the parent").parents()]
-            if self in above or len(above) > _LONGEST_CHAIN:
-                said = f"the parents of {self.name!r:.60} go in a circle, or are more than {_LONGEST_CHAIN}"
-                raise RefusalError(said)
+        if parent is not None and self in (parent, *of_kind(parent, SceneObject, "the parent").parents()):
+            raise RefusalError(f"the parents of {self.name!r:.60} go in a circle")
         self.parent = parent
 
     def copy(self) -> SceneObject:
         """Another object with the same data, transform and parent, in no collection yet."""
-        self.script.take_steps(_STEPS)
-        self.script.take_cells(3 * len(self.properties))
+        self.script.take_made(self.properties)
         other: SceneObject = self.owner.new(self.name, self.data)
         for name in ("location", "rotation", "quaternion", "scale"):
             getattr(other, name).change(getattr(self, name).numbers)
@@ -300,7 +285,6 @@ class SceneObject(Block):
         """The vertices of its mesh [V, 3], in its own axes."""
         if not isinstance(self.data, Mesh) or self.data.shape is None:
             return np.zeros((0, 3))
-        self.script.take_steps(_STEPS + self.data.shape.vertices)
         return self.data.made()[0]
 
     def extents(self) -> np.ndarray:
@@ -339,7 +323,6 @@ class SceneObject(Block):
     def _set_mode(self, value: Value) -> None:
         if value not in ("XYZ", "QUATERNION"):
             raise RefusalError(f"the rotation mode {describe(value)} is not supported; 'XYZ' and 'QUATERNION' are")
-        self.script.take_steps(_STEPS)
         rotation, self.mode = self.turned(), value
         self.turn(rotation)
 
@@ -356,11 +339,9 @@ class SceneObject(Block):
         self.scale.change(scale)
 
     def _basis(self) -> Matrix:
-        self.script.take_steps(_STEPS)
         return Matrix(self.local(), self.set_local)
 
     def _bound_box(self) -> Value:
-        self.script.take_steps(_STEPS)
         vertices = self.vertices()
         vertices = vertices if len(vertices) else np.zeros((1, 3))
         corners = np.stack([vertices.min(axis=0), vertices.max(axis=0)])
@@ -393,7 +374,6 @@ class SceneObject(Block):
             self.owner.selection.pop(self, None)
 
     def _collections(self) -> tuple[Block, ...]:
-        self.script.take_cells(len(self.collections))
         return tuple(self.collections)
 
     def _constraints(self) -> Value:
@@ -416,7 +396,7 @@ class SceneObject(Block):
         "rotation_quaternion": lambda self: self.quaternion,
         "scale": lambda self: self.scale,
         "parent": lambda self: self.parent,
-        "matrix_world": lambda self: Matrix(self.charged_world(), self.set_world),
+        "matrix_world": lambda self: Matrix(self.world(), self.set_world),
         "matrix_parent_inverse": lambda self: Matrix(self.parent_inverse, self._set_parent_inverse),
         **dict.fromkeys(("matrix_local", "matrix_basis"), _basis),
         "bound_box": _bound_box,

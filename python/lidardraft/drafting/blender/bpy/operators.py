@@ -24,7 +24,6 @@ from lidardraft.drafting.blender.script.values import (
 )
 
 _ORIGIN = (0.0, 0.0, 0.0)
-_STEPS = 30  # that an object costs
 _ACTIONS = ("SELECT", "DESELECT", "INVERT", "TOGGLE")
 # Operators that leave every shape where it is: pictures, files that are written, views, smoothness; and curves.
 _PASSED_OVER = (
@@ -142,7 +141,6 @@ def _primitive(name: str) -> Callable[..., None]:
 
 
 def _add_placed(scene: Scene, name: str, data: Value, where: dict[str, Value]) -> None:
-    scene.script.take_steps(_STEPS)
     item = scene.add(name, data)
     location = where.get("location")
     item.location.change(reals(scene.cursor if location is None else location, 3, "the location"))
@@ -152,12 +150,11 @@ def _add_placed(scene: Scene, name: str, data: Value, where: dict[str, Value]) -
 def _duplicate(scene: Scene, linked: Value = False, **_: Value) -> None:
     copies = []
     for item in list(scene.objects.selection):
-        scene.script.take_steps(_STEPS)
         other = item.copy()
         if not truth(linked) and isinstance(other.data, Mesh):
             other.data = other.data.copy()
         other.collections = dict(item.collections)
-        scene.script.take_cells(len(item.collections))
+        scene.script.take_made(other.collections)
         copies.append(other)
         if scene.objects.active is item:
             scene.objects.active = other
@@ -189,7 +186,7 @@ def _translate(scene: Scene, value: Value = _ORIGIN, **_: Value) -> None:
         _transform_vertices(scene, np.eye(3), way)
         return
     for item in _roots(scene):
-        world = item.charged_world()
+        world = item.world()
         world[:3, 3] += way
         item.set_world(world)
 
@@ -206,7 +203,6 @@ def _rotate(scene: Scene, value: Value = 0.0, orient_axis: Value = "Z", **_: Val
 
 def _origin_set(scene: Scene, type: Value = "GEOMETRY_ORIGIN", center: Value = "MEDIAN", **_: Value) -> None:
     for item in scene.objects.selection:
-        scene.script.take_steps(_STEPS)
         if isinstance(item.data, Mesh) and item.data.shape is not None:
             origin = _origin(scene, item, text(type, "the type"), center)
             item.data.matrix = affine(np.eye(3), -origin) @ item.data.matrix
@@ -217,7 +213,7 @@ def _origin_set(scene: Scene, type: Value = "GEOMETRY_ORIGIN", center: Value = "
 def _origin(scene: Scene, item: SceneObject, type: str, center: Value) -> np.ndarray:
     """Where the origin of an object goes [3], in its own axes."""
     if type == "ORIGIN_CURSOR":
-        return np.asarray((np.linalg.pinv(item.charged_world()) @ [*scene.cursor.numbers, 1.0])[:3])
+        return np.asarray((np.linalg.pinv(item.world()) @ [*scene.cursor.numbers, 1.0])[:3])
     if type not in ("ORIGIN_GEOMETRY", "GEOMETRY_ORIGIN") or center not in ("MEDIAN", "BOUNDS"):
         raise RefusalError(f"origin_set to {type!r:.40}, {describe(center)} is not supported")
     vertices = item.vertices()
@@ -238,12 +234,11 @@ def _about_middle(scene: Scene, linear: np.ndarray) -> None:
         return
     if not items:
         return
-    worlds = [item.charged_world() for item in items]
+    worlds = [item.world() for item in items]
     origins = np.array([world[:3, 3] for world in worlds])
     middle = (origins.min(axis=0) + origins.max(axis=0)) / 2
     change = affine(linear, middle - linear @ middle)
     for item, world in zip(items, worlds, strict=True):
-        scene.script.take_steps(2 * _STEPS)
         # Blender does not shear: an axis of the object keeps its direction, and becomes as long as the change makes it.
         turned = linear @ world[:3, :3]
         crooked = turned.T @ turned - np.diag(np.diag(turned.T @ turned))
@@ -263,8 +258,7 @@ def _transform_vertices(scene: Scene, linear: np.ndarray, offset: np.ndarray) ->
     vertices = item.vertices()
     if not scene.edits_all or not len(vertices):
         return
-    scene.script.take_steps(_STEPS)
-    world = item.charged_world()
+    world = item.world()
     middle = moved(vertices.mean(axis=0), world)
     change = affine(linear, middle - linear @ middle + offset)
     item.data.matrix = inverse(world, "the object") @ change @ world @ item.data.matrix
@@ -275,7 +269,6 @@ def _transform_apply(
 ) -> None:
     """Move parts of the transforms of the selected objects into their meshes."""
     for item in scene.objects.selection:
-        scene.script.take_steps(2 * _STEPS)
         if not isinstance(item.data, Mesh):
             continue
         if truth(rotation) and not truth(scale) and len(set(item.scale.numbers)) > 1:
@@ -295,16 +288,15 @@ def _parent_set(scene: Scene, type: Value = "OBJECT", **_: Value) -> None:
     if active is None or type != "OBJECT":
         raise RefusalError("there is no active object to be the parent, or it is no parent of objects")
     for item in [item for item in scene.objects.selection if item is not active]:
-        world = item.charged_world()
-        scene.script.take_steps(2 * _STEPS)
+        world = item.world()
         item.set_parent(active)
-        above = inverse(active.charged_world(), "the parent")
+        above = inverse(active.world(), "the parent")
         item.parent_inverse = above @ world @ inverse(item.local(), item.name[:60])
 
 
 def _parent_clear(scene: Scene, type: Value = "CLEAR") -> None:
     for item in scene.objects.selection:
-        world = item.charged_world()
+        world = item.world()
         item.parent, item.parent_inverse = None, IDENTITY
         if type == "CLEAR_KEEP_TRANSFORM":
             item.set_world(world)
@@ -314,16 +306,14 @@ def _join(scene: Scene) -> None:
     objects, active = scene.objects, scene.objects.active
     if active is None or active not in objects.selection or not isinstance(active.data, Mesh):
         raise RefusalError("the active object is no selected mesh that others can be joined to")
-    own = np.linalg.pinv(active.charged_world())
-    scene.script.take_steps(2 * _STEPS)
+    own = np.linalg.pinv(active.world())
     vertices, faces = [np.zeros((0, 3))], list[np.ndarray]()
     for item in [active, *(other for other in list(objects.selection) if other is not active)]:
         if not isinstance(item.data, Mesh) or item.data.shape is None:
             continue
-        scene.script.take_steps(2 * item.data.shape.vertices + _STEPS)
         points, polygons = item.data.shape.make()
         faces += [each + sum(map(len, vertices)) for each in polygons]
-        vertices.append(moved(points, own @ item.charged_world() @ item.data.matrix))
+        vertices.append(moved(points, own @ item.world() @ item.data.matrix))
         if item is not active:
             objects.remove(item)
     if len(vertices) > 1:

@@ -52,7 +52,6 @@ class Collection(Block):
     def members(self) -> list[SceneObject]:
         """The objects that are in the collection itself, in the order in which they came into it."""
         items = self.all_objects.all()
-        self.script.take_steps(len(items) // 2)
         found = [item for item in items if self in item.collections]
         return sorted(found, key=lambda item: item.collections[self])
 
@@ -90,7 +89,6 @@ class Collection(Block):
         items, numbers = self.members(), elements(seq, self.script)
         if attr not in ("location", "scale", "rotation_euler") or len(numbers) != 3 * len(items):
             raise RefusalError(f"foreach_set of {describe(attr)} for {len(items)} objects to {len(numbers)} numbers")
-        self.script.take_steps(3 * len(items) // 2)
         values = reals(numbers, len(numbers), f"the {attr}")
         for number, item in enumerate(items):
             item.set_attribute(attr, values[3 * number : 3 * number + 3])
@@ -101,7 +99,6 @@ class Collection(Block):
 
     def _children(self) -> Listing:
         def held() -> list[Collection]:
-            self.script.take_steps(len(self.children) // 2 + 1)
             return list(self.children)
 
         own: Methods = {"link": self._link_child, "unlink": self._unlink}
@@ -129,7 +126,6 @@ class LayerCollection(Listed):
         self.collection.script.note("what hides collections is passed over")
 
     def held(self) -> list[LayerCollection]:
-        self.collection.script.take_steps(len(self.collection.children) + 1)
         return [LayerCollection(child) for child in self.collection.children]
 
     fields: ClassVar[Methods] = {

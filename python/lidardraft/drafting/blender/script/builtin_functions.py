@@ -12,7 +12,6 @@ from lidardraft.drafting.blender.script.formatting import to_repr, to_text
 from lidardraft.drafting.blender.script.limits import RefusalError, Script
 from lidardraft.drafting.blender.script.operators import in_order
 from lidardraft.drafting.blender.script.values import (
-    MOST_TYPES,
     Builtin,
     KindOfRecord,
     Methods,
@@ -32,6 +31,7 @@ from lidardraft.drafting.blender.script.values import (
     whole,
 )
 
+_CELLS_OF_COLUMN = 20  # of `zip` and `map`
 _LONGEST_NUMBER = 40  # characters of a text that becomes a number
 _TYPES: dict[str, tuple[type, ...]] = {kind.__name__: (kind,) for kind in (bool, int, float, str, list, tuple, dict)}
 _TYPES |= dict.fromkeys(("set", "frozenset"), (Set,))
@@ -96,8 +96,6 @@ def _of_values(script: Script) -> Methods:
 
 
 def _isinstance(value: Value, kinds: Value) -> bool:
-    if isinstance(kinds, tuple) and len(kinds) > MOST_TYPES:
-        raise RefusalError(f"isinstance of {len(kinds)} kinds; {MOST_TYPES} are the most")
     asked = kinds if isinstance(kinds, tuple) else (kinds,)
     for kind in [each for one in asked for each in (one.types() if isinstance(one, Type) else (one,))]:
         if kind is None:
@@ -136,18 +134,10 @@ def _of_collections(script: Script) -> Methods:
     def as_set(items: Value = ()) -> Set:
         return Set(elements(items, script), script)
 
-    def counted(rows: Iterator[tuple[Value, ...]]) -> Lazy:
-        def each() -> Iterator[Value]:
-            for row in rows:
-                script.take_cells(1 + len(row))
-                yield row
-
-        return Lazy(each(), script)
-
     def zipped(*columns: Value, strict: Value = False) -> Value:
-        script.take_steps(2 * len(columns))
+        script.take_cells(_CELLS_OF_COLUMN * len(columns))
         parts = [iter(column) if isinstance(column, range) else iterate(column, script) for column in columns]
-        return counted(zip(*parts, strict=truth(strict)))
+        return Lazy(zip(*parts, strict=truth(strict)), script)
 
     return {
         "len": length,
@@ -156,7 +146,7 @@ def _of_collections(script: Script) -> Methods:
         "set": as_set,
         "frozenset": as_set,
         "dict": lambda pairs=(), **keywords: to_dict(pairs, keywords, script),
-        "enumerate": lambda items, start=0: counted(enumerate(iterate(items, script), whole(start, "the start"))),
+        "enumerate": lambda items, start=0: Lazy(enumerate(iterate(items, script), start), script),
         "zip": zipped,
         "iter": lambda items: items if isinstance(items, Lazy) else Lazy(iterate(items, script), script),
         "next": _next,
@@ -178,7 +168,6 @@ def _of_functions(script: Script) -> Methods:
             found = elements(items[0] if len(items) == 1 else items, script)
             if not found and "default" in default:
                 return default["default"]
-            script.take_steps(0 if key is None else 2 * len(found))
             keys = found if key is None else [call(key, [item], {}, script) for item in found]
             return found[in_order(choose, keys, script)]
 
@@ -186,17 +175,15 @@ def _of_functions(script: Script) -> Methods:
 
     def total(items: Value, start: Value = 0) -> Value:
         found = elements(items, script)
-        script.take_steps(len(found) // 8)
         if not all(map(is_number, [*found, start])):
             raise RefusalError("sum: only numbers are added up")
         return checked(sum(found, start))
 
     def mapped(function: Value, *columns: Value) -> Value:
-        if isinstance(function, Builtin) and function.name in _NUMBERS and isinstance(columns[0], list):
-            script.take_steps(len(columns[0]) // 4)  # data in a text is as quick as data in a list
-            if (numbers := _numbers_of(_NUMBERS[function.name], columns[0])) is not None:
-                return Lazy(iter(numbers), script)
-        script.take_steps(2 * len(columns))
+        makes = _NUMBERS.get(function.name) if isinstance(function, Builtin) else None
+        if makes and isinstance(columns[0], list) and (numbers := _numbers_of(makes, columns[0])) is not None:
+            return Lazy(iter(numbers), script)
+        script.take_cells(_CELLS_OF_COLUMN * len(columns))
         rows = zip(*[iterate(each, script) for each in columns], strict=False)
         return Lazy((call(function, list(row), {}, script) for row in rows), script)
 

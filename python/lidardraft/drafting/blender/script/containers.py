@@ -6,7 +6,7 @@ import ast
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from lidardraft.drafting.blender.script.formatting import brace_format, to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
@@ -21,18 +21,22 @@ from lidardraft.drafting.blender.script.values import (
     describe,
     dict_key,
     elements,
-    place,
     text,
     truth,
     whole,
 )
 
-_WIDEST = 200
-_CELLS_OF_ITERATOR = 50
-_MOVED_IN_A_STEP, _TAKEN_IN_A_STEP = 2000, 50  # elements of a list
-_SIMPLE = ("upper", "lower", "title", "capitalize", "strip", "lstrip", "rstrip", "isdigit", "isalpha", "isalnum")
-_SEARCHES = ("startswith", "endswith", "find", "rfind", "index", "count", "removeprefix", "removesuffix")
-_LINE_ENDS = "\n\r\v\f\x1c\x1d\x1e\x85\u2028\u2029"
+_WIDEST = 200  # characters that a text is padded to
+_CELLS_OF_ITERATOR = 20
+_PYTHONS: dict[type, tuple[str, ...]] = {  # methods of Python's own, which make no more than they are given
+    str: (
+        *("upper", "lower", "title", "capitalize", "strip", "lstrip", "rstrip", "isdigit", "isalpha", "isalnum"),
+        *("startswith", "endswith", "find", "rfind", "index", "count", "removeprefix", "removesuffix"),
+        *("split", "rsplit", "splitlines"),
+    ),
+    list: ("append", "clear", "copy", "insert", "reverse"),
+    dict: ("clear", "copy"),
+}
 _END, _LAST = object(), object()
 _COMBINED: dict[str, Callable[[dict[Value, None], dict[Value, None]], Iterable[Value]]] = {  # members of two sets
     "union": lambda left, right: [*left, *right],
@@ -57,7 +61,6 @@ class DefaultDict(dict[Value, Value]):
     def __missing__(self, key: Value) -> Value:
         if self._factory is None:
             raise RaisedError("KeyError", f"the key {describe(key)} is not in the dict")
-        self._script.take_cells(3)
         return self.setdefault(key, call(self._factory, [], {}, self._script))
 
     def copy(self) -> DefaultDict:
@@ -148,9 +151,6 @@ class Set(Record):
         return bool(self._members)
 
     def equals(self, other: Value) -> bool:
-        if isinstance(other, Set):
-            self._script.take_steps(len(self._members) // 4)
-            self._script.take_compared(*self._members)
         return isinstance(other, Set) and self._members == other._members
 
     def text(self, _as_repr: bool) -> str:
@@ -168,20 +168,11 @@ class Set(Record):
     def _combined(self, way: str, *others: Value) -> Set:
         members: Iterable[Value] = self._members
         for other in others:
-            self._script.take_cells(len(self._members))
             members = _COMBINED[way](dict.fromkeys(members), self._of(other))
         return Set(members, self._script)
 
     def _of(self, other: Value) -> dict[Value, None]:
-        found = elements(other, self._script)
-        self._script.take_steps(3)
-        self._script.take_cells(3 * len(found))
-        return dict.fromkeys(map(dict_key, found))
-
-    def _key(self, member: Value) -> Value:
-        self._script.take_cells(3)
-        self._script.take_compared(member)
-        return dict_key(member)
+        return Set(elements(other, self._script), self._script)._members
 
     def _update(self, *others: Value) -> None:
         for other in others:
@@ -190,36 +181,19 @@ class Set(Record):
     methods: ClassVar[Methods] = {
         **{way: lambda self, *others, way=way: self._combined(way, *others) for way in _COMBINED},
         "copy": lambda self: self._combined("union"),
-        "add": lambda self, member: self._members.setdefault(self._key(member)),
+        "add": lambda self, member: self._members.setdefault(dict_key(member)),
         "update": _update,
-        "discard": lambda self, member: self._members.pop(self._key(member), None),
-        "remove": lambda self, member: self._members.pop(self._key(member)),
+        "discard": lambda self, member: self._members.pop(dict_key(member), None),
+        "remove": lambda self, member: self._members.pop(dict_key(member)),
         "clear": lambda self: self._members.clear(),
         "issubset": lambda self, other: not self._combined("difference", other)._members,
         "isdisjoint": lambda self, other: not self._combined("intersection", other)._members,
     }
 
 
-def take_moved(items: list[Value], places: Value, script: Script) -> None:
-    """Count the elements that move or go where those at a place, or within a slice, are taken out or put in."""
-    if isinstance(places, slice):
-        script.take_steps(len(items) // _TAKEN_IN_A_STEP)
-    else:
-        behind = -places if places < 0 else len(items) - places
-        script.take_steps(min(max(behind, 0), len(items)) // _MOVED_IN_A_STEP)
-
-
-def _take_pieces(script: Script, value: str, sep: str | None = None, *_: Value, **__: Value) -> None:
-    script.take_text(len(value))
-    script.take_cells(2 * (len(value) // 2 if sep is None else value.count(text(sep, "the separator"))) + 2)
-
-
-def _take_replaced(script: Script, value: str, old: str, new: str, *_: Value) -> None:
-    script.take_text(2 * len(value) + value.count(old) * len(new))
-
-
-def _take_padded(script: Script, value: str, width: Value, *_: Value) -> None:
-    script.take_text(len(value) + whole(width, "the width", most=_WIDEST))
+def _replace(script: Script, value: str, old: str, new: str, *count: Value) -> str:
+    script.take_text(len(value) + value.count(old) * len(new))
+    return value.replace(old, new, *count)
 
 
 def _join(script: Script, value: str, parts: Value) -> str:
@@ -233,7 +207,6 @@ def _format(script: Script, value: str, /, *arguments: Value, **keywords: Value)
 
 
 def _index(script: Script, value: list[Value] | tuple[Value, ...], wanted: Value) -> int:
-    script.take_steps(len(value) // 4)
     for number, item in enumerate(value):
         if equal(item, wanted, script):
             return number
@@ -241,25 +214,11 @@ def _index(script: Script, value: list[Value] | tuple[Value, ...], wanted: Value
 
 
 def _count(script: Script, value: list[Value] | tuple[Value, ...], wanted: Value) -> int:
-    script.take_steps(len(value) // 4)
     return sum(equal(item, wanted, script) for item in value)
 
 
 def _extend(script: Script, value: list[Value], more: Value) -> None:
-    items = elements(more, script)
-    script.take_cells(len(value) + len(items))
-    value.extend(items)
-
-
-def _insert(script: Script, value: list[Value], where: Value, item: Value) -> None:
-    script.take_cells(1)
-    take_moved(value, whole(where, "a place"), script)
-    value.insert(where, item)
-
-
-def _pop(script: Script, value: list[Value], where: Value = -1) -> Value:
-    take_moved(value, place(where, len(value), "a list"), script)
-    return value.pop(where)
+    value.extend(elements(more, script))
 
 
 def _sort(script: Script, value: list[Value], *, key: Value = None, reverse: Value = False) -> None:
@@ -269,39 +228,33 @@ def _sort(script: Script, value: list[Value], *, key: Value = None, reverse: Val
 def ordered(items: Value, key: Value, reverse: Value, script: Script) -> list[Value]:
     """What `sorted` gives: of numbers, of texts, or of flat tuples of them."""
     found = elements(items, script)
-    script.take_steps(len(found) if key is None else 3 * len(found))
     keys = found if key is None else [call(key, [item], {}, script) for item in found]
     return [found[place] for place in in_order(partial(sorted, reverse=truth(reverse)), keys, script)]
 
 
-def _take_key(script: Script, _: Value, key: Value, *__: Value) -> None:
-    script.take_cells(3)
-    script.take_compared(dict_key(key))
-
-
-def _listed(kind: Callable[[dict[Value, Value]], Iterable[Value]]) -> Callable[..., list[Value]]:
-    def call_(script: Script, value: dict[Value, Value]) -> list[Value]:
-        script.take_cells(2 * len(value))
-        return list(kind(value))
-
-    return call_
-
-
 def _most_common(script: Script, value: Counter[Value], n: Value = None) -> list[Value]:
-    script.take_steps(len(value))
     script.take_cells(3 * len(value))
-    return value.most_common(None if n is None else whole(n, "n"))
+    return value.most_common(n)
 
 
 _OWN: dict[type, Methods] = {  # the methods that are written here, which get the script and the value first
-    str: {"join": _join, "format": _format},
+    str: {
+        **{"join": _join, "format": _format, "replace": _replace},
+        **{
+            name: lambda _, value, width, *fill, name=name: getattr(value, name)(
+                whole(width, "the width", most=_WIDEST), *fill
+            )
+            for name in ("zfill", "ljust", "rjust", "center")
+        },
+    },
     Deque: {
-        "popleft": lambda script, value: _pop(script, value, 0),
-        "appendleft": lambda script, value, item: _insert(script, value, 0, item),
+        "popleft": lambda _, value: value.pop(0),
+        "appendleft": lambda _, value, item: value.insert(0, item),
     },
     list: {
-        **{"index": _index, "count": _count, "extend": _extend, "insert": _insert, "pop": _pop, "sort": _sort},
-        "remove": lambda script, value, item: _pop(script, value, _index(script, value, item)),
+        **{"index": _index, "count": _count, "extend": _extend, "sort": _sort},
+        "pop": lambda _, value, where=-1: value.pop(where),
+        "remove": lambda script, value, item: value.pop(_index(script, value, item)),
     },
     tuple: {"index": _index, "count": _count},
     Counter: {
@@ -309,25 +262,14 @@ _OWN: dict[type, Methods] = {  # the methods that are written here, which get th
         "update": lambda script, value, items=(): count_into(value, items, script),
     },
     dict: {
-        **{"keys": _listed(dict.keys), "values": _listed(dict.values), "items": _listed(dict.items)},
+        **{
+            name: lambda _, value, key, *default, name=name: getattr(value, name)(dict_key(key), *default)
+            for name in ("get", "pop", "setdefault")
+        },
+        "keys": lambda script, value: elements(value, script),
+        "values": lambda script, value: elements(tuple(value.values()), script),
+        "items": lambda script, value: elements(tuple(value.items()), script),
         "update": lambda script, value, more=(), **named: value.update(to_dict(more, named, script)),
-    },
-}
-_COSTS: dict[type, Methods] = {  # what counts the cost of the methods of Python's own that are called after it
-    str: {
-        **dict.fromkeys(_SIMPLE, lambda script, value, *_: script.take_text(2 * len(value))),
-        **dict.fromkeys(_SEARCHES, lambda script, value, *_: script.take_text(len(value))),
-        **{"split": _take_pieces, "rsplit": _take_pieces, "replace": _take_replaced},
-        "splitlines": lambda script, value: script.take_cells(2 * sum(map(value.count, _LINE_ENDS)) + 2),
-        **dict.fromkeys(("zfill", "ljust", "rjust", "center"), _take_padded),
-    },
-    list: {
-        "append": lambda script, *_: script.take_cells(1),
-        **dict.fromkeys(("clear", "copy", "reverse"), lambda script, value: script.take_cells(len(value))),
-    },
-    dict: {
-        **dict.fromkeys(("get", "pop", "setdefault"), _take_key),
-        **dict.fromkeys(("clear", "copy"), lambda script, value: script.take_cells(3 * len(value))),
     },
 }
 
@@ -337,33 +279,29 @@ def method(value: Value, name: str, script: Script) -> Builtin:
     for kind in type(value).__mro__:
         if (own := _OWN.get(kind, {}).get(name)) is not None:
             return Builtin(name, partial(own, script, value))
-        if (cost := _COSTS.get(kind, {}).get(name)) is not None:
-            return Builtin(name, partial(_counted, cost, getattr(value, name), script, value))
+        if name in _PYTHONS.get(kind, ()):
+            return Builtin(name, partial(_counted, getattr(value, name), script))
     raise RefusalError(f"{describe(value)} has no {name!r} that is supported")
 
 
-def _counted(cost: Any, function: Any, script: Script, value: Value, /, *arguments: Value, **named: Value) -> Value:
-    cost(script, value, *arguments, **named)
-    return function(*arguments, **named)
+def _counted(function: Callable[..., Value], script: Script, /, *arguments: Value, **named: Value) -> Value:
+    script.take_made(made := function(*arguments, **named))
+    return made
 
 
 def to_dict(pairs: Value, keywords: dict[str, Value], script: Script) -> dict[Value, Value]:
     """What `dict` gives: of another dict, or of pairs of key and value."""
-    if isinstance(pairs, dict):
-        script.take_cells(3 * len(pairs))
-        return {**pairs, **keywords}
-    found: dict[Value, Value] = {}
-    for pair in elements(pairs, script):
-        key, value = elements(pair, script)
-        found[dict_key(key)] = value
-    script.take_cells(3 * len(found))
+    found: dict[Value, Value] = pairs
+    if not isinstance(pairs, dict):
+        rows = [elements(pair, script) for pair in elements(pairs, script)]
+        found = {dict_key(key): value for key, value in rows}
+    script.take_made(found)
     return {**found, **keywords}
 
 
 def count_into(counter: Counter[Value], items: Value, script: Script) -> None:
     """Add what there is of each of the items, or the numbers of another dict."""
     keys = elements(items, script)
-    script.take_steps(len(keys) // 4)
     script.take_cells(3 * len(keys))
     for key in keys:
         number = items[key] if isinstance(items, dict) else 1

@@ -9,11 +9,7 @@ from lidardraft.drafting.blender.script.limits import RefusalError, Script
 from lidardraft.drafting.blender.script.operators import equal
 from lidardraft.drafting.blender.script.values import Builtin, Record, Type, Value, call, describe, nothing, place, text
 
-_STEPS_OF_FUNCTION = 10  # that making one costs
-_MOST_ARGUMENTS = 100
 SPECIAL = ("__init__", "__post_init__", "__repr__", "__str__")  # methods that a class may have
-_DEEPEST, _MOST_NAMES = 16, 200  # classes of which one is derived from the other; names of a class
-_STEPS_OF_INSTANCE = 5  # as well
 _MISSING = object()
 _ERRORS = (
     *("BaseException", "Exception", "ArithmeticError", "AssertionError", "AttributeError", "ImportError", "IndexError"),
@@ -97,12 +93,10 @@ class Function(Record):
     last, None where there is none), the frame that it is defined in, and what carries its body out."""
 
     kind = "a function of the script"
-    weight = 1
 
     def __init__(
         self, name: str, given: ast.arguments, defaults: list[Value], frame: Frame, run: Callable[[Frame], Value]
     ) -> None:
-        frame.script.take_steps(_STEPS_OF_FUNCTION)
         self.name = name
         self.owner: Record | None = None  # the class that it is a method of
         # A method does not see the names beside it.
@@ -111,8 +105,6 @@ class Function(Record):
         self._run = run
         self._names = [each.arg for each in (*given.posonlyargs, *given.args)]
         self._only = [each.arg for each in given.kwonlyargs]
-        if len(self._names) + len(self._only) > _MOST_ARGUMENTS:
-            raise RefusalError(f"a function of more than {_MOST_ARGUMENTS} arguments")
         count = len(given.defaults)
         self._defaults = dict(zip(self._names[len(self._names) - count :], defaults[:count], strict=True))
         pairs = zip(self._only, given.kw_defaults, defaults[count:], strict=True)
@@ -141,6 +133,7 @@ class Function(Record):
         elif more:
             raise RefusalError(f"{self.name}() has no argument {next(iter(more))!r:.60}")
         found = self._defaults | found
+        self._frame.script.take_made(found)
         for name in (*names, *only):
             if name not in found:
                 raise RefusalError(f"{self.name}() is not given {name!r:.60}")
@@ -207,10 +200,7 @@ class BaseMarker(Record):
 
 
 class ScriptClass(Type):
-    """A class: its members by their names, and the fields that its instances are made from, if it says them.
-
-    Raises `RefusalError` where it is derived from too many others.
-    """
+    """A class: its members by their names, and the fields that its instances are made from, if it says them."""
 
     def __init__(self, name: str, base: Value, body: ClassFrame) -> None:
         self.name = name
@@ -218,12 +208,7 @@ class ScriptClass(Type):
         self.base = base if isinstance(base, ScriptClass) else None
         self.marker: str = self.base.marker if self.base else base.name if isinstance(base, BaseMarker) else "object"
         self.is_enumeration = self.marker.endswith("Enum")
-        self.depth: int = 1 + (self.base.depth if self.base else 0)
-        if self.depth > _DEEPEST:
-            raise RefusalError(f"a class derived from more than {_DEEPEST} others")
         self.members, self.annotated, self.script = body.variables, body.annotated, body.script
-        if len(self.members) + len(self.annotated) > 2 * _MOST_NAMES:
-            raise RefusalError(f"a class of more than {_MOST_NAMES} names")
         self.made_from: list[str] | None = self.base.made_from if self.base else None
         self.is_dataclass: bool = self.base is not None and self.base.is_dataclass
         for member in self.members.values():
@@ -237,7 +222,6 @@ class ScriptClass(Type):
 
     def take_fields(self) -> None:
         """Let instances be made from the annotated names, after those of the class that it is derived from."""
-        self.script.take_steps(len(self.annotated) + len(self.made_from or ()))
         self.made_from = list(dict.fromkeys([*(self.made_from or ()), *self.annotated]))
 
     def _enumerate(self) -> None:
@@ -286,13 +270,11 @@ class ScriptClass(Type):
         return super().attribute(name) if found is _MISSING else self.bound(found, None)
 
     def set_attribute(self, name: str, value: Value) -> None:
-        self.script.take_cells(3 if name in self.members else 3000)  # every later step goes through a name more
         self.members[name] = value
 
     def elements(self) -> list[Value]:
         if not self.is_enumeration:
             return super().elements()
-        self.script.take_steps(len(self.members))
         return [member for member in self.members.values() if isinstance(member, Instance)]
 
     def item(self, key: Value) -> Value:
@@ -301,8 +283,6 @@ class ScriptClass(Type):
         return self.members[key]
 
     def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        self.script.take_steps(_STEPS_OF_INSTANCE + len(self.made_from or ()))
-        self.script.take_cells(3 + 3 * len(self.made_from or ()))
         if self.is_enumeration:
             for member in self.elements() if len(arguments) == 1 else []:
                 if equal(member.values["value"], arguments[0], self.script):
@@ -329,6 +309,7 @@ class ScriptClass(Type):
             if name not in given and isinstance(default, FieldDefault):
                 default = default.default if default.factory is None else self.run(default.factory)
             instance.values[name] = given.get(name, default)
+        self.script.take_made(instance.values)
         if (after := self.find("__post_init__")) is not _MISSING:
             self.run(after, instance)
 
@@ -395,7 +376,6 @@ class Instance(Record):
         elif isinstance(found, Method) or name == "__class__" or self.of.marker != "object":
             super().set_attribute(name, value)
         else:
-            self.of.script.take_cells(1)
             self.values[name] = value
             self._key = None
 
@@ -419,7 +399,6 @@ class BoundMethod(Record):
     kind = "a method"
 
     def __init__(self, function: Function, first: Value) -> None:
-        self.weight = function.weight
         self._function = function
         self._first = first
 

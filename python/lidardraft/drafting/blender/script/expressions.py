@@ -77,7 +77,6 @@ def attribute_of(owner: Value, name: str, script: Script) -> Value:
         raise RefusalError(f"the attribute {name!r:.60} is not supported")
     if not is_record:
         return method(owner, name, script)
-    script.take_steps(owner.weight)
     return owner.attribute(name)
 
 
@@ -96,14 +95,13 @@ def _call(node: ast.Call, frame: Frame) -> Value:
         elif not isinstance(value, dict):
             raise RefusalError(f"{describe(value)} behind ** is no dict")
         else:
-            frame.script.take_cells(3 * len(value))
+            frame.script.take_made(value)
             keywords |= {text(name, "the name of an argument"): each for name, each in value.items()}
     return call(function, arguments, keywords, frame.script)
 
 
 def values_of(nodes: list[ast.expr], frame: Frame) -> list[Value]:
     """The values of expressions, of which some may have a star."""
-    frame.script.take_cells(len(nodes))
     items: list[Value] = []
     for node in nodes:
         if isinstance(node, ast.Starred):
@@ -116,12 +114,9 @@ def values_of(nodes: list[ast.expr], frame: Frame) -> list[Value]:
 def item_of(owner: Value, key: Value, script: Script) -> Value:
     """What stands in square brackets behind a value."""
     if isinstance(owner, Record):
-        script.take_steps(owner.weight)
-        script.take_cells(owner.length() if isinstance(key, slice) else 0)
         return owner.item(key)
     if isinstance(owner, dict):
-        script.take_compared(dict_key(key))
-        if key not in owner and not hasattr(owner, "__missing__"):
+        if dict_key(key) not in owner and not hasattr(owner, "__missing__"):
             raise RaisedError("KeyError", f"the key {describe(key)} is not in the dict")
     elif not isinstance(owner, str | list | tuple | range):
         raise RefusalError(f"{describe(owner)} has no items")
@@ -162,7 +157,6 @@ def _compare(node: ast.Compare, frame: Frame) -> Value:
 
 def _dict(node: ast.Dict, frame: Frame) -> Value:
     found: dict[Value, Value] = {}
-    frame.script.take_cells(3 * len(node.keys))
     for key, value in zip(node.keys, node.values, strict=True):
         if key is None:
             found |= to_dict(value_of(value, frame), {}, frame.script)
@@ -199,11 +193,7 @@ def _formatted_value(node: ast.FormattedValue, frame: Frame) -> Value:
 
 
 def _list_comprehension(node: ast.ListComp | ast.SetComp, frame: Frame) -> list[Value]:
-    found: list[Value] = []
-    for inner in _rounds(node.generators, frame.within()):
-        frame.script.take_cells(1)
-        found.append(value_of(node.elt, inner))
-    return found
+    return [value_of(node.elt, inner) for inner in _rounds(node.generators, frame.within())]
 
 
 def _generator(node: ast.GeneratorExp, frame: Frame) -> Value:
@@ -214,7 +204,6 @@ def _generator(node: ast.GeneratorExp, frame: Frame) -> Value:
 def _dict_comprehension(node: ast.DictComp, frame: Frame) -> Value:
     found: dict[Value, Value] = {}
     for inner in _rounds(node.generators, frame.within()):
-        frame.script.take_cells(3)
         key = dict_key(value_of(node.key, inner))
         found[key] = value_of(node.value, inner)
     return found
@@ -230,7 +219,6 @@ def _rounds(loops: list[ast.comprehension], frame: Frame) -> Iterator[Frame]:
 
     def each() -> Iterator[Frame]:
         for item in items:
-            frame.script.take_steps(1)
             assign(first.target, item, frame)
             if all(truth(value_of(test, frame)) for test in first.ifs):
                 yield from _rounds(rest, frame) if rest else (frame,)
@@ -328,13 +316,9 @@ def _set_item(owner: Value, key: Value, script: Script, value: Value) -> None:
     if isinstance(owner, Record):
         owner.set_item(key, value)
     elif isinstance(owner, dict) and is_key(key):
-        script.take_cells(3)
-        script.take_compared(key)
         owner[key] = value
     elif isinstance(owner, list) and isinstance(key, slice) and key.step in (None, 1):
-        items = elements(value, script)
-        script.take_cells(len(owner) + len(items))
-        owner[key] = items
+        owner[key] = elements(value, script)
     elif isinstance(owner, list) and isinstance(key, int):
         owner[place(key, len(owner), "a list")] = value
     else:

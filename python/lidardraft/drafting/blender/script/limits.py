@@ -1,12 +1,18 @@
-"""What reading a script may cost: each limit, the errors that end it, and the count of what is used up."""
+"""What reading a script may cost, the errors that end it, and what is left of its budget.
+
+A node of the syntax tree is a step, and works on values of bounded length: their elements are counted where many are
+made at once, and the clock bounds what takes long. So every script ends, in bounded time and memory.
+"""
 
 from __future__ import annotations
 
 import ast
+import time
 from collections.abc import Container
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
+_STEPS_OF_CLOCK = 7  # a power of 2, less 1: the clock is looked at where the steps left are a multiple of that power
 _COMPARED_IN_A_STEP = 10_000  # characters
 _MOST_NOTES = 100
 
@@ -15,23 +21,24 @@ _MOST_NOTES = 100
 class Limits:
     """The most that one script may ask for; what goes beyond is refused, whatever it is for.
 
-    The defaults keep a script within a tenth of a second and tens of megabytes on a laptop.
+    The defaults keep a script within a second and tens of megabytes on a laptop.
     """
 
     file: int = 4_000_000  # characters of the script
-    tokens: int = 25_000  # names, numbers and signs of it, outside comments and strings
-    steps: int = 175_000  # nodes of the syntax tree that are evaluated, one for each time; a token takes six more
+    code: int = 125_000  # characters outside of comments and strings
+    steps: int = 175_000  # nodes of the syntax tree that are evaluated, one for each time
+    seconds: int | float = 3  # of processor time
     levels: int = 150  # of nesting: of the script's text, and of calls within calls
     length: int = 250_000  # elements of one value, or eighths of the characters of a text
-    cells: int = 1_000_000  # elements of all values that are made or walked through, together
+    cells: int = 1_000_000  # elements of all values that are made or copied as a whole
     objects: int = 5_000
     vertices: int = 500_000  # of all meshes together
 
     def __post_init__(self) -> None:
-        for name in self.__slots__:
-            value = getattr(self, name)
-            if type(value) is not int or value < 1:
-                raise ValueError(f"{name} is {value!r}; a limit is a whole number of 1 or more")
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not value > 0 or (field.name != "seconds" and type(value) is not int):
+                raise ValueError(f"{field.name} is {value!r}; a limit is a whole number of 1 or more")
 
 
 class RefusalError(Exception):
@@ -66,6 +73,7 @@ class Script:
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
         self.steps = limits.steps
+        self.end = time.thread_time() + limits.seconds
         self.cells = limits.cells
         self.levels = 0  # of nodes within nodes, in all functions and iterators that are being carried out
         self.line = 1
@@ -79,35 +87,51 @@ class Script:
         if len(self.notes) < _MOST_NOTES:
             self.notes.setdefault(message, line or self.line)
 
-    def take_steps(self, count: int) -> None:
-        """Count so many evaluated nodes, or what takes as long; a number below 0 is 0."""
-        self.steps -= max(count, 0)
+    def take_step(self) -> None:
+        """Count a node that is evaluated, or what takes as long."""
+        self.steps -= 1
         if self.steps < 0:
             raise RefusalError(f"the script takes more than {self.limits.steps} steps; `limits` allows more")
+        if not self.steps & _STEPS_OF_CLOCK:
+            self.check_time()
+
+    def check_time(self) -> None:
+        """Refuse a script that has taken its processor time."""
+        if time.thread_time() > self.end:
+            raise RefusalError(f"the script takes more than {self.limits.seconds} s; `limits` allows more")
 
     def go_deeper(self, line: int) -> None:
         """Count a step, and one level more of nodes within nodes; whoever goes back takes 1 from `levels`."""
         if self.levels >= self.limits.levels:
             raise RefusalError(f"nested more than {self.limits.levels} levels deep, with calls within calls", line)
-        self.steps -= 1
-        if self.steps < 0:
-            self.take_steps(0)
+        self.take_step()
         self.levels += 1
 
     def take_cells(self, count: int) -> None:
-        """Count so many elements of a value, before it is made; a number below 0 is 0."""
+        """Count so many elements of a value that is made as a whole."""
         if count > self.limits.length:
             raise RefusalError(f"a value of {count} elements; {self.limits.length} are the most")
         self.cells -= max(count, 0)
         if self.cells < 0:
             raise RefusalError(f"all values together have more than {self.limits.cells} elements")
 
-    def take_compared(self, *values: object) -> None:
-        """Count the characters of the texts among some values that are compared; short ones count for nothing."""
-        self.take_steps(sum([len(value) for value in values if isinstance(value, str)]) // _COMPARED_IN_A_STEP)
-
     def take_text(self, characters: int) -> None:
         """Count the characters of a text, eight to a cell, before it is made."""
         if characters > 8 * self.limits.length:
             raise RefusalError(f"a text of {characters} characters; {8 * self.limits.length} are the most")
         self.take_cells(characters // 8 + 1)
+
+    def take_made(self, value: object) -> None:
+        """Count the elements of what a function or an operator has made."""
+        if isinstance(value, str):
+            self.take_text(len(value))
+        elif isinstance(value, list | tuple):
+            self.take_cells(len(value))
+        elif isinstance(value, dict):
+            self.take_cells(3 * len(value))
+
+    def take_compared(self, values: list[Any]) -> None:
+        """Count the characters of texts that one step compares with many others."""
+        long = sum([len(value) for value in values if isinstance(value, str)])
+        self.steps -= long // _COMPARED_IN_A_STEP
+        self.take_step()

@@ -22,7 +22,6 @@ from lidardraft.drafting.blender.script.values import (
 )
 
 _LONGEST_SHIFT = 64
-_LONG = 200  # characters of a text that is looked for
 _NUMBERS: dict[type[ast.operator], Callable[[Value, Value], Value]] = {
     **{ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv},
     **{ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow},
@@ -36,26 +35,24 @@ _ORDERS = {ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.G
 def binary(kind: type[ast.operator], left: Value, right: Value, script: Script) -> Value:
     """The result of an operator between two values."""
     if isinstance(left, Record):
-        script.take_steps(left.weight)
         return left.binary(kind, right)
     if kind is ast.Mod and isinstance(left, str):
         return percent_format(left, right, script)
     if isinstance(right, Record):
-        script.take_steps(right.weight)
         return right.binary(kind, left, reflected=True)
     if is_number(left) and is_number(right) and kind in _NUMBERS:
         return _of_numbers(kind, left, right)
     if kind is ast.Add and any(isinstance(left, each) and isinstance(right, each) for each in (str, list, tuple)):
-        _take(len(left) + len(right), left, script)
-        return left + right
+        script.take_made(joined := left + right)
+        return joined
     if kind is ast.BitOr and type(left) is type(right) is dict:
-        script.take_cells(3 * (len(left) + len(right)))
-        return {**left, **right}
+        script.take_made(joined := {**left, **right})
+        return joined
     if kind is ast.Mult:
         if isinstance(left, int):
             left, right = right, left
         if isinstance(left, str | list | tuple) and isinstance(right, int):
-            _take(len(left) * max(right, 0), left, script)
+            (script.take_text if isinstance(left, str) else script.take_cells)(len(left) * max(right, 0))
             return left * right
     raise not_calculated(kind, left, right)
 
@@ -63,7 +60,6 @@ def binary(kind: type[ast.operator], left: Value, right: Value, script: Script) 
 def in_place(kind: type[ast.operator], left: Value, right: Value, script: Script) -> Value:
     """The result of `left += right` and the like: a list, a dict or a set changes itself, whoever else has it."""
     if isinstance(left, Record):
-        script.take_steps(left.weight)
         return left.in_place(kind, right)
     if isinstance(left, list) and kind is ast.Add:
         right = elements(right, script)
@@ -91,13 +87,6 @@ def _of_numbers(kind: type[ast.operator], left: Value, right: Value) -> Value:
         raise RaisedError(type(error).__name__, f"{error}") from None
 
 
-def _take(count: int, value: Value, script: Script) -> None:
-    if isinstance(value, str):
-        script.take_text(count)
-    else:
-        script.take_cells(count)
-
-
 def unary(kind: type[ast.unaryop], value: Value) -> Value:
     """The result of a sign, `not` or `~`."""
     if kind is ast.Not:
@@ -112,7 +101,7 @@ def unary(kind: type[ast.unaryop], value: Value) -> Value:
 def compare(kind: type[ast.cmpop], left: Value, right: Value, script: Script) -> bool:
     """The result of a comparison."""
     if kind in _ORDERS:
-        return _ordered(_ORDERS[kind], left, right, script)
+        return _ordered(_ORDERS[kind], left, right)
     if kind is ast.Is or kind is ast.IsNot:
         return (left is right) == (kind is ast.Is)
     if kind is ast.Eq or kind is ast.NotEq:
@@ -120,8 +109,7 @@ def compare(kind: type[ast.cmpop], left: Value, right: Value, script: Script) ->
     return contains(right, left, script) == (kind is ast.In)
 
 
-def _ordered(order: Callable[[Value, Value], bool], left: Value, right: Value, script: Script) -> bool:
-    script.take_compared(left, right)
+def _ordered(order: Callable[[Value, Value], bool], left: Value, right: Value) -> bool:
     if not (is_number(left) and is_number(right)) and not (isinstance(left, str) and isinstance(right, str)):
         flat = isinstance(left, tuple) and isinstance(right, tuple) and all(map(is_number, left + right))
         if not flat:
@@ -132,7 +120,7 @@ def _ordered(order: Callable[[Value, Value], bool], left: Value, right: Value, s
 def in_order(choose: Callable[..., Value], keys: list[Value], script: Script) -> Value:
     """What `sorted`, `min` or `max` makes of the places of keys; raises `RefusalError` where these have no order."""
     if all(is_key(each) and each is not None for each in keys):
-        script.take_compared(*[part for each in keys for part in (each if isinstance(each, tuple) else (each,))])
+        script.take_compared([part for each in keys for part in (each if isinstance(each, tuple) else (each,))])
         with contextlib.suppress(TypeError):
             return choose(range(len(keys)), key=keys.__getitem__)
     raise RefusalError("values without an order are compared")
@@ -140,6 +128,7 @@ def in_order(choose: Callable[..., Value], keys: list[Value], script: Script) ->
 
 def equal(left: Value, right: Value, script: Script, level: int = 0) -> bool:
     """Whether two values are equal; lists and the like by their elements, a limited way down."""
+    script.take_step()
     left = left.compared_as() if isinstance(left, Record) else left
     right = right.compared_as() if isinstance(right, Record) else right
     if isinstance(left, Record):
@@ -147,27 +136,22 @@ def equal(left: Value, right: Value, script: Script, level: int = 0) -> bool:
     if isinstance(right, Record):
         return right.equals(left)
     if not isinstance(left, list | tuple | dict):
-        script.take_compared(left)
         return bool(left == right)
     alike = any(isinstance(left, kind) and isinstance(right, kind) for kind in (list, tuple, dict))
     if not alike or len(left) != len(right):
         return False
     if level > 8:
         raise RefusalError("lists within lists, too deep to be compared")
-    script.take_steps(len(left) + 1)
     if isinstance(left, dict):
-        script.take_compared(*left)
         return all(key in right and equal(left[key], right[key], script, level + 1) for key in left)
     return all(equal(a, b, script, level + 1) for a, b in zip(left, right, strict=True))
 
 
 def contains(container: Value, value: Value, script: Script) -> bool:
     """Whether `value` is in `container`."""
-    script.take_compared(value)
     if isinstance(container, str):
         if not isinstance(value, str):
             raise RefusalError(f"{describe(value)} cannot be in a text")
-        script.take_text(len(container))
         return value in container
     if isinstance(container, range):
         return is_number(value) and float(value).is_integer() and int(value) in container
@@ -179,10 +163,7 @@ def contains(container: Value, value: Value, script: Script) -> bool:
         container = container.elements()
     if not isinstance(container, list | tuple):
         raise RefusalError(f"nothing can be in {describe(container)}")
-    script.take_cells(len(container))
     if not isinstance(value, list | tuple | dict | Record):
-        if isinstance(value, str) and len(value) > _LONG:
-            script.take_compared(*container)
+        script.take_compared([value] * len(container))
         return value in container
-    script.take_steps(len(container))
     return any(equal(item, value, script) for item in container)

@@ -7,8 +7,6 @@ import ast
 import gc
 import re
 import warnings
-from collections.abc import Iterator
-from itertools import islice
 
 from lidardraft.drafting.blender.script.builtin_functions import builtin_functions
 from lidardraft.drafting.blender.script.definitions import Frame
@@ -25,19 +23,11 @@ _PART = re.compile(
     r"""|"(?:[^"\\\n]+|\\.)*(?:"|$|\\?\Z)|'(?:[^'\\\n]+|\\.)*(?:'|$|\\?\Z)""",
     re.DOTALL | re.MULTILINE,
 )
-_MARK = re.compile(r"""["'\\#]""")  # what takes time and memory in a text that is split into strings
 _IS_FORMATTED = re.compile(r"[fF][rR]?\Z")  # what stands before an f-string
-_TOKEN = re.compile(r"\s+|(\w+(?:\.\w+)?|[^\s\w])")
-_STEPS_OF_TOKEN = 6  # what parsing it takes
-_STEPS_OF_WALK = 2  # what going once more through the tree takes, for a token
-_LONGEST_TOKEN = 40  # characters, with the spaces around it, on the average
 
 
-def parse(text: str, limits: Limits) -> tuple[ast.Module, int]:
-    """The syntax tree of a script and its number of tokens: names, numbers and signs outside strings.
-
-    Raises `RefusalError` naming the line where it is too long or no Python.
-    """
+def parse(text: str, limits: Limits) -> ast.Module:
+    """The syntax tree of a script. Raises `RefusalError` naming the line where it is too long or no Python."""
     if len(text) > limits.file:
         line = text.count("\n", 0, limits.file) + 1
         raise RefusalError(f"the script has {len(text)} characters; {limits.file} are read", line)
@@ -45,11 +35,11 @@ def parse(text: str, limits: Limits) -> tuple[ast.Module, int]:
         raise RefusalError("a null byte", text.count("\n", 0, text.index("\0")) + 1)
     if (wrong := lone_surrogate(text)) is not None:
         raise RefusalError(f"half a character, {text[wrong]!r}", text.count("\n", 0, wrong) + 1)
-    count = _count_tokens(text, limits)
+    _check_code(text, limits)
     try:
         with warnings.catch_warnings():  # of escapes that will be wrong in a later Python
             warnings.simplefilter("ignore")
-            return ast.parse(text), count
+            return ast.parse(text)
     except SyntaxError as error:
         raise RefusalError(f"not Python: {error.msg}", error.lineno or 1) from None
     except (RecursionError, MemoryError, ValueError, OverflowError):
@@ -58,35 +48,17 @@ def parse(text: str, limits: Limits) -> tuple[ast.Module, int]:
         raise RefusalError("nested too deeply to be read", longest + 1) from None
 
 
-def _count_tokens(text: str, limits: Limits) -> int:
-    marks = sum(map(text.count, "\"'\\#"))
-    if marks > limits.length:
-        last = next(islice(_MARK.finditer(text), limits.length, None))
-        line = text.count("\n", 0, last.start()) + 1
-        raise RefusalError(f"more than {limits.length} quotes, backslashes and number signs", line)
-    places = list(islice(_tokens(text, _LONGEST_TOKEN * limits.tokens), limits.tokens + 1))
-    if len(places) > limits.tokens:
-        line = text.count("\n", 0, places[-1]) + 1
-        raise RefusalError(f'more than {limits.tokens} names, numbers and signs; put data into texts, as "1 2 3"', line)
-    return len(places)
-
-
-def _tokens(text: str, most: int) -> Iterator[int]:
-    """The places of strings, and of names, numbers and signs outside them, in up to so many characters of code."""
+def _check_code(text: str, limits: Limits) -> None:
+    """Refuse more code than a syntax tree of bounded size can be made from; a text or a comment counts as one sign."""
     size = 0
     for part in _PART.finditer(text):
-        if part["comment"] is not None:
-            continue
-        if part["code"] is None and not _IS_FORMATTED.search(text, max(part.start() - 2, 0), part.start()):
-            yield part.start()
-            continue
-        size += part.end() - part.start()  # an f-string holds expressions
-        if size > most:
-            line = text.count("\n", 0, part.end() - (size - most)) + 1
-            raise RefusalError(f"more than {most} characters of code", line)
-        for token in _TOKEN.finditer(part.group()):
-            if token.lastindex is not None:
-                yield part.start() + token.start()
+        is_code = part["code"] is not None or (
+            part["comment"] is None and _IS_FORMATTED.search(text, max(part.start() - 2, 0), part.start())
+        )
+        size += part.end() - part.start() if is_code else 1
+        if size > limits.code:
+            line = text.count("\n", 0, part.end() - (size - limits.code)) + 1
+            raise RefusalError(f'more than {limits.code} characters of code; put data into texts, as "1 2 3"', line)
 
 
 def read(text: str, script: Script) -> None:
@@ -94,12 +66,8 @@ def read(text: str, script: Script) -> None:
     collecting = gc.isenabled()
     gc.disable()  # it would go through the tree again and again; what is made is bounded
     try:
-        tree, tokens = parse(text, script.limits)
-        script.line = text.rstrip("\n").count("\n") + 1  # where the whole of it is too long
-        script.take_steps(_STEPS_OF_TOKEN * tokens)
-        script.line = 1
+        tree = parse(text, script.limits)
         if "yield" in text:
-            script.take_steps(_STEPS_OF_WALK * tokens)
             script.generators = generators_in(tree)
         builtins = Frame(None, builtin_functions(script), script)
         result_of(tree.body, Frame(builtins, {"__name__": "__main__", "__file__": SCRIPT_FILE}, script))

@@ -1,7 +1,4 @@
-"""The modules of Python's own library that compute: `math`, `random`, `itertools`, `collections` and the like.
-
-What has an end is counted before it is made.
-"""
+"""The modules of Python's own library that compute: `math`, `random`, `itertools`, `collections` and the like."""
 
 from __future__ import annotations
 
@@ -66,9 +63,9 @@ _DRAWS = (
     *("random", "uniform", "gauss", "normalvariate", "lognormvariate", "expovariate", "triangular"),
     *("randint", "randrange"),
 )
-_STEPS_OF_SEED, _CELLS_OF_GENERATOR = 20, 1000
-_WIDEST, _DEEPEST_COPY, _MOST_FIELDS = 16, 30, 100
-_WIDEST_INDENT, _LONGEST_NUMBER = 8, 40  # of JSON
+_CELLS_OF_GENERATOR = 300
+_WIDEST, _DEEPEST_COPY = 16, 30
+_LONGEST_NUMBER = 40  # of JSON
 _SIGN, _HALF_CHARACTER = re.compile(r"[,:\[{]"), re.compile(r"\\u[dD][89a-fA-F]")
 
 
@@ -108,7 +105,6 @@ class RandomNumbers(Record):
     a number that is drawn before that is noted."""
 
     kind = "random"
-    weights: ClassVar[dict[str, int]] = {"seed": _STEPS_OF_SEED, "Random": 4 * _STEPS_OF_SEED}
 
     def __init__(self, script: Script, seed: Value = None) -> None:
         self.script = script
@@ -128,7 +124,7 @@ class RandomNumbers(Record):
         return checked(getattr(self._generator, name)(*arguments, **keywords))
 
     def _items(self, population: Value, k: Value = 0) -> Value:
-        self.script.take_steps(whole(k, "k"))
+        self.script.take_cells(whole(k, "k"))
         return population if isinstance(population, range) else elements(population, self.script)
 
     def _choices(self, population: Value, weights: Value = None, *, cum_weights: Value = None, k: Value = 1) -> Value:
@@ -138,7 +134,6 @@ class RandomNumbers(Record):
     def _shuffle(self, x: Value) -> None:
         if not isinstance(x, list):
             raise RefusalError(f"{describe(x)} cannot be shuffled")
-        self.script.take_steps(len(x))
         self._drawn("shuffle", x)
 
     def _another(self, x: Value = None) -> RandomNumbers:
@@ -158,37 +153,26 @@ class RandomNumbers(Record):
 
 def _chain(script: Script) -> Builtin:
     def chain(*lists: Value) -> Value:
-        script.take_steps(2 * len(lists))
         return Lazy((item for items in lists for item in iterate(items, script)), script)
 
     return Builtin("chain", chain, own={"from_iterable": lambda lists: chain(*elements(lists, script))})
 
 
 def _itertools(script: Script) -> Methods:
-    def counted(made: Iterator[Value], count: int, width: int) -> Lazy:
-        script.take_steps(count // 4)
-        script.take_cells(count * (width + 1) if count < script.limits.length else count)
-        return Lazy(made, script)
-
     def product(*columns: Value, repeat: Value = 1) -> Value:
         lists = [elements(column, script) for column in columns] * whole(repeat, "repeat", 0, _WIDEST)
-        return counted(itertools.product(*lists), math.prod(map(len, lists)), len(lists))
+        return Lazy(itertools.product(*lists), script)
 
-    def chosen(choose: Callable[..., Iterator[Value]], number: Callable[[int, int], int]) -> Callable[..., Value]:
+    def chosen(choose: Callable[..., Iterator[Value]]) -> Callable[..., Value]:
         def call_(items: Value, r: Value = None) -> Value:
             found = elements(items, script)
             width = whole(len(found) if r is None else r, "the number of elements at a time", 0, _WIDEST)
-            return counted(choose(found, width), number(len(found), width), width)
+            return Lazy(choose(found, width), script)
 
         return call_
 
     def count(start: Value = 0, step: Value = 1) -> Lazy:
         return Lazy(itertools.count(checked(start) + 0, checked(step) + 0), script)
-
-    def kept(items: Iterator[Value]) -> Iterator[Value]:
-        for item in items:
-            script.take_cells(1)
-            yield item
 
     def repeat(value: Value, times: Value = None) -> Lazy:
         return Lazy(itertools.repeat(value, *([] if times is None else [whole(times, "the times")])), script)
@@ -206,10 +190,10 @@ def _itertools(script: Script) -> Methods:
 
     return {
         "product": product,
-        "combinations": chosen(itertools.combinations, math.comb),
-        "permutations": chosen(itertools.permutations, math.perm),
+        "combinations": chosen(itertools.combinations),
+        "permutations": chosen(itertools.permutations),
         "count": count,
-        "cycle": lambda items: Lazy(itertools.cycle(kept(iterate(items, script))), script),
+        "cycle": lambda items: Lazy(itertools.cycle(iterate(items, script)), script),
         "repeat": repeat,
         "islice": islice,
         "accumulate": accumulate,
@@ -220,7 +204,6 @@ def _itertools(script: Script) -> Methods:
 def _functools(script: Script) -> dict[str, Value]:
     def reduce(function: Value, items: Value, *start: Value) -> Value:
         found = [*start[:1], *elements(items, script)]
-        script.take_steps(5 * len(found))
         if not found:
             raise RefusalError("reduce of nothing")
         result = found[0]
@@ -230,7 +213,6 @@ def _functools(script: Script) -> dict[str, Value]:
 
     def partial(function: Value, /, *first: Value, **named: Value) -> Builtin:
         def call_(*arguments: Value, **keywords: Value) -> Value:
-            script.take_cells(len(first) + 3 * len(named))
             return call(function, [*first, *arguments], named | keywords, script)
 
         return Builtin("partial", call_)
@@ -242,7 +224,6 @@ def _functools(script: Script) -> dict[str, Value]:
             key = (*arguments, *keywords.items())
             if not all(is_key(each) for each in (*arguments, *keywords.values())):
                 raise RefusalError("a cached function of what cannot be a key")
-            script.take_cells(3 + len(key))
             if key not in results:
                 results[key] = call(function, list(arguments), keywords, script)
             return results[key]
@@ -255,7 +236,6 @@ def _functools(script: Script) -> dict[str, Value]:
 
 def _collections(script: Script) -> Methods:
     def defaultdict(default_factory: Value = None, pairs: Value = (), **keywords: Value) -> DefaultDict:
-        script.take_cells(3)
         return DefaultDict(default_factory, to_dict(pairs, keywords, script), script)
 
     def counter(items: Value = ()) -> Counter[Value]:
@@ -266,7 +246,7 @@ def _collections(script: Script) -> Methods:
     def namedtuple(typename: Value, field_names: Value, **_: Value) -> ScriptClass:
         given = field_names.replace(",", " ").split() if isinstance(field_names, str) else elements(field_names, script)
         names = [text(name, "the name of a field") for name in given]
-        if len(names) > _MOST_FIELDS or not all(name.isidentifier() and not name.startswith("_") for name in names):
+        if not all(name.isidentifier() and not name.startswith("_") for name in names):
             raise RefusalError(f"namedtuple of {describe(field_names)} is not supported")
         body = ClassFrame(None, script)
         body.annotated = names
@@ -298,20 +278,19 @@ class Suppressed(Surroundings):
 def _copy(script: Script) -> Methods:
     def shallow(x: Value) -> Value:
         if isinstance(x, list | dict):
-            script.take_cells(3 * len(x))
+            script.take_made(x)
             return copy.copy(x)
         if isinstance(x, Instance) and not x.of.is_enumeration:
-            script.take_cells(3 + 3 * len(x.values))
+            script.take_made(x.values)
             other = Instance(x.of)
             other.values = dict(x.values)
             return other
         if not isinstance(x, Record) or not has(x, "copy"):
             return x  # a number, a text, a tuple, a function or a class, which nothing changes
-        script.take_steps(x.weight + 1)
         return x.attribute("copy").call([], {})
 
     def deep(x: Value, known: dict[int, Value], level: int) -> Value:
-        script.take_steps(2)
+        script.take_step()
         if level > _DEEPEST_COPY:
             raise RefusalError(f"deepcopy of {describe(x)}, more than {_DEEPEST_COPY} levels deep")
         if not isinstance(x, list | tuple | dict | Record):
@@ -334,9 +313,7 @@ def _json(script: Script) -> Methods:
     def loads(s: Value) -> Value:
         written = text(s, "what json.loads is given")
         script.take_text(len(written))
-        signs = len(_SIGN.findall(written))
-        script.take_steps(signs // 4)
-        script.take_cells(3 * signs)
+        script.take_cells(3 * len(_SIGN.findall(written)))
         try:
             found = json.loads(written, parse_int=lambda digits: int(checked(int(digits[:_LONGEST_NUMBER]))))
         except json.JSONDecodeError as error:
@@ -346,7 +323,7 @@ def _json(script: Script) -> Methods:
         return found
 
     def dumps(obj: Value, *, indent: Value = None, sort_keys: Value = False, ensure_ascii: Value = True) -> str:
-        width = None if indent is None else whole(indent, "the indent", 0, _WIDEST_INDENT)
+        width = None if indent is None else whole(indent, "the indent", 0, 8)
         to_text(obj, script)  # counts what is written, and refuses what is too deep
         written = json.dumps(obj, indent=width, sort_keys=bool(sort_keys), ensure_ascii=bool(ensure_ascii))
         script.take_text(len(written))

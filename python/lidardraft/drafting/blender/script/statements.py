@@ -11,7 +11,7 @@ import ast
 from collections.abc import Callable, Generator, Iterator
 from typing import Any
 
-from lidardraft.drafting.blender.script.containers import Lazy, take_moved
+from lidardraft.drafting.blender.script.containers import Lazy
 from lidardraft.drafting.blender.script.definitions import (
     BaseMarker,
     ClassFrame,
@@ -44,7 +44,6 @@ from lidardraft.drafting.blender.script.values import (
 )
 
 Going = Generator[Value, None, object]  # its values, and then what ends the statements around it early, or None
-_STEPS_OF_ERROR = 5  # that an error costs which is met on its way
 _BREAK, _CONTINUE = object(), object()
 _ALL = ("Exception", "BaseException")
 _KINDS = {
@@ -68,7 +67,7 @@ def block(nodes: list[ast.stmt], frame: Frame) -> Going:
     try:
         for node in nodes:
             script.line = node.lineno
-            script.take_steps(1)
+            script.take_step()
             if isinstance(node, ast.Expr) and isinstance(node.value, ast.Yield | ast.YieldFrom):
                 yield from _yielded(node.value, frame)
             elif (simple := _SIMPLE.get(type(node))) is not None:
@@ -190,7 +189,6 @@ def _class(node: ast.ClassDef, frame: Frame) -> Going:
     if not isinstance(base, ScriptClass | BaseMarker | None):
         raise RefusalError(f"a class derived from {describe(base)} is not supported")
     inside = ClassFrame(frame, frame.script)
-    frame.script.take_steps(10)
     yield from block(node.body, inside)
     frame.script.line = node.lineno
     frame.set(node.name, _decorated(ScriptClass(node.name, base, inside), node.decorator_list, frame))
@@ -217,7 +215,6 @@ def _delete(node: ast.Delete, frame: Frame) -> None:
         if isinstance(owner, list):
             if not isinstance(key, slice):
                 place(key, len(owner), "a list")
-            take_moved(owner, key, frame.script)
         elif not isinstance(owner, dict):
             raise not_supported(node)
         elif dict_key(key) not in owner:
@@ -257,7 +254,6 @@ def _with(node: ast.With, frame: Frame) -> Going:
     try:
         return (yield from block(node.body, frame))
     except RaisedError as error:
-        frame.script.take_steps(_STEPS_OF_ERROR)
         if not any(value.catches(error) for value in entered):
             raise
         return None
@@ -285,7 +281,6 @@ def _guarded(node: ast.Try, frame: Frame) -> Going:
     try:
         ended = yield from block(node.body, frame)
     except RaisedError as error:
-        script.take_steps(_STEPS_OF_ERROR)
         for handler in node.handlers:
             if handler.type is None or is_caught(error, _names(handler.type)):
                 if handler.name is not None:
@@ -348,7 +343,6 @@ def _import_from(node: ast.ImportFrom, frame: Frame) -> None:
         elif not isinstance(found, Namespace):
             raise RefusalError(f"the names of the module {node.module:.60} are not known")
         else:
-            frame.script.take_steps(len(found.values))
             for name, value in found.values.items():
                 frame.set(name, value)
 

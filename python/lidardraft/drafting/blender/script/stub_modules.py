@@ -28,8 +28,7 @@ from lidardraft.drafting.blender.script.values import (
 )
 
 SCRIPT_FILE = "/script.py"  # the name that a script sees of its own file
-_MOST_PARENTS = 16
-_MOST_ARGUMENTS = 100  # of one parser
+_LONGEST_PATH = 4096  # characters
 _DEFAULTS = {"store_true": False, "store_false": True, "store": None, "append": None, "count": None}
 _FIRST = datetime(1970, 1, 1)  # the time that all clocks show
 _FORMAT = re.compile("(?:[^%]|%[YymdHMSBbAajp%])*")
@@ -111,19 +110,14 @@ def _leave(code: Value = None) -> None:
 
 
 def _os_path(script: Script) -> Methods:
-    def counted(function: Callable[..., Value]) -> Callable[..., Value]:
-        def call_(*parts: Value) -> Value:
-            names = [_name_of(part) for part in parts]
-            script.take_text(2 * sum(map(len, names)) + len(names))
-            return function(*names)
-
-        return call_
+    def of_names(function: Callable[..., Value]) -> Callable[..., Value]:
+        return lambda *parts: function(*map(_name_of, parts))
 
     names = ("basename", "dirname", "splitext", "split", "normpath", "join")
     absolute = dict.fromkeys(("abspath", "realpath"), lambda path: posixpath.normpath(posixpath.join("/", path)))
     functions = {name: getattr(posixpath, name) for name in names} | absolute | {"expanduser": str}
     asked = {name: lambda _, name=name: _no_file(f"os.path.{name}", script) for name in ("exists", "isfile", "isdir")}
-    return {name: counted(function) for name, function in functions.items()} | asked
+    return {name: of_names(function) for name, function in functions.items()} | asked
 
 
 def _no_file(asked: str, script: Script) -> bool:
@@ -132,21 +126,21 @@ def _no_file(asked: str, script: Script) -> bool:
 
 
 def _name_of(value: Value) -> str:
-    return str(value.pure) if isinstance(value, FilePath) else text(value, "the name of a file")
+    name = str(value.pure) if isinstance(value, FilePath) else text(value, "the name of a file")
+    if len(name) > _LONGEST_PATH:
+        raise RefusalError(f"a path of {len(name)} characters; {_LONGEST_PATH} are the most")
+    return name
 
 
 class FilePath(Record):
     """The name of a file."""
 
     kind = "a path"
-    weight = 4
 
     def __init__(self, script: Script, *parts: Value) -> None:
         names = [str(part) if isinstance(part, PurePosixPath) else _name_of(part) for part in parts]
-        script.take_steps(sum(map(len, names)) // 8 + 8)  # a path is split at its slashes
         self.pure = PurePosixPath(*names)
         self._script = script
-        script.take_text(8 * len(str(self.pure)))
 
     def _other(self, *parts: Value) -> FilePath:
         return FilePath(self._script, *parts)
@@ -154,7 +148,7 @@ class FilePath(Record):
     fields: ClassVar[Methods] = {
         **{name: lambda self, name=name: getattr(self.pure, name) for name in ("name", "stem", "suffix")},
         "parent": lambda self: self._other(self.pure.parent),
-        "parents": lambda self: [self._other(parent) for parent in list(self.pure.parents)[:_MOST_PARENTS]],
+        "parents": lambda self: [self._other(parent) for parent in self.pure.parents],
     }
     methods: ClassVar[Methods] = {
         "joinpath": lambda self, *parts: self._other(self, *parts),
@@ -175,10 +169,7 @@ class FilePath(Record):
         return self._other(self, other)
 
     def equals(self, other: Value) -> bool:
-        if not isinstance(other, FilePath):
-            return False
-        self._script.take_steps((len(str(self.pure)) + len(str(other.pure))) // 8 + 8)
-        return self.pure == other.pure
+        return isinstance(other, FilePath) and self.pure == other.pure
 
     def text(self, as_repr: bool) -> str:
         return f"PosixPath({str(self.pure)!r})" if as_repr else str(self.pure)
@@ -235,10 +226,9 @@ class Parser(Record):
         type: Value = None,  # the name that Python has for it
         **_: Value,
     ) -> None:
-        self._script.take_steps(5)
         names = [text(flag, "the name of an argument") for flag in flags]
-        if len(self._defaults) >= _MOST_ARGUMENTS or not names:
-            raise RefusalError(f"a parser of no argument, or of more than {_MOST_ARGUMENTS}")
+        if not names:
+            raise RefusalError("an argument without a name")
         is_option = names[0].startswith("-")
         if truth(required) or not (is_option or nargs in ("?", "*")):
             raise RefusalError(f"the argument {names[0]!r:.60} has no default; there is nobody to give it")
@@ -253,7 +243,6 @@ class Parser(Record):
         self._defaults[key] = default
 
     def _parsed(self, args: Value = None) -> Namespace:
-        self._script.take_cells(3 * len(self._defaults))
         if args:
             raise RefusalError("arguments that a script gives itself are not supported")
         return Namespace("the arguments", dict(self._defaults))

@@ -15,7 +15,6 @@ from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError,
 
 Value = Any  # one of the types above; mypy has no way to say it that helps here
 LARGEST = 2**63  # of whole numbers
-MOST_TYPES = 50  # that isinstance is asked for
 _SURROGATE = re.compile("[\ud800-\udfff]")
 _NUMBER = (int, float)  # asked for so often that a union, which is slower, shows
 _SEQUENCES = (str, list, tuple, dict, range)
@@ -25,17 +24,14 @@ Methods = dict[str, Callable[..., Value]]
 class Record:
     """A value with attributes, items or operators of its own; here it has none.
 
-    `fields` give the attributes that can be read, `setters` set some, and `methods` get the record first; `weights` are
-    the steps that a call of a method costs, where these are not 2.
+    `fields` give the attributes that can be read, `setters` set some, and `methods` get the record first.
     """
 
     kind = "a value"
     is_key = False  # whether it can be a key of a dict: what is the same only as itself
-    weight = 0  # steps that a use of it costs beyond its node: an attribute, an item, an operator, a call
     fields: ClassVar[Methods] = {}
     setters: ClassVar[Methods] = {}
     methods: ClassVar[Methods] = {}
-    weights: ClassVar[dict[str, int]] = {}
 
     def has_private(self, _name: str) -> bool:
         """Whether a name that begins with an underscore may be read and set in it."""
@@ -46,7 +42,7 @@ class Record:
         if name in self.fields:
             return self.fields[name](self)
         if name in self.methods:
-            return Builtin(name, partial(self.methods[name], self), self.weights.get(name, 2))
+            return Builtin(name, partial(self.methods[name], self))
         raise RefusalError(f"{self.kind} has no {name!r} that is supported")
 
     def set_attribute(self, name: str, value: Value) -> None:
@@ -117,9 +113,8 @@ class Builtin(Record):
 
     kind = "a function"
 
-    def __init__(self, name: str, call: Callable[..., Value], weight: int = 2, own: Methods | None = None) -> None:
+    def __init__(self, name: str, call: Callable[..., Value], own: Methods | None = None) -> None:
         self.name = name
-        self.weight = weight
         self._call = call
         self._own = own or {}
 
@@ -159,13 +154,11 @@ class Type(Record):
 
 
 class UnionOfTypes(Type):
-    """`int | float | None`. Raises `RefusalError` where it is of too many."""
+    """`int | float | None`."""
 
     kind = "a union of types"
 
     def __init__(self, types: tuple[Value, ...]) -> None:
-        if len(types) > MOST_TYPES:
-            raise RefusalError(f"a union of {len(types)} types; {MOST_TYPES} are the most")
         self._types = types
 
     def types(self) -> tuple[Value, ...]:
@@ -236,7 +229,7 @@ def call(function: Value, arguments: list[Value], keywords: dict[str, Value], sc
     """What a function returns."""
     if not isinstance(function, Record):
         raise RefusalError(f"{describe(function)} cannot be called")
-    script.take_steps(function.weight)
+    script.take_step()
     return function.call(arguments, keywords)
 
 

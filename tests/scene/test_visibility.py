@@ -1,4 +1,4 @@
-"""What a layout leaves open, in pixels."""
+"""What a layout leaves open, in pixels, and how much of an object others hide."""
 
 import dataclasses
 
@@ -7,7 +7,7 @@ import pytest
 
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.errors import LayoutError
-from lidardraft.scene.visibility import open_pixels
+from lidardraft.scene.visibility import occluded_shares, open_pixels
 
 SENSOR = Sensor(name="small", elevations=tuple(np.deg2rad([10.0, -5.0, -20.0])), columns=72)
 LAWN = Primitive(shape="plane", center=(0, 0, 0), size=(200, 200, 0), label="terrain", id="lawn", open=True)
@@ -75,3 +75,35 @@ def test_what_the_vehicle_hides_is_not_open() -> None:
 def test_a_cast_without_primitives_is_refused() -> None:
     with pytest.raises(LayoutError, match="the condition image has no primitives; cast it with primitive=True"):
         open_pixels(OPEN, raycast(OPEN, SENSOR), POSE)
+
+
+FEW = Sensor(
+    name="few",
+    elevations=tuple(np.deg2rad(np.linspace(4, -30, 64)).tolist()),
+    columns=1024,
+    origin_heights=(0.05,) * 64,
+)
+
+
+def test_hidden_shares_are_those_of_casts_of_each_object_alone() -> None:
+    rng = np.random.default_rng(3)
+    standing = []
+    for number in range(1, 25):
+        angle, away = rng.uniform(0, 2 * np.pi), rng.uniform(4, 30)
+        size = tuple(rng.uniform((1, 1, 1), (6, 3, 4)).tolist())
+        center = (away * np.cos(angle), away * np.sin(angle), size[2] / 2)
+        place = {"center": center, "size": size, "yaw": rng.uniform(-3, 3)}
+        standing.append(Primitive(shape="box", label="car", id=f"car_{number}", instance=number, **place))
+    layout, pose = Layout(tuple(standing)), FEW.pose(yaw=0.4)
+    poses = FEW.poses_in_motion(pose, 15.0 * pose[:3, 0])
+    moved = (poses[:, :3, 3] - pose[:3, 3]) @ pose[:3, :3]
+    image = raycast(layout, FEW, poses=poses)
+    boxes = [box.seen_from(pose) for box in layout.boxes()]
+    expected = []
+    for one in standing:
+        alone = raycast(dataclasses.replace(layout, primitives=(one,)), FEW, poses=poses)
+        hidden = (image.depth[alone.valid] < alone.depth[alone.valid] - 0.1) & image.valid[alone.valid]
+        expected.append(hidden.mean() if len(hidden) else 1.0)
+    np.testing.assert_allclose(occluded_shares(image, boxes, moved), expected, atol=0.02)
+    assert min(expected) < 0.01
+    assert max(expected) > 0.5

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Iterator
+from collections import Counter
+from collections.abc import Iterator
 
 import numpy as np
 
@@ -15,18 +15,19 @@ from lidardraft.drafting.solver.scene_spec import EXTENTS, ObjectGroup, split_pl
 from lidardraft.drafting.solver.sentence_kinds import SentenceKind
 from lidardraft.errors import LayoutError
 from lidardraft.objects.coarse_shapes import STANDING, CoarseShape, extents, in_segments, resized
-from lidardraft.scene.check import EGO, MAX_RANGE, SIZE_RANGES, LayoutGround, Solid, penetration
+from lidardraft.scene.check import EGO, MAX_RANGE, SIZE_RANGES, LayoutGround
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.road import RING, Road
+from lidardraft.scene.solids import Solid, Solids
 from lidardraft.semantics import BY_NAME
 
 # Estimates of ours.
 GAP = 0.25  # m between any two objects
 FOLLOWING_GAP = 2.0  # m before and behind whatever drives, where nothing is said of its distance
-_CELL = 8.0  # m, of the grid that solids are found by
+_HIGH = 10.0  # m over a crossing road that stay free
 
 
-class Occupancy:
+class SpecScene:
     """The primitives of a layout while it is made, and the solids that have to stay apart.
 
     `in_the_way` counts what objects found no room for, by name, since it was cleared.
@@ -37,10 +38,9 @@ class Occupancy:
         self.primitives = road.surfaces()
         self.ground = LayoutGround(self.primitives)
         self.in_the_way: Counter[str] = Counter()
-        self._solids: defaultdict[tuple[int, int], list[Solid]] = defaultdict(list)
-        self._add([Solid.from_primitive(EGO)])
+        self._standing = Solids([Solid.from_primitive(EGO)])
         crossing = (surface for surface in self.primitives if surface.id in ("road_left", "road_right"))
-        self._side_roads = [Solid.from_primitive(_raised(surface)) for surface in crossing]
+        self._side_roads = Solids(Solid.from_primitive(surface)._replace(top=_HIGH) for surface in crossing)
         self._numbers: Counter[str] = Counter()
         self._instances = 0
 
@@ -49,6 +49,8 @@ class Occupancy:
     ) -> Footprint | None:
         """Place one object there, or its near end `by_end`, if there is room for it."""
         in_lot = bool(self.road.paved_areas) and abs(pose.across) > self.road.edge
+        if kind.walks and group.heading in ("with", "against"):
+            pose = pose._replace(yaw=0.0 if group.heading == "with" else math.pi)
         parked = group.heading == "parked" or (in_lot and group.heading is None)
         bent = kind.follows_road and self.road.curvature != 0.0 and not group.on_road
         parts = _sized(kind.sample_parts(self.rng, parked=parked), group)
@@ -64,7 +66,7 @@ class Occupancy:
         if blocker is None:
             primitives = [self._primitive(kind, part, pose, bent) for part in parts]
             ahead = FOLLOWING_GAP if moving and not close else GAP
-            wide = [Solid.from_primitive(_widened(p, ahead, GAP)) for p in primitives]
+            wide = [Solid.from_primitive(primitive).widened(ahead, GAP) for primitive in primitives]
             blocker = next(self._obstacles(wide, side_roads=not (moving or kind.walks)), None)
         if blocker is not None:
             self.in_the_way[blocker] += 1
@@ -78,7 +80,8 @@ class Occupancy:
                 numbers[part.label] = self._instances
             id = f"{name}.{part.name}" if part.name else name
             self.primitives.append(dataclasses.replace(primitive, id=id, instance=numbers.get(part.label, 0)))
-        self._add(map(Solid.from_primitive, self.primitives[-len(parts) :]))
+        for primitive in self.primitives[-len(parts) :]:
+            self._standing.add(Solid.from_primitive(primitive))
         length, width, _ = extents([part for part in parts if part.center[2] - part.size[2] / 2 < STANDING])
         return Footprint.of(name, kind, pose, length, width)  # crowns and lamps hang over what is near
 
@@ -121,32 +124,21 @@ class Occupancy:
         reach = length / 2 if kind.drives else math.hypot(length, width) / 2
         return radius < self.road.roundabout_radius + reach
 
-    def _add(self, solids: Iterable[Solid]) -> None:
-        for solid in solids:
-            for cell in _cells(solid):
-                self._solids[cell].append(solid)
-
     def _obstacles(self, solids: list[Solid], *, side_roads: bool) -> Iterator[str]:
         """What some solids run into, by name."""
         for solid in solids:
-            near = {id(other): other for cell in _cells(solid) for other in self._solids.get(cell, ())}
-            for other in (*near.values(), *(self._side_roads if side_roads else ())):
-                if penetration(solid, other) > 0:
-                    yield _NAMES.get(other.primitive.id, other.primitive.id.partition(".")[0])
+            for index in (self._standing, self._side_roads) if side_roads else (self._standing,):
+                for other in index.touching(solid):
+                    yield _NAMES.get(other.id, other.id.partition(".")[0])
 
     def _primitive(self, kind: SentenceKind, part: CoarseShape, pose: RoadPose, bent: bool) -> Primitive:
         along, across, yaw = pose
-        length, width, height = part.size
-        dx, dy, dz = part.center
         if bent:  # each segment follows the bend, as long as the arc is there
-            along, dx, length = along + dx, 0.0, length * (1.0 - self.road.curvature * across)
+            along, (length, width, height) = along + part.center[0], part.size
+            length *= 1.0 - self.road.curvature * across
+            part = part._replace(center=(0.0, *part.center[1:]), size=(length, width, height))
         x, y, heading = self.road.at(along, across)
-        z = self.ground.height(x, y)
-        yaw += heading
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        center = (x + cos * dx - sin * dy, y + sin * dx + cos * dy, z + dz)
-        size = (length, width, height)
-        return Primitive(shape=part.shape, center=center, size=size, yaw=yaw, label=part.label, id=kind.name)
+        return part.placed((x, y, yaw + heading), self.ground.height(x, y), kind.name)
 
 
 _NAMES = {"ego": "the ego vehicle", "road_left": "the crossing road", "road_right": "the crossing road"}
@@ -182,20 +174,3 @@ def is_at(pose: RoadPose, place: str, road: Road) -> bool:
     fore, side = split_place(place)
     along = {"front": pose.along > 0, "behind": pose.along < 0, "beside": abs(pose.along) <= 4.0, "": True}[fore]
     return along and {"left": aside > 0, "right": aside < 0, "": True}[side]
-
-
-def _cells(solid: Solid) -> Iterator[tuple[int, int]]:
-    x, y, _ = solid.primitive.center
-    low_x, high_x = (math.floor((x + sign * solid.radius) / _CELL) for sign in (-1, 1))
-    low_y, high_y = (math.floor((y + sign * solid.radius) / _CELL) for sign in (-1, 1))
-    return ((i, j) for i in range(low_x, high_x + 1) for j in range(low_y, high_y + 1))
-
-
-def _widened(primitive: Primitive, ahead: float, aside: float) -> Primitive:
-    length, width, height = primitive.size
-    return dataclasses.replace(primitive, size=(length + 2 * ahead, width + 2 * aside, height))
-
-
-def _raised(surface: Primitive) -> Primitive:
-    """An obstacle over a surface that has to stay free."""
-    return dataclasses.replace(surface, shape="box", size=(*surface.size[:2], 20.0), label="other")

@@ -1,4 +1,5 @@
-"""Convolutions on range images, whose columns may close to a ring, and cells of pixels folded into channels.
+"""Layers on range images, whose columns may close to a ring: convolutions, cells of pixels folded into channels,
+residual blocks; and the precision in which they work.
 
 `wraps` says whether they do: whether the last column is the first one's neighbour. A full turn wraps; a crop of one, or
 a sensor that sees a sector, does not.
@@ -6,10 +7,12 @@ a sensor that sees a sector, does not.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import torch
 from torch import Tensor, nn
+from torch.nn import functional
 
 
 class RangeImageConv(nn.Conv2d):
@@ -94,3 +97,72 @@ def unfold(x: Tensor, cell: tuple[int, int]) -> Tensor:
     h, w = cell
     x = x.reshape(b, c // (h * w), h, w, height, width)
     return x.permute(0, 1, 4, 2, 5, 3).reshape(b, c // (h * w), height * h, width * w)
+
+
+class ResidualBlock(nn.Module):
+    """norm, SiLU, convolution, twice, on a shortcut; an `embedding` of that many channels modulates the second norm."""
+
+    def __init__(
+        self,
+        inputs: int,
+        outputs: int,
+        stride: int = 1,
+        *,
+        dilation: int = 1,
+        embedding: int | None = None,
+        groups: int = 8,
+    ) -> None:
+        super().__init__()
+        self.stride = stride
+        self.norm_in = group_norm(inputs, groups)
+        self.conv_in = RangeImageConv(inputs, outputs, stride=stride, dilation=dilation)
+        self.modulation = None if embedding is None else nn.Linear(embedding, 2 * outputs)
+        self.norm_out = group_norm(outputs, groups)
+        self.conv_out = RangeImageConv(outputs, outputs, dilation=dilation)
+        self.shortcut = nn.Conv2d(inputs, outputs, 1) if inputs != outputs else nn.Identity()
+
+    def forward(self, x: Tensor, wraps: bool, embedding: Tensor | None = None) -> Tensor:
+        """[B, inputs, H, W] -> [B, outputs, ceil(H / stride), ceil(W / stride)]; the embedding [B, channels]."""
+        h = self.norm_out(self.conv_in(functional.silu(self.norm_in(x)), wraps))
+        if self.modulation is not None:
+            h = modulated(h, self.modulation(embedding))
+        h = self.conv_out(functional.silu(h), wraps)
+        if self.stride > 1:
+            x = functional.avg_pool2d(x, self.stride, ceil_mode=True, count_include_pad=False)
+        return self.shortcut(x) + h
+
+
+class Chain(nn.Sequential):
+    """Layers one after another, each of which is told whether the columns wrap."""
+
+    def forward(self, x: Tensor, wraps: bool) -> Tensor:  # type: ignore[override]
+        """[B, inputs of the first, H, W] -> the output of the last."""
+        for layer in self:
+            x = layer(x, wraps)
+        return x
+
+
+def modulated(x: Tensor, scale_and_shift: Tensor) -> Tensor:
+    """x [B, C, H, W] scaled by 1 + the first half of [B, 2 C], and shifted by the second."""
+    scale, shift = scale_and_shift[:, :, None, None].chunk(2, dim=1)
+    return torch.addcmul(shift, x, 1 + scale)
+
+
+def group_norm(width: int, groups: int = 8) -> nn.GroupNorm:
+    """Normalisation over so many groups of channels, or as many as divide the width."""
+    return nn.GroupNorm(math.gcd(groups, width), width)
+
+
+def reduced_precision(device: torch.device) -> torch.autocast:
+    """A context in which convolutions and linear layers work in bfloat16, where `device` has the instructions.
+
+    Weights, norms' statistics and the optimiser stay float32. What must keep its digits leaves it by an
+    `autocast(enabled=False)` of its own.
+    """
+    return torch.autocast(device.type, dtype=torch.bfloat16, enabled=has_bfloat16(device))
+
+
+def has_bfloat16(device: torch.device) -> bool:
+    """Whether bfloat16 is faster than float32: a CPU without the instructions emulates them."""
+    capabilities: dict[str, Any] = getattr(torch.cpu, "get_capabilities", dict)()  # newer torch
+    return device.type == "cuda" or bool(capabilities.get("avx512_bf16") or capabilities.get("amx_bf16"))

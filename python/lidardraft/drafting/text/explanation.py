@@ -1,0 +1,52 @@
+"""What the words of a sentence became: a value to look into, and lines to print."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from lidardraft.drafting.solver.scene_spec import SceneSpec, count_text, group_relations, road_relations
+
+
+@dataclass(frozen=True, slots=True)
+class Meaning:
+    """Some words in a row, and what they gave to the spec.
+
+    `groups` are the numbers of the groups that they say something of, `others` what they say of the road and of what is
+    around; both are empty for words that only join others. `lost` are those of the words that gave nothing.
+    """
+
+    words: str
+    groups: tuple[int, ...] = ()
+    others: tuple[str, ...] = ()
+    lost: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """The words of a sentence in their order, with what each became, and its spec."""
+
+    meanings: tuple[Meaning, ...]
+    spec: SceneSpec
+
+    def __str__(self) -> str:
+        """A line for each run of words; a group is described where it is named first."""
+        wide = max(len(one.words) for one in self.meanings)
+        told: set[int] = set()
+        lines = []
+        for one in self.meanings:
+            lines.append(f"{one.words:<{wide}}  {self._said(one, told)}".rstrip())
+            told |= set(one.groups)
+        return "\n".join([*lines, f"road: {', '.join(road_relations(self.spec.road))}"])
+
+    def _said(self, one: Meaning, told: Collection[int]) -> str:
+        gave = [*(self._group(number, number in told) for number in one.groups), *one.others]
+        lost = [f"not understood: {', '.join(one.lost)}" if gave else "not understood"] if one.lost else []
+        return "; ".join([*gave, *lost])
+
+    def _group(self, number: int, told: bool) -> str:
+        group = self.spec.groups[number]
+        if told:
+            return f"{group.kind} [{number}]"
+        places = [", ".join(group_relations(group, self.spec, place)) for place in group.places or ("",)]
+        return f"{group.kind} [{number}]: {', '.join(filter(None, [count_text(group), ' and '.join(places)]))}"
