@@ -15,6 +15,7 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import laspy
@@ -52,6 +53,7 @@ from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
+from ouster_files import BEAMS, COLUMNS, write_capture
 from pandaset_files import pandas_pickle, pandaset
 
 SECONDS, BYTES = 2.0, 2**30  # that a reader may take of a processor and of memory
@@ -214,6 +216,10 @@ def readers() -> dict[str, Reader]:
             )
             for part in parts
         }
+    captures = {}
+    if find_spec("ouster"):  # an extra that stands beside no other
+        capture = _written(lambda p: write_capture(p, [np.full((BEAMS, COLUMNS), 5000, np.uint32)]), ".pcap")
+        captures["capture"] = Reader(_capture, ".pcap", capture)
     packed = PCD[: PCD.index(b"ascii")] + b"binary_compressed\n" + struct.pack("<2I", 17, 16) + bytes([15, *range(16)])
     return {
         "bin": Reader(read_bin, ".bin", _written(lambda p: write_bin(p, points, np.ones(100)), ".bin")),
@@ -258,6 +264,7 @@ def readers() -> dict[str, Reader]:
         ),
         "pickled table": Reader(_program, ".pkl", pandas_pickle(a=np.arange(3), b=np.array(["c", None, 1.5], object))),
         **drives,
+        **captures,
         "picture": Reader(read_picture, ".jpg", _picture("jpeg")),
         "train ids": Reader(read_semantics, ".png", _picture("png")),
         "masks": Reader(read_masks, ".npz", _zip("masks", _npy(np.ones((2, 3, 4), bool)))),

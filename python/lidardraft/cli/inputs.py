@@ -44,7 +44,7 @@ _GOES_WITH["poses"] = ("street",)
 _PICTURES = (".png", ".jpg", ".jpeg", ".webp")
 _ENDINGS = {
     "image": _PICTURES,
-    "points": (".bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".gz"),
+    "points": (".bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".gz", ".pcap"),
     "sketch": (".svg", *_PICTURES),
     "boxes": (".json", ".txt", ".gz"),
     "obj": (".obj",),
@@ -53,7 +53,7 @@ _ENDINGS = {
     "layout": (".json",),
 }
 
-_SCANS = (".bin", ".pcd", ".ply", ".npz", ".las", ".pkl.gz")  # in folders, where an .npy may be anything
+_SCANS = (".bin", ".pcd", ".ply", ".npz", ".las", ".pkl.gz", ".pcap")  # in folders, where an .npy may be anything
 
 _SENSORS = {".pcd.bin": "hdl32e", ".pkl.gz": "pandar64"}  # of nuScenes and PandaSet, by endings
 _STREET_AROUND = ("text", "sketch", "boxes", "image")  # inputs that get one unless --surroundings says otherwise
@@ -80,7 +80,7 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     text = (
         "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, PandaSet .pkl.gz, .pcd, .ply, .npz, "
     )
-    text += ".npy, .las"
+    text += ".npy, .las, or an Ouster's .pcap with its metadata .json beside it"
     one.add_argument("--points", metavar="SCAN", help=text)
     one.add_argument("--sketch", metavar="FILE", help="a sketch from above: .svg, or a painted picture (.png, .jpg)")
     one.add_argument("--boxes", metavar="FILE", help="boxes around objects: .boxes.json, KITTI's label_2, ...")
@@ -189,11 +189,15 @@ def _name_of_input(arguments: argparse.Namespace) -> str:
 
 def sensor_of_file(file: str | Path) -> Sensor | None:
     """The sensor of a scan, where its file says it: by NAME.sensor.json beside NAME.bin and NAME.boxes.json, as
-    `generate` writes it, or by an ending of its data set."""
+    `generate` writes it, by the metadata of an Ouster's capture, or by an ending of its data set."""
+    from lidardraft.formats.ouster_capture import metadata_beside
+
     path = Path(file)
     beside = path.with_name(f"{path.name.removesuffix(path.suffix).removesuffix('.boxes')}.sensor.json")
     if beside.exists():
         return Sensor.load(beside)
+    if path.suffix == ".pcap":
+        return read_sensor(str(metadata_beside(path)))
     return next((Sensor.preset(name) for ending, name in _SENSORS.items() if path.name.endswith(ending)), None)
 
 

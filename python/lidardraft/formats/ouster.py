@@ -65,7 +65,7 @@ def _sensor(fields: dict[str, Any], window: tuple[int, int, int], forward: float
         azimuth_offsets=tuple((-azimuths[order]).tolist()),  # they count clockwise
         origin_forwards=(forward / 1000,) * len(order),
         columns=last - first + 1,
-        azimuth_start=math.pi - first * step,
+        azimuth_start=math.pi - (first - 0.5) * step,  # column w looks to pi - w * step, the middle of its pixel
         azimuth_span=(last - first + 1) * step,
         sweep_time=(last - first + 1) / columns / rate,
         model=MODELS[preset],

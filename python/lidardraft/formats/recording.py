@@ -21,6 +21,7 @@ from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.las import read_las
 from lidardraft.formats.masks import read_masks
 from lidardraft.formats.nuscenes import lidarseg_of, read_lidarseg, read_pcd_bin
+from lidardraft.formats.ouster_capture import read_ouster_capture
 from lidardraft.formats.pandaset import read_sweep
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.ply import read_ply
@@ -32,7 +33,7 @@ from lidardraft.semantics import NUM_CLASSES
 _NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
 _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
-SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pkl.gz")
+SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pkl.gz", ".pcap")
 _FIELDS = ("ring", "intensity", "label", "instance", "column", "made_up")  # of an .npz file
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
 _SMALL_STEP = np.deg2rad(5.0)
@@ -58,7 +59,7 @@ class Recording:
 
 def read_recording(path: str | os.PathLike[str]) -> Recording:
     """A scan out of a file: `.bin` of KITTI, with SemanticKITTI's labels if they lie beside it, `.pcd.bin` of nuScenes,
-    `.pcd`, `.ply`, `.npz` or PandaSet's `.pkl.gz`.
+    `.pcd`, `.ply`, `.npz`, PandaSet's `.pkl.gz` or an Ouster's `.pcap`.
 
     A KITTI file has its points laser by laser. A PCD or PLY file has x, y, z and a field `ring` (or `channel`), or is
     organised (its HEIGHT lasers are rows) or in KITTI's order; `intensity` in 0 to 1 or 0 to 255. An .npz file has
@@ -101,6 +102,8 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
         return _from_npy(path)
     if suffix == ".las":
         return read_las(path)
+    if suffix == ".pcap":
+        return read_ouster_capture(path)
     if Path(path).name.endswith(".pkl.gz"):
         return read_sweep(path)
     raise FormatError(f"{os.fspath(path)}: a recorded scan is one of {', '.join(SCAN_ENDINGS)}")

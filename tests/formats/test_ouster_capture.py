@@ -1,0 +1,138 @@
+"""Packet captures of Ousters are scans of the sensor of their metadata."""
+
+import json
+import os
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from lidardraft import cli
+from lidardraft.cli.inputs import sensor_of_file
+from lidardraft.errors import FormatError, MissingExtraError
+from lidardraft.formats.ouster import read_ouster_metadata
+from lidardraft.formats.ouster_capture import metadata_beside, read_ouster_capture
+from lidardraft.formats.recording import read_recording
+from ouster_files import BEAMS, COLUMNS, METADATA, write_capture
+from ouster_packets import read_sweep
+
+REASON = "ouster-sdk is not installed; in an environment of its own: pip install 'lidardraft[ouster]' pytest"
+
+
+@pytest.fixture
+def sdk() -> None:
+    pytest.importorskip("ouster.sdk", reason=REASON)
+
+
+@pytest.fixture
+def capture(sdk: None, tmp_path: Path) -> Path:
+    """Two frames: rings of lasers 5 m to 20 m away, a beam without returns, then all 1 m further."""
+    first = np.repeat(np.arange(5000, 5000 + 1000 * BEAMS, 1000, np.uint32)[:, None], COLUMNS, axis=1)
+    first[3] = 0
+    path = tmp_path / "drive.pcap"
+    write_capture(path, [first, first + 1000])
+    return path
+
+
+def test_the_first_whole_frame_is_read(capture: Path) -> None:
+    points, fields = read_ouster_capture(capture)
+    distance = np.linalg.norm(points, axis=1)
+    assert len(points) == (BEAMS - 1) * COLUMNS
+    np.testing.assert_allclose(distance, (5 + BEAMS - 1 - fields["ring"]), atol=1e-3)  # ring 0 is the highest
+    assert fields["intensity"] == pytest.approx(0.2)
+    assert set(fields["column"]) == set(range(COLUMNS))
+    assert (points[fields["ring"] == 0, 2] > 0).all()
+
+
+def test_a_capture_that_begins_within_a_frame(capture: Path) -> None:
+    whole = capture.read_bytes()
+    size = (len(whole) - 24) // (2 * COLUMNS // 16)  # of a record
+    capture.write_bytes(whole[:24] + whole[24 + 5 * size :])
+    _, fields = read_ouster_capture(capture)
+    assert len(fields["ring"]) == BEAMS * COLUMNS  # of the second frame: its beam 3 returns
+    capture.write_bytes(whole[: 24 + 20 * size - 7])
+    with pytest.raises(FormatError, match=r"drive\.pcap: no frame is whole: the fullest has \d+ columns"):
+        read_ouster_capture(capture)
+
+
+def test_points_lie_in_the_pixels_of_the_sensor_of_the_metadata(capture: Path) -> None:
+    recording = read_recording(capture)
+    sensor = sensor_of_file(capture)
+    assert sensor == read_ouster_metadata(capture.with_suffix(".json"))
+    row, column, _ = sensor.pattern.project(recording.points.astype(np.float64))
+    np.testing.assert_array_equal(row, recording.ring)
+    np.testing.assert_array_equal(column, recording.column)
+
+
+def test_a_capture_is_drafted_and_viewed(capture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(capture.parent)
+    assert cli.main(["view", "drive.pcap", "-o", "drive.png"]) == 0
+    assert cli.main(["edit", "drive.pcap", "--insert", "car at 4,2", "-o", "edited"]) == 0
+    assert Path("drive.png").exists()
+    assert Path("edited.bin").exists()
+
+
+def test_captures_that_are_none(capture: Path) -> None:
+    whole = capture.read_bytes()
+    for data, message in [
+        (b"", "not a capture of Ouster packets"),
+        (bytes(100), "not a capture of Ouster packets"),
+        (whole[:24], r"it has no packet of the sensor of drive\.json"),
+    ]:
+        capture.write_bytes(data)
+        with pytest.raises(FormatError, match=rf"drive\.pcap: {message}"):
+            read_ouster_capture(capture)
+    capture.write_bytes(whole)
+    form = {**METADATA["data_format"], "udp_profile_lidar": "LEGACY"}
+    capture.with_suffix(".json").write_text(json.dumps(METADATA | {"data_format": form}))
+    with pytest.raises(FormatError, match=r"it has no packet of the sensor of drive\.json"):
+        read_ouster_capture(capture)
+
+
+def test_metadata_are_found_beside_a_capture(tmp_path: Path) -> None:
+    path = tmp_path / "drive.pcap"
+    path.touch()
+    (tmp_path / "other.json").write_text("{}")
+    with pytest.raises(FormatError, match=r"drive\.json is not beside it, and no other of an Ouster is in its folder"):
+        metadata_beside(path)
+    for name, found in (("unit", "unit"), ("drive", "drive")):
+        (tmp_path / f"{name}.json").write_text(json.dumps(METADATA))
+        assert metadata_beside(path) == tmp_path / f"{found}.json"
+    (tmp_path / "drive.json").rename(tmp_path / "second.json")
+    with pytest.raises(FormatError, match="and 2 others of Ousters are in its folder"):
+        metadata_beside(path)
+
+
+def test_the_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "drive.pcap").touch()
+    (tmp_path / "drive.json").write_text(json.dumps(METADATA))
+    for module in [name for name in sys.modules if name.partition(".")[0] == "ouster"]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, "ouster", None)
+    with pytest.raises(MissingExtraError, match=r"ouster is not installed; run: pip install 'lidardraft\[ouster\]'"):
+        read_ouster_capture(tmp_path / "drive.pcap")
+
+
+@pytest.mark.parametrize(
+    ("name", "count"), [("OS-0-128-U1_v2.3.0_1024x10", 97299), ("OS-1-32-G_v2.1.1_1024x10", 27310)]
+)
+def test_real_captures_agree_with_a_decoder_of_our_own(sdk: None, name: str, count: int, tmp_path: Path) -> None:
+    folder = Path(os.environ.get("LIDARDRAFT_DATA", ""), "permissive", "ouster")
+    if not folder.exists():
+        pytest.skip("no recordings: LIDARDRAFT_DATA is not set")
+    path = Path(shutil.copy(folder / f"{name}.pcap", tmp_path / "a.pcap"))
+    shutil.copy(folder / f"{name}.json", tmp_path / "a.json")
+    points, fields = read_ouster_capture(path)
+    ring, column = fields["ring"], fields["column"]
+    assert len(points) == count
+    sweep = read_sweep(path)
+    order = np.argsort([-angle for angle in json.loads((tmp_path / "a.json").read_text())["beam_altitude_angles"]])
+    np.testing.assert_array_equal(np.argwhere(sweep.depth[order] > 0), np.stack([ring, column], axis=1))
+    recorded = np.linalg.norm(sweep.points[order][ring, column], axis=1)
+    np.testing.assert_allclose(np.linalg.norm(points, axis=1), recorded, atol=1e-4)
+    np.testing.assert_array_equal(sweep.intensity[order][ring, column], fields["intensity"])
+    far = recorded > 2  # m; nearer, a beam's origin on the head counts
+    row, _, _ = read_ouster_metadata(tmp_path / "a.json").pattern.project(points[far].astype(np.float64))
+    assert (row == ring[far]).mean() > 0.999
