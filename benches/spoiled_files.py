@@ -42,6 +42,7 @@ from lidardraft.formats.nuscenes import read_lidarseg, read_pcd_bin, read_table
 from lidardraft.formats.nuscenes_tables import read_annotations
 from lidardraft.formats.obj import write_obj
 from lidardraft.formats.ouster import read_ouster_metadata
+from lidardraft.formats.ouster_capture import read_ouster_capture
 from lidardraft.formats.pairs import Pair, read_shard, write_pairs
 from lidardraft.formats.pandaset import read_cuboids, read_sweep
 from lidardraft.formats.pcd import read_pcd
@@ -54,6 +55,7 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from ouster_files import BEAMS, COLUMNS, write_capture
+from ouster_files import METADATA as OUSTER
 from pandaset_files import pandas_pickle, pandaset
 
 SECONDS, BYTES = 2.0, 2**30  # that a reader may take of a processor and of memory
@@ -157,6 +159,11 @@ def _annotations(path: Path) -> object:
             Path(folder, "v1.0-mini", f"{name}.json").write_text(json.dumps([row]))
         Path(folder, "v1.0-mini", "sample_annotation.json").symlink_to(path.absolute())
         return read_annotations(Path(folder, "samples", "LIDAR_TOP", "a.pcd.bin"))
+
+
+def _capture(path: Path) -> object:
+    path.with_suffix(".json").write_text(json.dumps(OUSTER))
+    return read_ouster_capture(path)
 
 
 def _drive_with(part: str) -> Callable[[Path], object]:

@@ -107,7 +107,7 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
     folders = parser.add_argument_group("scans in folders, beside recordings")
     text = "as these define their metrics; each is printed with its definition and its noise floor"
     folders.add_argument("--protocol", choices=PROTOCOLS, help=text)
-    text = "recorded scans: files, or folders, of .bin, .pcd.bin, .pcd, .ply, .npz, .las or .pkl.gz"
+    text = "recorded scans: files, or folders, of .bin, .pcd.bin, .pcd, .ply, .npz, .las, .pkl.gz or .pcap"
     folders.add_argument("--real", nargs="+", metavar="SCANS", help=text)
     folders.add_argument("--generated", nargs="+", metavar="SCANS", help="generated scans, likewise")
     text = "folder of the public weights for FRD, FRID and FPD; without it, the command says where to get them"

@@ -144,7 +144,7 @@ def fit_options(parser: argparse.ArgumentParser) -> None:
     """The options of `fit`."""
     text = (
         "scans of one sensor, or folders of them: KITTI .bin (and labels beside it), nuScenes .pcd.bin, PandaSet "
-        ".pkl.gz, .pcd with rings or rows, .npz"
+        ".pkl.gz, .pcd with rings or rows, .npz, Ouster .pcap"
     )
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
     parser.add_argument("-o", "--output", required=True, metavar="SENSOR.json", help="where the sensor goes")
