@@ -24,9 +24,9 @@ _SHOWN_FOR = 0.5  # s, of scans that are no sequence
 
 
 def view(arguments: argparse.Namespace) -> None:
-    """Render a picture of a scan (.bin with the .label beside it, .pcd.bin, .pcd, .ply, .npy, .las, .npz, .pkl.gz or .pcap), a
-    range image (.npz), a file of training pairs (.npz) or a layout (.json); a page of HTML of a scan, to turn it; or a
-    film of a folder of scans."""
+    """Render a picture of a scan (.bin with the .label beside it, .pcd.bin, .pcd, .ply, .npy, .las, .npz, .pkl.gz or
+    .pcap), a range image (.npz), a file of training pairs (.npz) or a layout (.json); a page of HTML of a scan, to
+    turn it; or a film of a folder of scans."""
     from lidardraft.view import html_page, save_png
 
     path = Path(arguments.path)
