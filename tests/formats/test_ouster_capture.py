@@ -67,7 +67,7 @@ def test_points_lie_in_the_pixels_of_the_sensor_of_the_metadata(capture: Path) -
     np.testing.assert_array_equal(column, recording.column)
 
 
-def test_a_capture_is_drafted_and_viewed(capture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_capture_is_viewed_and_edited(capture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(capture.parent)
     assert main(["view", "drive.pcap", "-o", "drive.png"]) == 0
     assert main(["edit", "drive.pcap", "--insert", "car at 4,2", "-o", "edited"]) == 0
