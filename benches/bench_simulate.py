@@ -1,10 +1,10 @@
 """Simulated scans a second, and where the time goes.
 
-    python benches/bench_simulate.py [--sensor hdl64e] [--scans 200] [--workers 2] [--clutter 0]
+    python benches/bench_simulate.py [--sensor hdl64e] [--scans 200] [--workers 2]
 
-Two rates: scans of one detailed layout from many poses, by Python threads that share a `Simulator`; and scans of a new
-layout each, by processes. Milliseconds are of processor time, in one thread; ratios and the overhead are medians of
-runs that alternate with what they are held against.
+Three rates: scans of one detailed layout from many poses, by Python threads that share a `Simulator`; by processes,
+scans of a new layout each; and of a sentence in a new street each. Milliseconds are of processor time, in one thread;
+ratios and the overhead are medians of runs that alternate with what they are held against.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ import argparse
 import itertools
 import multiprocessing
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
 from statistics import median
@@ -21,7 +21,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from lidardraft import Layout, Raycaster, Sensor, Simulator, layout_from_text
+from lidardraft import Layout, Raycaster, Sensor, Simulator, layout_from_text, surround
 from lidardraft.scene.scanner import Scanner
 from lidardraft.simulation.detail import detail
 
@@ -50,19 +50,17 @@ def poses_a_second(simulator: Simulator, sensor: Sensor, scans: int, workers: in
         return scans / (time.perf_counter() - start), 1e3 * (time.process_time() - spent) / scans
 
 
-def _seconds(layout: Layout, sensor: Sensor, seed: int, clutter: float) -> float:
+def _seconds(layout: Layout | str, sensor: Sensor, seed: int) -> float:
     start = time.process_time()
-    Simulator(layout, sensor, seed=seed, clutter=clutter, threads=1).scan(speed=SPEED, seed=seed)
+    Simulator(layout, sensor, seed=seed, threads=1).scan(speed=SPEED, seed=seed)
     return time.process_time() - start
 
 
-def layouts_a_second(
-    layouts: list[Layout], sensor: Sensor, scans: int, workers: int, clutter: float
-) -> tuple[float, float]:
-    """Scans a second, of a layout each, by processes; milliseconds of processor time for each."""
+def layouts_a_second(layouts: Sequence[Layout | str], sensor: Sensor, scans: int, workers: int) -> tuple[float, float]:
+    """Scans a second, of a layout or a sentence each, by processes; milliseconds of processor time for each."""
     each = list(itertools.islice(itertools.cycle(layouts), scans))
     with ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn")) as pool:
-        arguments = [sensor] * scans, range(scans), [clutter] * scans
+        arguments = [sensor] * scans, range(scans)
         for _ in pool.map(_seconds, each[: 4 * workers], *arguments):  # the workers have started
             pass
         start = time.perf_counter()
@@ -87,9 +85,9 @@ def overhead(simulator: Simulator, scanner: Scanner, sensor: Sensor, count: int 
     return 1e3 * median(more)
 
 
-def shares(layouts: list[Layout], sensor: Sensor, clutter: float) -> dict[str, float]:
+def shares(layouts: list[Layout], sensor: Sensor) -> dict[str, float]:
     """Milliseconds of each step."""
-    scenes = [detail(layout, seed=0, clutter=clutter) for layout in layouts]
+    scenes = [detail(layout, seed=0) for layout in layouts]
     scanners = [Scanner.from_layout(scene, sensor, by_id=True, threads=1) for scene in scenes]
     moving = sensor.poses_in_motion(sensor.pose(), (SPEED, 0.0, 0.0))
     clean = [scanner.cast(moving, 0) for scanner in scanners]
@@ -98,7 +96,8 @@ def shares(layouts: list[Layout], sensor: Sensor, clutter: float) -> dict[str, f
     return {
         "bare cast of the layout": milliseconds(lambda k: casters[k].scan(sensor, poses=moving, threads=1), count),
         "layout of the sentence": milliseconds(lambda k: layout_from_text(SENTENCE, seed=k), count),
-        "detail": milliseconds(lambda k: detail(layouts[k], seed=0, clutter=clutter), count),
+        "street around it": milliseconds(lambda k: surround(layouts[k], seed=k), count),
+        "detail": milliseconds(lambda k: detail(layouts[k], seed=0), count),
         "compiling": milliseconds(lambda k: Scanner.from_layout(scenes[k], sensor, by_id=True, threads=1), count),
         "cast of the sub-rays": milliseconds(lambda k: scanners[k].cast(moving, 0), count),
         "sensor model": milliseconds(lambda k: scanners[k].observe(clean[k], 0), count),
@@ -111,21 +110,21 @@ def main() -> None:
     parser.add_argument("--sensor", default="hdl64e")
     parser.add_argument("--scans", type=int, default=200)
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--clutter", type=float, default=0.0)
     arguments = parser.parse_args()
-    sensor, clutter = Sensor.preset(arguments.sensor), arguments.clutter
+    sensor = Sensor.preset(arguments.sensor)
     layouts = [layout_from_text(SENTENCE, seed=seed) for seed in range(12)]
-    simulator = Simulator(layouts[0], sensor, clutter=clutter, threads=1)
+    simulator = Simulator(layouts[0], sensor, threads=1)
     scanner = Scanner.from_layout(simulator.scene, sensor, by_id=True, threads=1)
     height, width = sensor.shape
-    sizes = [len(detail(layout, seed=0, clutter=clutter)) for layout in layouts]
+    sizes = [len(detail(layout, seed=0)) for layout in layouts]
     shapes, workers = np.mean([len(layout) for layout in layouts]), arguments.workers
     print(f"{height} x {width}, {shapes:.0f} shapes, in detail {np.mean(sizes):.0f}")
     rate, spent = poses_a_second(simulator, sensor, arguments.scans, workers)
     print(f"{rate:.0f} scans/s of one layout from many poses, {workers} threads; {spent:.2f} ms a scan")
-    rate, spent = layouts_a_second(layouts, sensor, arguments.scans, workers, clutter)
-    print(f"{rate:.0f} scans/s of a new layout each, {workers} processes; {spent:.2f} ms a scan")
-    steps = shares(layouts, sensor, clutter)
+    for given, kind in ((layouts, "of a new layout each"), ([SENTENCE], "of the sentence in a new street each")):
+        rate, spent = layouts_a_second(given, sensor, arguments.scans, workers)
+        print(f"{rate:.0f} scans/s {kind}, {workers} processes; {spent:.2f} ms a scan")
+    steps = shares(layouts, sensor)
     bare = steps["bare cast of the layout"]
     for step, spent in steps.items():
         print(f"{step:24} {spent:6.2f} ms {spent / bare:5.1f} x the bare cast")

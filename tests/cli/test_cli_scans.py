@@ -66,14 +66,6 @@ def test_a_scan_that_was_simulated_is_simulated_again() -> None:
     assert Path("third/000000.bin").read_bytes() != Path("again/000000.bin").read_bytes()
 
 
-def test_clutter_stands_beside_the_road() -> None:
-    text = "a straight road with trees on both sides"
-    assert cli.main(["simulate", "--text", text, "--clutter", "1", "-o", "out", *SMALL]) == 0
-    points, _ = kitti.read_bin("out/000000.bin")
-    np.testing.assert_array_equal(points, simulate(text, Sensor.load("small.json"), clutter=1.0).points())
-    assert points.tobytes() != simulate(text, Sensor.load("small.json")).points().tobytes()
-
-
 def test_bad_input_of_simulate_is_one_line(refused: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
     command = ["simulate", "--text", "a car ahead", "-o", "out", *SMALL]
     assert "did you mean 'snow'?" in refused(*command, "--weather", "snwo:2mm")
@@ -82,7 +74,6 @@ def test_bad_input_of_simulate_is_one_line(refused: Callable[..., str], capsys: 
     assert "--weather has rain twice" in refused(*command, "--weather", "rain:1mm", "--weather", "rain:2mm")
     assert "wetness is 7.0; it must be 0 to 1" in refused(*command, "--weather", "wet:7")
     assert "visibility is 0.0" in refused(*command, "--weather", "fog:0m")
-    assert "clutter is 2.0; it must be a number from 0 to 1" in refused(*command, "--clutter", "2")
     with pytest.raises(SystemExit):
         cli.main([*command, "--speed", "nan"])
     assert "'nan' is not a number" in capsys.readouterr().err
@@ -150,7 +141,6 @@ def test_every_sentence_of_a_file_becomes_a_scan(refused: Callable[..., str]) ->
 
 def test_bad_input_of_streets_is_one_line(refused: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
     assert "--speed goes with a layout" in refused(*STREET, "-o", "out", "--speed", "3")
-    assert "--clutter goes with a layout" in refused(*STREET, "-o", "out", "--clutter", "0.5")
     assert "--surroundings goes with a layout" in refused(*STREET, "-o", "out", "--surroundings", "bare")
     assert "--poses goes with --street" in refused(*SIMULATE, "--poses", "3")
     assert "--labels goes with --points" in refused(*STREET, "-o", "out", "--labels", "a.label")

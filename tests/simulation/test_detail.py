@@ -135,12 +135,6 @@ def test_a_seed_is_an_integer(seed: object) -> None:
         detail(Layout(), seed=seed)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("clutter", [-0.1, 1.1, float("nan"), True, "much"])
-def test_clutter_is_a_share(clutter: object) -> None:
-    with pytest.raises(LayoutError, match=r"clutter is .*; it must be a number from 0 to 1"):
-        detail(Layout(), clutter=clutter)  # type: ignore[arg-type]
-
-
 def names(*parts: Primitive) -> list[list[str]]:
     return [[part.id for part in one.parts] for one in coarse_objects(Layout(primitives=parts), 0)]
 

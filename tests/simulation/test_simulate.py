@@ -106,13 +106,10 @@ def test_weather_and_model_are_used() -> None:
 def test_the_scene_is_the_layout_in_detail_or_as_it_is() -> None:
     layout = Layout((ROAD, CAR))
     assert Simulator(layout, SMALL, seed=3).scene == detail(layout, seed=3)
-    assert Simulator(layout, SMALL, seed=3, clutter=0.5).scene == detail(layout, seed=3, clutter=0.5)
     assert Simulator(layout, SMALL, detail=False).scene == layout
     plain, lifelike = (simulate(layout, SMALL, detail=on) for on in (False, True))
     assert plain.layout == lifelike.layout == layout
     assert not same(plain.image, lifelike.image)
-    with pytest.raises(LayoutError, match=r"clutter is 0\.5; without detail it must be 0"):
-        simulate(layout, SMALL, detail=False, clutter=0.5)
 
 
 def test_a_layout_without_ground_is_a_warning_and_is_scanned() -> None:

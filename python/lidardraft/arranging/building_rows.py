@@ -36,8 +36,7 @@ _STEP_BACK = (0.2, 1.2)  # m by which they do
 _ASKEW, _TURNED = 0.06, 0.01  # rad that a row is turned against the road at most, and a house against it, deviation
 
 # Closed fronts of blocks, and what stands behind their yards.
-_CLOSED = 0.72  # share of blocks that adjoin the next
-_DEPTH, _FRONT_LENGTH, _SHORT_FRONT = (10.0, 13.0), (10.0, 24.0), 10.0  # m
+_DEPTH, _FRONT_LENGTH = (10.0, 13.0), (10.0, 24.0)  # m
 _LEAST_STOREYS = 3
 _SEAM = 0.05  # m between two fronts
 _NO_ROOM = 2.0  # m to the next place that is tried
@@ -117,7 +116,10 @@ def _block_height(storeys: int) -> float:
 
 
 def _place_closed_front(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
-    """Blocks wall to wall close to the sidewalk, gaps with courtyard walls between, and buildings behind the yards."""
+    """Blocks wall to wall close to the sidewalk, gaps with courtyard walls between, and buildings behind the yards.
+
+    Where a block has no room, a shorter one may.
+    """
     road = occupancy.road
     setback = rng.uniform(*district.setback)
     storeys, depth = int(rng.integers(*_BLOCK_STOREYS)), rng.uniform(*_DEPTH)
@@ -126,23 +128,17 @@ def _place_closed_front(occupancy: Occupancy, district: District, side: int, rng
         length = rng.uniform(*_FRONT_LENGTH)
         height = _block_height(max(_LEAST_STOREYS, storeys + int(rng.integers(-1, 2))))
         across = side * (road.verge + setback + _step_back(rng) + depth / 2)
-        length = _place_front(occupancy, along, across, (length, depth, height), side)
-        if length == 0.0:
+        for extent in (length, district.short_front):
+            size, middle, angle = (extent, depth, height), along + extent / 2, _facing(side)
+            if occupancy.place("block", middle, across, size, angle=angle, margin=BUILDING_MARGIN, private=True):
+                break
+        else:
             along += _NO_ROOM
             continue
-        along += length + _SEAM
-        if rng.random() > _CLOSED:
+        along += extent + _SEAM
+        if rng.random() > district.adjoining:
             along = _place_gap(occupancy, along, side, setback, rng)
     _place_yard_buildings(occupancy, side, road.verge + setback + depth, rng)
-
-
-def _place_front(occupancy: Occupancy, along: float, across: float, size: Size, side: int) -> float:
-    """A block from `along` on, or a shorter one where only that has room; its length [m], 0 if there is none."""
-    for length in (size[0], _SHORT_FRONT):
-        middle, extents = along + length / 2, (length, size[1], size[2])
-        if occupancy.place("block", middle, across, extents, angle=_facing(side), margin=BUILDING_MARGIN, private=True):
-            return length
-    return 0.0
 
 
 def _place_yard_buildings(occupancy: Occupancy, side: int, back: float, rng: np.random.Generator) -> None:

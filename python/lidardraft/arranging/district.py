@@ -51,9 +51,10 @@ class District:
     Pairs are ranges [m]. `share` is that of all streets, `heavy` that of trucks and buses in the traffic, `blocks` that
     of blocks among the buildings. `bend`, `junction`, `roundabout` and `lights` (of junctions), `oneway`, `car_park`,
     `parked` (a side), `paved` (what lies beside the sidewalks), `built` (a plot), `front_fences` (a side),
-    `street_trees` (a side) and `strip` (of grass beside the kerb) are probabilities; `people`, `thickets` (a side) and
-    `wild_trees` mean numbers; `traffic_gap` is a mean [m], `speed` the limit [m/s], `shoulder` the width of a hard
-    shoulder [m], `curvature` a range [1/m].
+    `street_trees` (a side), `strip` (of grass beside the kerb) and `adjoining` (a block to the next in closed fronts)
+    are probabilities; `people`, `thickets` (a side) and `wild_trees` mean numbers; `traffic_gap` is a mean [m], `speed`
+    the limit [m/s], `shoulder` the width of a hard shoulder [m], `curvature` a range [1/m], `short_front` the length
+    of the blocks that close a front where longer ones have no room [m].
     """
 
     share: float
@@ -85,6 +86,8 @@ class District:
     curvature: Range = (0.001, 0.009)
     strip: float = 0.0
     paved: float = 0.0
+    adjoining: float = 0.72
+    short_front: float = 10.0
     equipment: RoadEquipment = RoadEquipment()
 
     @property
@@ -184,6 +187,8 @@ SETTINGS: dict[str, District] = {
         wild_trees=4,
         thickets=0.0,
         traffic_gap=120.0,
+        adjoining=0.93,
+        short_front=4.0,
     ),
     "village": replace(_RESIDENTIAL, setback=(1.0, 6.0), gap=(1.0, 7.0), built=0.75, front_fences=0.8),
     "industrial": replace(_RETAIL, blocks=1.0, built=0.75, heavy=0.35, people=0.1, street_trees=0.3, wild_trees=14),

@@ -18,7 +18,6 @@ from lidardraft.cli.arguments import (
     add_weather,
     add_weights,
     assignments,
-    number,
     positive,
     read_sensor,
     read_weather,
@@ -95,8 +94,8 @@ def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather | None, thread
     from lidardraft.simulation.simulate import simulate
 
     seed, layout = layouts.of(number)
-    clutter, speed = layouts.arguments.clutter, layouts.arguments.speed or 0.0
-    return simulate(layout, sensor, seed=seed, weather=weather, clutter=clutter, speed=speed, threads=threads)
+    speed = layouts.arguments.speed or 0.0
+    return simulate(layout, sensor, seed=seed, weather=weather, speed=speed, threads=threads)
 
 
 @dataclass(frozen=True)
@@ -129,7 +128,6 @@ class Frames:
             speed=arguments.speed,
             seed=arguments.seed,
             weather=self.weather,
-            clutter=arguments.clutter,
             threads=self.threads,
         )
 
@@ -210,7 +208,7 @@ def simulate(arguments: argparse.Namespace) -> None:
 
 def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None, poses: int) -> StreetConfig:
     check_inputs(arguments)
-    for option in ("speed", "clutter", "surroundings"):
+    for option in ("speed", "surroundings"):
         if getattr(arguments, option):
             raise FormatError(f"--{option} goes with a layout; --street decides what drives and stands there")
     shares = {name: row.share if arguments.street in (name, "any") else 0.0 for name, row in DISTRICTS.items()}
@@ -230,8 +228,6 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
     world = parser.add_argument_group("world")
     add_weather(world)
     add_speed(world, "; in a sequence that of the road")
-    text = "what stands beside the roads and is not in the layout, from 0 (nothing) to 1 (default 0)"
-    world.add_argument("--clutter", type=number, default=0.0, metavar="SHARE", help=text)
     _add_sequence(parser)
     add_jobs(_add_scan_output(parser))
 
@@ -316,8 +312,7 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
         "seed. A recorded scan, a 3D model or a Blender script leaves nothing open: there `generate` adds nothing to "
         "`simulate`, and says so. The weights `paper` make the whole scan from noise, guided by the layout, as the "
         "paper does; of a semantic map too, with ranges that are guessed: flat ground, and all else where it stands on "
-        "it. Classes of what is made up are the network's. Weather and clutter are `simulate`'s alone: no weights have "
-        "seen them."
+        "it. Classes of what is made up are the network's. Weather is `simulate`'s alone: no weights have seen it."
     )
     add_inputs(parser, "text-file", "map", bare="bare, as the weights `street` make up what is left open")
     world = parser.add_argument_group("world")
@@ -325,7 +320,7 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
     text = "an earlier scan, NAME of its NAME.npz: what it made up stays where the layout leaves it open"
     world.add_argument("--after", metavar="SCAN", help=text)
     _add_sequence(parser)
-    parser.set_defaults(clutter=0.0, weather=[], jobs=1)
+    parser.set_defaults(weather=[], jobs=1)
     model = parser.add_argument_group("model")
     add_weights(model)
     text = (

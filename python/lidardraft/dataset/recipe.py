@@ -61,7 +61,7 @@ class Edit:
 class Scene:
     """What a scan is of: `source` is text, layout or street, and `values` its sentences, files or districts.
 
-    `numbers` are speed and clutter, or those of a `StreetMix`.
+    `numbers` are the speed, or those of a `StreetMix`.
     """
 
     source: str
@@ -282,15 +282,12 @@ def _scene(table: Table, folder: Path) -> Scene:
     weights = table.text("weights") if "weights" in table else None
     if weights and (folder / weights).is_file():
         weights = os.fspath(folder / weights)
-    numbers = _numbers(table, {"speed": 0.0})
-    if weights is None:
-        numbers |= _numbers(table, {"clutter": 0.0}, 0.0, 1.0)
     usual = "bare" if weights or source == "layout" else "street"
     scene = Scene(
         source="layout" if source == "layout" else "text",
         share=share,
         values=values,
-        numbers=numbers,
+        numbers=_numbers(table, {"speed": 0.0}),
         words=words,
         surroundings=table.name("surroundings", ["street", "bare"], usual) == "street",
         weights=weights,

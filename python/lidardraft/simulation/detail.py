@@ -5,13 +5,12 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 
-from lidardraft.errors import LayoutError, check_seed, check_type
+from lidardraft.errors import check_seed, check_type
 from lidardraft.objects.cars import PAINTS
 from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.scene.layout import AROUND, Layout, Primitive, object_of
 from lidardraft.semantics import GROUND
 from lidardraft.simulation.buildings import building
-from lidardraft.simulation.clutter import clutter_around
 from lidardraft.simulation.coarse_object import CoarseObject, coarse_objects
 from lidardraft.simulation.ground import ground_parts
 from lidardraft.simulation.roadside import fence, other, plant, pole, wall
@@ -54,20 +53,17 @@ def _painted(layout: Layout) -> dict[str, str]:
     return {name: f"{paint}-paint" for name, paint in asked.items() if paint is not None}
 
 
-def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
+def detail(layout: Layout, seed: int = 0) -> Layout:
     """The layout with each coarse object replaced by a detailed one in its place, as docs/simulation.md has it.
 
     Ids keep the part before the dot, and objects their classes, instances, places and extents. What has a material, a
     mesh or an extinction stays as it is, and so does the ground, which gets markings and kerbs. An object's random
-    numbers depend on `seed` and its name alone, so that an edit of one changes no other. `clutter`, 0 to 1, is how much
-    stands beside the roads that nobody put there: grass, bins, plants, signs.
+    numbers depend on `seed` and its name alone, so that an edit of one changes no other.
 
-    Raises `LayoutError` on a seed that is no integer >= 0, and on a clutter that is not 0 to 1.
+    Raises `LayoutError` on a seed that is no integer >= 0.
     """
     check_type("layout", layout, Layout)
     check_seed(seed)
-    if isinstance(clutter, bool) or not isinstance(clutter, int | float) or not 0.0 <= clutter <= 1.0:
-        raise LayoutError(f"clutter is {clutter!r}; it must be a number from 0 to 1")
     surroundings = Surroundings.of(layout)
     detailed: dict[str, list[Primitive]] = {}
     painted = _painted(layout)
@@ -91,8 +87,6 @@ def detail(layout: Layout, seed: int = 0, *, clutter: float = 0.0) -> Layout:
             primitives += [_in_paint(part, painted[name]) for part in parts] if name in painted else parts
             detailed[name] = []
     primitives += ground_parts(layout, surroundings.strips)
-    if clutter:
-        primitives += clutter_around(layout, surroundings.strips, seed, float(clutter))
     return dataclasses.replace(layout, primitives=tuple(primitives))
 
 

@@ -77,12 +77,11 @@ class SequenceSimulator:
         model: SensorModel | None = None,
         weather: Weather | None = None,
         detail: bool = True,
-        clutter: float = 0.0,
         threads: int | None = None,
     ) -> None:
         _check_rate(sensor, frames, hz)
         self.frames, self.hz, self.seed = frames, hz, seed
-        self.layout, scene = prepared(layout, seed, detail, clutter)
+        self.layout, scene = prepared(layout, seed, detail)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
         still = list[Primitive]()
         parts: dict[str, list[Primitive]] = {name: [] for name in self.tracks.actors}

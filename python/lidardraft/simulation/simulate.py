@@ -7,7 +7,7 @@ import warnings
 
 import numpy as np
 
-from lidardraft.errors import LayoutError, SensorError, check_type
+from lidardraft.errors import SensorError, check_type
 from lidardraft.scan import Scan
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import finite_array
@@ -23,15 +23,14 @@ class Simulator:
     """A layout, or that of a sentence with the street around it (`surround`), made ready to be scanned by one sensor
     from many poses.
 
-    What is scanned is `scene`: `layout` in detail, with as much `clutter` (0 to 1) beside its roads; or `layout` itself
-    without `detail`. `model` is by default that of the sensor: its preset, or typical values
-    (`Sensor.assumed_model`). `weather` is by default what the sentence says, or clear and dry.
-    `seed` decides the layout of a sentence and the
-    details. `threads` is how many threads a scan may use, by default as many as there are cores; scans are the same for
-    any number, and several Python threads may scan at once.
+    What is scanned is `scene`: `layout` in detail; or `layout` itself without `detail`. `model` is by default that of
+    the sensor: its preset, or typical values (`Sensor.assumed_model`). `weather` is by default what the sentence says,
+    or clear and dry. `seed` decides the layout of a sentence and the details. `threads` is how many threads a scan may
+    use, by default as many as there are cores; scans are the same for any number, and several Python threads may scan
+    at once.
 
-    Raises `SensorError` where the beams of the sensor are too close for the model, `LayoutError` on a seed or a clutter
-    that cannot be; a layout without ground is a `UserWarning`.
+    Raises `SensorError` where the beams of the sensor are too close for the model, `LayoutError` on a seed that cannot
+    be; a layout without ground is a `UserWarning`.
     """
 
     def __init__(
@@ -43,11 +42,10 @@ class Simulator:
         model: SensorModel | None = None,
         weather: Weather | None = None,
         detail: bool = True,
-        clutter: float = 0.0,
         threads: int | None = None,
     ) -> None:
         check_type("sensor", sensor, Sensor)
-        self.layout, self.scene = prepared(layout, seed, detail, clutter)
+        self.layout, self.scene = prepared(layout, seed, detail)
         weather = weather or weather_of(self.layout)
         self._scanner = Scanner.from_layout(
             self.scene, sensor, model=model, weather=weather, by_id=True, threads=threads
@@ -81,28 +79,23 @@ def simulate(
     model: SensorModel | None = None,
     weather: Weather | None = None,
     detail: bool = True,
-    clutter: float = 0.0,
     threads: int | None = None,
 ) -> Scan:
     """The scan of a layout, or of a sentence in its street: `Simulator(layout, sensor, ...).scan(pose, ...)`.
 
     Same arguments, same scan, for any number of threads; another seed gives another one.
     """
-    simulator = Simulator(
-        layout, sensor, seed=seed, model=model, weather=weather, detail=detail, clutter=clutter, threads=threads
-    )
+    simulator = Simulator(layout, sensor, seed=seed, model=model, weather=weather, detail=detail, threads=threads)
     return simulator.scan(pose, speed=speed, seed=seed)
 
 
-def prepared(layout: Layout | str, seed: int, detail: bool, clutter: float) -> tuple[Layout, Layout]:
+def prepared(layout: Layout | str, seed: int, detail: bool) -> tuple[Layout, Layout]:
     """The layout, or that of a sentence in its street, and what is scanned of it."""
     check_type("layout", layout, Layout, str)
     layout = _from_text(layout, seed) if isinstance(layout, str) else layout
     if not any(primitive.label in GROUND for primitive in layout):
         warnings.warn("the layout has no ground (road, sidewalk or terrain): nothing returns from it", stacklevel=3)
-    if clutter and not detail:
-        raise LayoutError(f"clutter is {clutter}; without detail it must be 0")
-    return layout, detailed(layout, seed=seed, clutter=clutter) if detail else layout
+    return layout, detailed(layout, seed=seed) if detail else layout
 
 
 def _from_text(sentence: str, seed: int) -> Layout:

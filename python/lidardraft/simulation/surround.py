@@ -125,7 +125,9 @@ class _Scene:
         for place, size, label in self.paved:
             space = Solid.box(*place, size, -_HIGH, _HIGH if label == "sidewalk" else _OVER_ROAD)
             occupancy.keep_public(space) if label == "sidewalk" else occupancy.reserve(space)
-        parking = tuple(side for side in SIDES if road.parking > 0 and rng.random() < district.parked)
+        # between buildings a road has strips for parked cars where they stand on one side at least
+        parked = 1.0 / (2.0 - district.parked) if district.built_up else district.parked
+        parking = tuple(side for side in SIDES if road.parking > 0 and rng.random() < parked)
         lights = sample_lights(road, district, rng)
         lanes = driven_lanes(road, district, parking, None, oneway=False, lights=lights)
         return Frame(district, occupancy, lanes, parking, None, lights), name

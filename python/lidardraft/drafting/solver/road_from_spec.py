@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from lidardraft.arranging.district import SETTINGS
+from lidardraft.arranging.district import PARKING_STRIP, SETTINGS
 from lidardraft.drafting.solver.poses import LOT_DEPTHS
 from lidardraft.drafting.solver.road_zones import queue_length
 from lidardraft.drafting.solver.scene_spec import MAX_LANES, ObjectGroup, SceneSpec, split_place
@@ -52,7 +52,8 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     bend = {"left-bend": 1.0, "right-bend": -1.0, "bend": float(rng.choice([-1, 1]))}.get(kind, 0.0)
     widths = SETTINGS["alley"].lane_width if narrow else (3.3, _WIDEST_LANE)
     lane_width = 3.75 if motorway else AISLE_LANE if lot else float(rng.uniform(*widths))
-    parking = HARD_SHOULDER if motorway else 0.0 if lot else _parking_width(spec, ego_lane)
+    strip = 0.0 if lot else max(_parking_width(spec, ego_lane), _usual_strip(spec, rng.spawn(1)[0]))
+    parking = HARD_SHOULDER if motorway else strip
     oncoming = 0 if spec.road.one_way else spec.road.oncoming_lanes or lanes
     median = MEDIAN if motorway and not (spec.road.one_way or _has_junction(spec)) else 0.0
     edge = median / 2 + (lanes + oncoming) / 2 * lane_width + parking
@@ -185,3 +186,18 @@ def _parking_width(spec: SceneSpec, ego_lane: int) -> float:
         group.record for group in spec.groups if group.heading == "parked" or (ego_lane == 0 and _on_the_right(group))
     ]
     return max((kind.parking_width for kind in parked if kind.is_vehicle), default=0.0)
+
+
+def _usual_strip(spec: SceneSpec, rng: np.random.Generator) -> float:
+    """The strip for parked cars that a street between buildings has of itself [m], as often as others of its district.
+
+    It has none where cars are counted or denied, which could not stand there.
+    """
+    kinds = {group.kind for group in spec.groups if group.record.family == "buildings" and group.fewest is None}
+    name = spec.district or ("residential" if "house" in kinds else "urban" if kinds else "country")
+    district = SETTINGS[name]
+    counted = any(group.record.is_vehicle and group.fewest is not None for group in spec.groups)
+    denied = {"car", "vehicle"} & {*spec.absent, *spec.not_around} or spec.activity == "empty"
+    if counted or denied or not district.built_up or district.sidewalk[1] == 0.0:
+        return 0.0
+    return PARKING_STRIP if rng.random() < 1.0 - (1.0 - district.parked) ** 2 else 0.0
