@@ -13,9 +13,8 @@ import numpy as np
 from lidardraft.objects.cars import sample_paint
 from lidardraft.objects.mesh import MeshTemplate, Triangles, box, join, quads, tube
 from lidardraft.objects.object_builder import ObjectBuilder
-from lidardraft.objects.placed_object import PlacedObject, Vector
+from lidardraft.objects.placed_object import Vector
 from lidardraft.objects.riders import Seat, add_rider
-from lidardraft.scene.layout import Primitive
 
 _LENGTH, _WIDTH = 1.78, 0.60  # m, for which all places below are given
 _AXLE = 0.55  # m, of the wheels from the middle
@@ -54,24 +53,16 @@ _SADDLE = ((-0.22, 0.0, 0.965), (0.26, 0.16, 0.06))  # m: middle and extents
 _REFLECTORS = (((-0.66, 0.0, 0.70), (0.02, 0.08, 0.05)), ((0.44, 0.0, 0.86), (0.02, 0.07, 0.06)))
 
 
-def bicycle(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
-    """A bicycle without a rider."""
-    builder = ObjectBuilder(placed)
-    _add_bicycle(builder, rng)
-    return builder.primitives
-
-
-def cyclist(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def cyclist(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A bicycle and its rider, who has the first of two instances."""
-    builder = ObjectBuilder(placed)
     lean = float(rng.choice(_LEANS))
     add_rider(builder, _SEAT, lean, rng, pedals=True)
     builder.next_instance()
-    _add_bicycle(builder, rng)
-    return builder.primitives
+    bicycle(builder, rng)
 
 
-def _add_bicycle(builder: ObjectBuilder, rng: np.random.Generator) -> None:
+def bicycle(builder: ObjectBuilder, rng: np.random.Generator) -> None:
+    """A bicycle without a rider."""
     length, width, _ = builder.placed.size
     scale = (length / _LENGTH, width / _WIDTH, 1.0)
     builder.add_mesh(_tyres(), scale, "bicycle", "rubber")

@@ -10,8 +10,7 @@ import numpy as np
 from lidardraft.objects.facades import PLINTH, RECESS, STOREY, WINDOW_BAY, walls
 from lidardraft.objects.mesh import MeshTemplate, Triangles, box, frustum, frustum_corners, join, quads
 from lidardraft.objects.object_builder import ObjectBuilder, sample_name
-from lidardraft.objects.placed_object import PlacedObject, Vector
-from lidardraft.scene.layout import Primitive
+from lidardraft.objects.placed_object import Vector
 
 __all__ = ["BALCONY", "EAVES", "MOST_PLINTH", "STOREY", "block", "house", "shed"]
 
@@ -110,17 +109,16 @@ _PARAPET = (0.02, 0.03, 0.3)  # thickness in shares of length and width; height 
 _HOUSE, _BLOCK, _SHED, _DOOR = _House(), _Block(), _Shed(), _Door()
 
 
-def house(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def house(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A house, its front (-y) to the street; `clearance` is the height of its eaves, the rest is a pitched roof."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     material = sample_name(_MATERIALS["house"], rng)
-    _walls(builder, (length, width, placed.clearance), material, rng)
+    _walls(builder, (length, width, builder.placed.clearance), material, rng)
     along = length > _HOUSE.slender * width or rng.random() < _HOUSE.ridge_along_p
     hipped = along and length > _HOUSE.hip_slender * width and rng.random() < _HOUSE.hipped_p
-    rise = height - placed.clearance
+    rise = height - builder.placed.clearance
     over = (length + 2 * EAVES, width + 2 * EAVES, rise)
-    eaves = (0.0, 0.0, placed.clearance)
+    eaves = (0.0, 0.0, builder.placed.clearance)
     roofing = "metal" if rng.random() < _HOUSE.metal_roof_p else "roof-tile"
     builder.add_mesh(_roof(along, hipped), over, "building", roofing, at=eaves)
     if not hipped:
@@ -137,13 +135,11 @@ def house(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         along_off, across_off = _HOUSE.chimney_off
         x, y = rng.uniform(-along_off, along_off) * length, rng.uniform(-across_off, across_off) * width
         builder.add("box", (x, y, height - _HOUSE.chimney_middle), _HOUSE.chimney, "building", "brick")
-    return builder.primitives
 
 
-def block(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def block(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A block of flats or offices, its front (-y) to the street: a flat or a mansard roof, balconies or none."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     material = sample_name(_MATERIALS["block"], rng)
     mansard = height > _BLOCK.mansard_from * STOREY and rng.random() < _BLOCK.mansard_p
     top = height - _BLOCK.mansard if mansard else height
@@ -169,13 +165,11 @@ def block(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         at = (0.0, -width / 2, 0.0)
         builder.add_mesh(slabs, size, "building", "concrete", at=at)
         builder.add_mesh(rails, size, "building", "glass" if rng.random() < _BLOCK.glass_rail_p else "metal", at=at)
-    return builder.primitives
 
 
-def shed(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def shed(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A garage or a hall: plain walls, gates in the front (-y), a flat roof with an edge."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     material = sample_name(_MATERIALS["shed"], rng)
     builder.add("box", (0.0, 0.0, (height - PLINTH) / 2), (length, width, height + PLINTH), "building", material)
     roof = (length + _SHED.roof_over, width + _SHED.roof_over, _SHED.roof)
@@ -185,7 +179,6 @@ def shed(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     for number in range(gates):
         x = ((number + 0.5) / gates - 0.5) * length
         builder.add("box", (x, -width / 2, tall / 2), (wide, _SHED.gate_depth, tall), "building", "metal")
-    return builder.primitives
 
 
 def _walls(

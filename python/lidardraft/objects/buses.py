@@ -9,7 +9,6 @@ import numpy as np
 from lidardraft.objects.cars import sample_paint
 from lidardraft.objects.mesh import MeshTemplate, quads
 from lidardraft.objects.object_builder import ObjectBuilder
-from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.objects.vehicle_bodies import (
     VehicleBody,
     add_glazing,
@@ -18,7 +17,6 @@ from lidardraft.objects.vehicle_bodies import (
     add_vehicle,
     body_mesh,
 )
-from lidardraft.scene.layout import Primitive
 
 _BODY = VehicleBody(
     size=(12.0, 2.55, 3.1), cabin=(-0.5, 0.5), roof=(-0.497, 0.488), belt_line=0.37, nose=0.37, tail=0.37,
@@ -37,10 +35,9 @@ _SEATED = (-0.46, 0.40)  # last and first row
 _SEAT_ASIDE, _SEAT_HALF = 0.26, 0.19  # from the middle; half of a double seat's width
 
 
-def bus(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def bus(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A bus with bands of windows, seats behind them, an air conditioner on its roof."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     size = (length, width, _BODY_HEIGHT * height)
     add_vehicle(builder, _BODY, size, "bus", sample_paint(rng))
     builder.add_mesh(_seats(), size, "bus", "dark-cloth")
@@ -51,7 +48,6 @@ def bus(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     ahead, up = _MIRROR_AT
     add_mirrors(builder, "bus", length / 2 + ahead, up * height)
     add_number_plates(builder, "bus", _PLATE_HEIGHT)
-    return builder.primitives
 
 
 @lru_cache(maxsize=1)
@@ -88,10 +84,9 @@ _COLLECTOR = (0.5, 0.6, 0.08)  # shares: of the section's length, of width and h
 _COLLECTOR_MIDDLE = 0.96  # of the height
 
 
-def tram(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def tram(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A tram: heads and middle sections with bellows between, and its current collector folded down."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     paint = sample_paint(rng)
     count = max(2, round(length / _SECTION_LENGTH))
     last, pitch = count - 1, length / count
@@ -116,4 +111,3 @@ def tram(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         long, wide, tall = _COLLECTOR
         size = (long * pitch, wide * width, tall * height)
         builder.add("box", (x, 0.0, _COLLECTOR_MIDDLE * height), size, "train", "metal")
-    return builder.primitives

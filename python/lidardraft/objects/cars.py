@@ -14,9 +14,8 @@ import numpy as np
 
 from lidardraft.objects.mesh import MeshTemplate, box, join, quads
 from lidardraft.objects.object_builder import ObjectBuilder, sample_name
-from lidardraft.objects.placed_object import PlacedObject, Vector
+from lidardraft.objects.placed_object import Vector
 from lidardraft.objects.vehicle_bodies import PLATE, VehicleBody, add_glazing, body_mesh, wheel_meshes
-from lidardraft.scene.layout import Primitive
 
 _THREE = ((0.05, 0.30), (0.35, 0.62), (0.66, 0.94))
 
@@ -138,12 +137,11 @@ def sample_paint(rng: np.random.Generator) -> str:
     return PAINTS[int(np.searchsorted(_PAINT_LIMITS, rng.random()))]
 
 
-def car(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def car(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A car of the body that its kind names; mirrors stick out of its extents by 0.1 m."""
-    body = BODIES[placed.kind]
-    builder = ObjectBuilder(placed)
-    builder.add_mesh(body_mesh(body), placed.size, "car", sample_paint(rng))
-    add_glazing(builder, body, placed.size, "car")
+    body = BODIES[builder.placed.kind]
+    builder.add_mesh(body_mesh(body), builder.placed.size, "car", sample_paint(rng))
+    add_glazing(builder, body, builder.placed.size, "car")
     tyres, rims = wheel_meshes(body)
     for mesh, material in (
         (tyres, "rubber"),
@@ -152,8 +150,7 @@ def car(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         (_trim(body), "plastic"),
         (_reflectors(body), "retroreflector"),
     ):
-        builder.add_mesh(mesh, placed.size, "car", material)
-    return builder.primitives
+        builder.add_mesh(mesh, builder.placed.size, "car", material)
 
 
 @lru_cache(maxsize=32)

@@ -13,8 +13,6 @@ import numpy as np
 
 from lidardraft.objects.mesh import MeshTemplate, box, join, loft, quads
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder, sample_name
-from lidardraft.objects.placed_object import PlacedObject
-from lidardraft.scene.layout import Primitive
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,10 +93,9 @@ _NEW_JERSEY = ((0.5, 0.0), (0.5, 0.4), (0.28, 0.55), (0.18, 1.0))
 _W_BEAM = ((-0.5, -0.5), (0.5, -0.25), (-0.3, 0.0), (0.5, 0.25), (-0.5, 0.5))
 
 
-def fence(placed: PlacedObject, rng: np.random.Generator, *, dense: bool = False) -> list[Primitive]:
+def fence(builder: ObjectBuilder, rng: np.random.Generator, *, dense: bool = False) -> None:
     """Upright palings or bars with gaps between them, on posts with two rails; a `dense` one has close palings."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     iron = not dense and rng.random() < _FENCE.iron_p
     material = "metal" if iron else "wood"
     covers = _FENCE.paling_covers[-1:] if dense else _FENCE.paling_covers
@@ -108,26 +105,22 @@ def fence(placed: PlacedObject, rng: np.random.Generator, *, dense: bool = False
     builder.add_mesh(_palings(_paling_count(length), cover), size, "fence", material, at=at)
     posts = _post_count(length, _FENCE.post_apart)
     builder.add_mesh(_posts_and_rails(posts), (length, width, height), "fence", material)
-    return builder.primitives
 
 
-def mesh_fence(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
+def mesh_fence(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A wire mesh between posts: a thin medium."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     thick, gap = _MESH_FENCE.thickness, _MESH_FENCE.gap
     extinction = -float(np.log(1.0 - _MESH_FENCE.cover)) / thick
     size = (length, thick, height - gap)
     builder.add("box", (0.0, 0.0, gap + (height - gap) / 2), size, "fence", "metal", extinction=extinction)
     posts = _posts(_post_count(length, _MESH_FENCE.post_apart), _POST_SHARE)
     builder.add_mesh(posts, (length, min(width, _MESH_FENCE.post), height), "fence", "metal")
-    return builder.primitives
 
 
-def garden_wall(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def garden_wall(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A wall with a coping; some with pillars and an iron fence on top of a low wall."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     material = str(rng.choice(_GARDEN_WALL.materials))
     railed = height > _GARDEN_WALL.railed_from and rng.random() < _GARDEN_WALL.railed_p
     top, coping = _GARDEN_WALL.railed_share * height if railed else height, _GARDEN_WALL.coping
@@ -140,13 +133,11 @@ def garden_wall(placed: PlacedObject, rng: np.random.Generator) -> list[Primitiv
         builder.add_mesh(rails, size, "fence", "metal", at=(0.0, 0.0, top))
         pillars = _posts(_post_count(length, _GARDEN_WALL.pillar_apart), _GARDEN_WALL.pillar_share)
         builder.add_mesh(pillars, (length, _GARDEN_WALL.pillar_width * width, height), "wall", material)
-    return builder.primitives
 
 
-def wall(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def wall(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A noise barrier or the wall of a yard: panels between posts, on a plinth."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     material = sample_name(_WALL_MATERIALS, rng)
     size = (length, _WALL.panel_share * width, height + EMBEDMENT)
     builder.add("box", (0.0, 0.0, (height - EMBEDMENT) / 2), size, "wall", material)
@@ -154,17 +145,15 @@ def wall(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     builder.add("box", (0.0, 0.0, (_WALL.plinth - EMBEDMENT) / 2), size, "wall", "concrete")
     posts = _posts(_post_count(length, _WALL.post_apart), _POST_SHARE)
     builder.add_mesh(posts, (length, width, height), "wall", "concrete" if material != "metal" else "metal")
-    return builder.primitives
 
 
-def barrier(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def barrier(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A motorway barrier: a guard rail on posts, or, from 0.8 m, a concrete wall of the New Jersey profile."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     if height >= _BARRIER.concrete_from:
         size, at = (length, width, height + EMBEDMENT), (0.0, 0.0, -EMBEDMENT)
         builder.add_mesh(_concrete_barrier(), size, "fence", "concrete", at=at)
-        return builder.primitives
+        return
     size = (length, _BARRIER.rail_depth, _BARRIER.rail)
     for side in (-1, 1) if width > _BARRIER.double_from else (1,):
         at = (0.0, side * (width / 2 - _BARRIER.rail_inset), height - _BARRIER.rail / 2)
@@ -176,7 +165,6 @@ def barrier(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     if rng.random() < _BARRIER.reflector_p:
         at = (0.0, 0.0, height + _BARRIER.reflector_over)
         builder.add("box", at, _BARRIER.reflector, "fence", "retroreflector")
-    return builder.primitives
 
 
 def _paling_count(length: float) -> int:

@@ -13,8 +13,7 @@ import numpy as np
 
 from lidardraft.objects.mesh import MeshTemplate, box, join, lathe, loft
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder
-from lidardraft.objects.placed_object import PlacedObject, Vector
-from lidardraft.scene.layout import Primitive
+from lidardraft.objects.placed_object import Vector
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,10 +79,9 @@ _CONE, _SLEEVE = ((0.36, 0.04), (0.09, 1.0)), ((0.27, 0.45), (0.20, 0.72))
 _SLEEVE_OVER = 1.03  # times as wide as the cone under it
 
 
-def shelter(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def shelter(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A bus stop, open to its left (+y): a roof on posts, panes around it, a bench, a poster case."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     roof = _SHELTER.roof
     builder.add("box", (0.0, 0.0, height - roof / 2), (length, width, roof), "other", "metal")
     builder.add_mesh(_shelter_posts(), (length, width, height - _SHELTER.posts_lower), "other", "metal")
@@ -99,7 +97,6 @@ def shelter(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         size = (depth, min(wide, _SHELTER.poster_share * width), tall)
         builder.add("box", (x, 0.0, _SHELTER.poster_middle), size, "other", "plastic")
         builder.add("box", (x, 0.0, _SHELTER.poster_foot_middle), _SHELTER.poster_foot, "other", "metal")
-    return builder.primitives
 
 
 def _add_panes(builder: ObjectBuilder) -> None:
@@ -117,24 +114,21 @@ def _add_panes(builder: ObjectBuilder) -> None:
         builder.add("box", at, size, "other", "glass", extinction=_SHELTER.pane_extinction)
 
 
-def bin(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
+def bin(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A wheeled waste bin that widens to its lid, or a round litter bin."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     if height < _LITTER_BIN_BELOW:
         size = (_LITTER_BIN_SHARE * length, _LITTER_BIN_SHARE * width, height)
         builder.add("cylinder", (0.0, 0.0, height / 2), size, "other", "metal")
-        return builder.primitives
+        return
     body, wheels = _wheeled_bin()
-    builder.add_mesh(body, placed.size, "other", "plastic")
-    builder.add_mesh(wheels, placed.size, "other", "rubber")
-    return builder.primitives
+    builder.add_mesh(body, builder.placed.size, "other", "plastic")
+    builder.add_mesh(wheels, builder.placed.size, "other", "rubber")
 
 
-def bench(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def bench(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A bench that looks to its left (+y), open below; most have a back."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     thick, middle = _BENCH.seat
     builder.add("box", (0.0, 0.0, middle), (length, width, thick), "other", "wood")
     thick, tall = _BENCH.leg
@@ -146,36 +140,30 @@ def bench(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         builder.add("box", (0.0, y, (low + height) / 2), (length, thick, height - low), "other", "wood")
         thick, tall, middle = _BENCH.stay
         builder.add("box", (0.0, y, middle), (_BENCH.stay_share * length, thick, tall), "other", "metal")
-    return builder.primitives
 
 
-def cone(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
+def cone(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A traffic cone on its foot, with a reflecting sleeve."""
-    length, width, _ = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, _ = builder.placed.size
     body, sleeve = _cone()
-    builder.add_mesh(body, placed.size, "other", "plastic")
-    builder.add_mesh(sleeve, placed.size, "other", "retroreflector")
+    builder.add_mesh(body, builder.placed.size, "other", "plastic")
+    builder.add_mesh(sleeve, builder.placed.size, "other", "retroreflector")
     builder.add("box", (0.0, 0.0, _CONE_FOOT / 2), (length, width, _CONE_FOOT), "other", "rubber")
-    return builder.primitives
 
 
-def letterbox(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
+def letterbox(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A letterbox on a post, its slot forward (+x)."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     middle, tall = _COLUMN.letterbox
     builder.add("box", (0.0, 0.0, middle * height), (length, width, tall * height), "other", "light-paint")
     share, thick = _COLUMN.letterbox_post
     post = share * height
     builder.add("box", (0.0, 0.0, (post - EMBEDMENT) / 2), (thick, thick, post + EMBEDMENT), "other", "metal")
-    return builder.primitives
 
 
-def hydrant(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
+def hydrant(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A pillar hydrant: a column with a bonnet and two outlets."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     share, tall = _COLUMN.hydrant
     diameter, column = share * min(length, width), tall * height
     size = (diameter, diameter, column + EMBEDMENT)
@@ -185,13 +173,11 @@ def hydrant(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
     builder.add("ellipsoid", (0.0, 0.0, middle * height), size, "other", "metal")
     thick, middle = _COLUMN.outlets
     builder.add("box", (0.0, 0.0, middle * height), (thick, width, thick), "other", "metal")
-    return builder.primitives
 
 
-def cabinet(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
+def cabinet(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A distribution cabinet on a plinth, with a lid that sticks out and doors forward (+x)."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     long, wide = _COLUMN.cabinet
     size = (long * length, wide * width, height + EMBEDMENT)
     builder.add("box", (0.0, 0.0, (height - EMBEDMENT) / 2), size, "other", "plastic")
@@ -199,7 +185,6 @@ def cabinet(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
     builder.add("box", (0.0, 0.0, height - lid / 2), (length, width, lid), "other", "plastic")
     size = (length, width, plinth + EMBEDMENT)
     builder.add("box", (0.0, 0.0, plinth / 2 - EMBEDMENT / 2), size, "other", "concrete")
-    return builder.primitives
 
 
 @lru_cache(maxsize=1)

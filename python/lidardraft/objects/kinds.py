@@ -31,6 +31,7 @@ from lidardraft.objects import coarse_shapes as coarse
 from lidardraft.objects import collision_boxes as boxes
 from lidardraft.objects.coarse_shapes import CoarseShape
 from lidardraft.objects.collision_boxes import CollisionBox
+from lidardraft.objects.object_builder import Add, built
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
 from lidardraft.semantics import BY_NAME
@@ -40,13 +41,13 @@ from lidardraft.semantics import BY_NAME
 class Kind:
     """One kind of object.
 
-    `build` makes the detailed primitives of an object, with random numbers of its generator; `labels` are the classes
-    that these have, in the order of their instances where they are counted. `word` is what a sentence calls it, a name
-    in `SENTENCE_KINDS`; None where no sentence speaks of it.
+    `add` adds the detailed primitives of an object to its builder, with random numbers of its generator; `labels` are
+    the classes that these have, in the order of their instances where they are counted. `word` is what a sentence calls
+    it, a name in `SENTENCE_KINDS`; None where no sentence speaks of it.
 
     `shapes` makes the few solid shapes that a coarse layout has for it, None where that is a box of the first class;
     `boxes` the upright boxes that placement keeps free for extents (length, width, height) and a `clearance` [m].
-    `extents` are the smallest and the largest (length, width, height) [m] that `build` is right for, about those that
+    `extents` are the smallest and the largest (length, width, height) [m] that `add` is right for, about those that
     `tests/objects` builds: a box beyond them gets a stretched object. None: any are right.
 
     `most_fall` is how far the ground may fall from under its base to its lowest corner [m]: an object on steeper ground
@@ -54,7 +55,7 @@ class Kind:
     picture, and those `on_pole` are left out of coarse layouts without poles.
     """
 
-    build: Callable[[PlacedObject, np.random.Generator], list[Primitive]]
+    add: Add
     labels: tuple[str, ...]
     _: KW_ONLY
     word: str | None = None
@@ -64,6 +65,10 @@ class Kind:
     most_fall: float = math.inf
     is_small: bool = False
     on_pole: bool = False
+
+    def build(self, placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+        """The detailed primitives of an object."""
+        return built(self.add, placed, rng)
 
     def coarse(self, placed: PlacedObject) -> list[CoarseShape]:
         """The shapes of an object in a coarse layout."""

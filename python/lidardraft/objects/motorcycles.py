@@ -10,9 +10,8 @@ import numpy as np
 from lidardraft.objects.cars import sample_paint
 from lidardraft.objects.mesh import MeshTemplate, Triangles, box, join, loft, tube
 from lidardraft.objects.object_builder import ObjectBuilder
-from lidardraft.objects.placed_object import PlacedObject, Vector
+from lidardraft.objects.placed_object import Vector
 from lidardraft.objects.riders import Seat, add_rider
-from lidardraft.scene.layout import Primitive
 
 _LENGTH, _WIDTH = 2.10, 0.80  # m, for which all places below are given
 _SCOOTER_P, _CASES_P = 0.35, 0.3
@@ -64,23 +63,15 @@ _SCOOTER = _Form(
 )
 
 
-def motorcycle(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
-    """A motorcycle or a scooter without a rider."""
-    builder = ObjectBuilder(placed)
-    _add_motorcycle(builder, rng)
-    return builder.primitives
-
-
-def motorcyclist(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def motorcyclist(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A motorcycle and its rider, who has the first of two instances."""
-    builder = ObjectBuilder(placed)
     add_rider(builder, _SEAT, _LEAN, rng, pedals=False)
     builder.next_instance()
-    _add_motorcycle(builder, rng)
-    return builder.primitives
+    motorcycle(builder, rng)
 
 
-def _add_motorcycle(builder: ObjectBuilder, rng: np.random.Generator) -> None:
+def motorcycle(builder: ObjectBuilder, rng: np.random.Generator) -> None:
+    """A motorcycle or a scooter without a rider."""
     length, width, _ = builder.placed.size
     scale = (length / _LENGTH, width / _WIDTH, 1.0)
     form = _SCOOTER if rng.random() < _SCOOTER_P else _MOTORCYCLE

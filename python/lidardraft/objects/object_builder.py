@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
@@ -85,6 +85,16 @@ class ObjectBuilder:
             mesh=template.mesh,
             yaw=math.pi if backward else 0.0,
         )
+
+
+Add = Callable[[ObjectBuilder, np.random.Generator], None]  # adds the parts of one object
+
+
+def built(add: Add, placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+    """What `add` makes of an object."""
+    builder = ObjectBuilder(placed)
+    add(builder, rng)
+    return builder.primitives
 
 
 def sample_name(shares: Mapping[str, float], rng: np.random.Generator) -> str:

@@ -11,8 +11,7 @@ import numpy as np
 from lidardraft.objects.human_body import SEGMENTS, hanging, limb, torso
 from lidardraft.objects.mesh import MeshTemplate, Triangles, box, join
 from lidardraft.objects.object_builder import ObjectBuilder
-from lidardraft.objects.placed_object import PlacedObject, Vector
-from lidardraft.scene.layout import Primitive
+from lidardraft.objects.placed_object import Vector
 
 _STANDING = 0.3  # m, the longest footprint of one who stands
 _PHASES = 8  # of a gait
@@ -75,10 +74,9 @@ _CHILD_HEAD = 0.2  # m
 _DARK_CLOTHES_P = 0.5  # an estimate
 
 
-def person(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def person(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A person whose footprint's length is that of the stride; up to `_STANDING` he or she stands."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     longest = len(_GAIT.swings) - 1
     step = 0 if length <= _STANDING else int(np.clip((length / height - _GAIT.feet) / _GAIT.stride, 0, longest))
     phase, habit = int(rng.integers(_PHASES)), int(rng.integers(_HABITS))
@@ -91,7 +89,6 @@ def person(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     at = (_FIGURE.head_forward * height, 0.0, height - head / 2)
     builder.add("ellipsoid", at, (deep * head, wide * head, head), "person", "skin")
     _add_luggage(builder, habit, rng)
-    return builder.primitives
 
 
 def sample_clothes(rng: np.random.Generator) -> str:

@@ -18,8 +18,7 @@ import numpy as np
 
 from lidardraft.objects.mesh import MeshTemplate, join, tube
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder
-from lidardraft.objects.placed_object import PlacedObject, Vector
-from lidardraft.scene.layout import Primitive
+from lidardraft.objects.placed_object import Vector
 
 _G = 0.5
 _BOUGHS = 6  # ways to branch: an estimate
@@ -120,25 +119,24 @@ class _Boughs:
 _LEAVES, _TREE, _BUSH, _HEDGE, _GRASS, _BOUGH = _LeafArea(), _Tree(), _Bush(), _Hedge(), _Grass(), _Boughs()
 
 
-def tree(placed: PlacedObject, rng: np.random.Generator, *, bare: bool | None = None) -> list[Primitive]:
+def tree(builder: ObjectBuilder, rng: np.random.Generator, *, bare: bool | None = None) -> None:
     """A trunk, boughs, and a crown from `clearance` to the top: broadleaf of lobes, a column, a conifer, or bare.
 
     `bare` says whether it is, which is else left to chance.
     """
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
-    crown, diameter = height - placed.clearance, trunk_diameter(height)
+    length, width, height = builder.placed.size
+    crown, diameter = height - builder.placed.clearance, trunk_diameter(height)
     pick = rng.random()
     slender = crown / max(length, width)
     conifer = pick < _TREE.conifer_p[slender > _TREE.slender]
     bare = not conifer and (pick > _TREE.bare_above if bare is None else bare)
-    top = placed.clearance + _TREE.trunk[conifer] * crown
+    top = builder.placed.clearance + _TREE.trunk[conifer] * crown
     builder.add("cylinder", (0.0, 0.0, (top - EMBEDMENT) / 2), (diameter, diameter, top + EMBEDMENT), "trunk")
     if conifer:
         _add_tiers(builder, crown, _LEAVES.tiers * _G * rng.uniform(*_LEAVES.conifer) / crown)
-        return builder.primitives
+        return
     form = int(rng.integers(_BOUGHS))
-    middle = (0.0, 0.0, placed.clearance + crown / 2)
+    middle = (0.0, 0.0, builder.placed.clearance + crown / 2)
     builder.add_mesh(_boughs(form, bare), (length, width, crown), "trunk", at=middle)
     density = _G * rng.uniform(*_LEAVES.broadleaf) / crown * (_LEAVES.twigs if bare else 1.0)
     if slender > _TREE.column or height < _TREE.young or bare:
@@ -146,7 +144,6 @@ def tree(placed: PlacedObject, rng: np.random.Generator, *, bare: bool | None = 
         builder.add("ellipsoid", middle, size, "vegetation", extinction=_LEAVES.single * density)
     else:
         _add_lobes(builder, middle, (length, width, crown), density, rng)
-    return builder.primitives
 
 
 def trunk_diameter(height: float) -> float:
@@ -154,10 +151,9 @@ def trunk_diameter(height: float) -> float:
     return 0.10 + height / 45
 
 
-def bush(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def bush(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A bush from the ground up: three rounds of foliage."""
-    builder = ObjectBuilder(placed)
-    length, width, height = placed.size
+    length, width, height = builder.placed.size
     density = _LEAVES.single * (_G * rng.uniform(*_LEAVES.bush) / height)
     a, b, c = _BUSH.core
     at = (0.0, 0.0, _BUSH.core_middle * height)
@@ -168,13 +164,11 @@ def bush(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         x, y = side * (1 - share) / 2 * length, rng.uniform(-0.5, 0.5) * (1 - share) * width
         size = (share * length, share * width, _BUSH.tall * tall)
         builder.add("ellipsoid", (x, y, _BUSH.middle * tall), size, "vegetation", extinction=density)
-    return builder.primitives
 
 
-def hedge(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def hedge(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A cut hedge: a dense core of twigs, and foliage in lengths that are not quite as high and wide as each other."""
-    builder = ObjectBuilder(placed)
-    length, width, height = placed.size
+    length, width, height = builder.placed.size
     density = _G * rng.uniform(*_LEAVES.hedge)
     wide, tall = _HEDGE.core
     core = (max(length - _HEDGE.inset, _HEDGE.least_core * length), wide * width, tall * height + EMBEDMENT)
@@ -186,13 +180,11 @@ def hedge(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         wide, tall = width * rng.uniform(*_HEDGE.width), height * rng.uniform(*_HEDGE.height)
         at = ((number + 0.5) * step - length / 2, rng.uniform(-0.5, 0.5) * (width - wide), (tall - EMBEDMENT) / 2)
         builder.add("box", at, (step, wide, tall + EMBEDMENT), "vegetation", extinction=density)
-    return builder.primitives
 
 
-def grass(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def grass(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """Grass over a verge, in patches of different heights up to the object's; `z` is the lowest ground there."""
-    builder = ObjectBuilder(placed)
-    length, width, height = placed.size
+    length, width, height = builder.placed.size
     count = int(np.clip(round(length / _GRASS.per_part), 1, _GRASS.most_parts))
     step = length / count
     for number in range(count):
@@ -200,7 +192,6 @@ def grass(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         density = _G * float(np.clip(rng.normal(*_LEAVES.grass), *_LEAVES.grass_limits)) / tall
         at = ((number + 0.5) * step - length / 2, 0.0, tall / 2)
         builder.add("box", at, (step, width, tall), "terrain", "grass", extinction=density)
-    return builder.primitives
 
 
 def _add_lobes(builder: ObjectBuilder, middle: Vector, size: Vector, density: float, rng: np.random.Generator) -> None:

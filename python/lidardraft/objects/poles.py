@@ -9,8 +9,7 @@ import numpy as np
 
 from lidardraft.objects.mesh import MeshTemplate, quads
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder
-from lidardraft.objects.placed_object import PlacedObject, Vector
-from lidardraft.scene.layout import Primitive
+from lidardraft.objects.placed_object import Vector
 
 LAMP_ARM = 1.9  # m, the longest: estimate
 
@@ -65,14 +64,13 @@ class _TrafficLight:
 _LAMP, _POLE, _LIGHT = _Lamp(), _Pole(), _TrafficLight()
 
 
-def lamp(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def lamp(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A lamp post: with an arm to its left (+y) and a luminaire, or, if it is low, a lantern on its top."""
-    diameter, _, height = placed.size
-    builder = ObjectBuilder(placed)
+    diameter, _, height = builder.placed.size
     add_post(builder, diameter, height)
     if height < _LAMP.low and rng.random() < _LAMP.lantern_p:
         builder.add("cylinder", (0.0, 0.0, height - _LAMP.lantern[2] / 2), _LAMP.lantern, "pole", "plastic")
-        return builder.primitives
+        return
     arm = rng.uniform(*_LAMP.arm)
     size = (_LAMP.arm_width, arm, _LAMP.arm_width)
     builder.add("box", (0.0, arm / 2, height - _LAMP.arm_under), size, "pole")
@@ -81,13 +79,11 @@ def lamp(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         deep, wide, tall = _LAMP.fuse_box
         size = (deep * diameter, wide * diameter, tall)
         builder.add("box", (0.0, 0.0, _LAMP.fuse_box_middle), size, "pole", "metal")
-    return builder.primitives
 
 
-def pole(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def pole(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A bare pole, a wooden one if it is high and thick, or a bollard, some with a reflecting band."""
-    diameter, _, height = placed.size
-    builder = ObjectBuilder(placed)
+    diameter, _, height = builder.placed.size
     high, thick = _POLE.wooden
     wooden = height > high and diameter > thick
     add_post(builder, diameter, height, "wood" if wooden else "concrete" if diameter > _POLE.concrete else "metal")
@@ -95,22 +91,20 @@ def pole(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         share, tall, middle = _POLE.band
         size = (share * diameter, share * diameter, tall)
         builder.add("cylinder", (0.0, 0.0, middle * height), size, "pole", "retroreflector")
-    return builder.primitives
 
 
-def traffic_light(placed: PlacedObject, _rng: np.random.Generator) -> list[Primitive]:
+def traffic_light(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A housing with three lenses from `clearance` to the top, facing forward, on a post.
 
     One wider than 1 m hangs from a mast arm: the post stands at the right end (-y) of its width, the arm reaches to the
     left end and carries a signal; another is on the post.
     """
-    depth, width, height = placed.size
-    builder = ObjectBuilder(placed)
-    tall = height - placed.clearance
+    depth, width, height = builder.placed.size
+    tall = height - builder.placed.clearance
     if width <= _LIGHT.hanging:
-        add_post(builder, _LIGHT.post, placed.clearance + _LIGHT.post_over)
-        _add_signal(builder, 0.0, placed.clearance, (depth, width, tall))
-        return builder.primitives
+        add_post(builder, _LIGHT.post, builder.placed.clearance + _LIGHT.post_over)
+        _add_signal(builder, 0.0, builder.placed.clearance, (depth, width, tall))
+        return
     mast = -width / 2 + _LIGHT.mast_inset
     add_post(builder, _LIGHT.mast, height, y=mast)
     arm = (_LIGHT.arm, width - _LIGHT.arm_shorter, _LIGHT.arm)
@@ -119,7 +113,6 @@ def traffic_light(placed: PlacedObject, _rng: np.random.Generator) -> list[Primi
     housing = (deep, wide, min(tall, most))
     _add_signal(builder, width / 2 - _LIGHT.housing_inset, height - housing[2], housing, ahead=_LIGHT.ahead)
     _add_signal(builder, mast, _LIGHT.low, _LIGHT.housing, ahead=_LIGHT.ahead)
-    return builder.primitives
 
 
 def add_post(

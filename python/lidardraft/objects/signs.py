@@ -14,9 +14,8 @@ import numpy as np
 
 from lidardraft.objects.mesh import MeshTemplate, box, join, tube
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder, sample_name
-from lidardraft.objects.placed_object import PlacedObject, Vector
+from lidardraft.objects.placed_object import Vector
 from lidardraft.objects.poles import add_post
-from lidardraft.scene.layout import Primitive
 
 GANTRY_POST = 0.5  # m, how wide the posts of a gantry are: estimate
 
@@ -72,47 +71,43 @@ _UPPER_PLATES = ("disc", "triangle")  # of two, one over the other
 _OUTLINES = {"disc": (12, 0.5), "triangle": (3, 0.75), "square": (4, 0.5), "octagon": (8, 0.5)}
 
 
-def sign(placed: PlacedObject, rng: np.random.Generator, *, square: bool = False) -> list[Primitive]:
+def sign(builder: ObjectBuilder, rng: np.random.Generator, *, square: bool = False) -> None:
     """A plate from `clearance` to the top on a post: its face, to the front (+x), reflects back, its back is grey.
 
     It fills its extents if it is to be `square`; else it may be a disc, a triangle, an octagon, or two plates.
     """
-    _, width, height = placed.size
-    builder = ObjectBuilder(placed)
-    tall = height - placed.clearance
+    _, width, height = builder.placed.size
+    tall = height - builder.placed.clearance
     if width > _SIGN.wide:
         for side in (-_SIGN.wide_posts_at, _SIGN.wide_posts_at):
             add_post(builder, _SIGN.wide_post, height, y=side * width)
-        _add_plate(builder, "square", 0.0, (width, tall), placed.clearance)
-        return builder.primitives
+        _add_plate(builder, "square", 0.0, (width, tall), builder.placed.clearance)
+        return
     add_post(builder, _SIGN.post, height - _SIGN.post_lower)
     slender, often = _SIGN.two_plates
     if not square and tall > slender * width and rng.random() < often:
         _add_plate(builder, str(rng.choice(_UPPER_PLATES)), 0.0, (width, width), height - width)
-        _add_plate(builder, "square", 0.0, (width, tall - width - _SIGN.plate_gap), placed.clearance)
+        _add_plate(builder, "square", 0.0, (width, tall - width - _SIGN.plate_gap), builder.placed.clearance)
     else:
         low, high = _SIGN.square
         outline = sample_name(_PLATES, rng) if not square and low < tall / width < high else "square"
-        _add_plate(builder, outline, 0.0, (width, tall), placed.clearance)
-    return builder.primitives
+        _add_plate(builder, outline, 0.0, (width, tall), builder.placed.clearance)
 
 
-def billboard(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def billboard(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A poster from `clearance` to the top, facing forward (+x), on one post or two."""
-    depth, width, height = placed.size
-    builder = ObjectBuilder(placed)
-    tall = height - placed.clearance
-    top = placed.clearance + _BILLBOARD.post_into
-    for y in billboard_posts(width, placed.clearance):
+    depth, width, height = builder.placed.size
+    tall = height - builder.placed.clearance
+    top = builder.placed.clearance + _BILLBOARD.post_into
+    for y in billboard_posts(width, builder.placed.clearance):
         size = (*_BILLBOARD.post, top + EMBEDMENT)
         builder.add("box", (0.0, y, (top - EMBEDMENT) / 2), size, "other", "metal")
-    deep, middle = min(depth, _BILLBOARD.deepest), placed.clearance + tall / 2
+    deep, middle = min(depth, _BILLBOARD.deepest), builder.placed.clearance + tall / 2
     builder.add("box", (0.0, 0.0, middle), (deep, width, tall), "other", "metal")
     thick, wide, high = _BILLBOARD.face
     for side in (-1, 1) if rng.random() < _BILLBOARD.both_sides_p else (1,):
         at = (side * (deep / 2), 0.0, middle)
         builder.add("box", at, (thick, wide * width, high * tall), "other", "plastic")
-    return builder.primitives
 
 
 def billboard_posts(width: float, clearance: float) -> tuple[float, ...]:
@@ -122,28 +117,26 @@ def billboard_posts(width: float, clearance: float) -> tuple[float, ...]:
     return (0.0,) if single else (-aside, aside)
 
 
-def gantry(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def gantry(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A sign bridge over a road along x: posts at the ends of its width, a truss, boards that face forward (+x).
 
     `clearance` is the height under it.
     """
-    depth, width, height = placed.size
-    builder = ObjectBuilder(placed)
-    tall = height - placed.clearance
+    depth, width, height = builder.placed.size
+    tall = height - builder.placed.clearance
     for side in (-1, 1):
         y = side * (width - GANTRY_POST) / 2
         size = (min(depth, _GANTRY.post_depth), GANTRY_POST, height + EMBEDMENT)
         builder.add("box", (0.0, y, (height - EMBEDMENT) / 2), size, "pole")
     deep, high = min(depth, _GANTRY.truss[0]), min(tall, _GANTRY.truss[1])
-    builder.add_mesh(_truss(), (deep, width, high), "pole", "metal", at=(0, 0, placed.clearance))
+    builder.add_mesh(_truss(), (deep, width, high), "pole", "metal", at=(0, 0, builder.placed.clearance))
     count = max(1, round(width / _GANTRY.per_board))
     room = width - 2 * GANTRY_POST
     for number in range(count):
         if rng.random() < _GANTRY.board_p or number == count // 2:
             board = (_GANTRY.board_share * room / count, tall * rng.uniform(*_GANTRY.board_height))
             y = (number + 0.5 - count / 2) * room / count
-            _add_plate(builder, "square", y, board, placed.clearance, ahead=deep / 2 + _GANTRY.board_ahead)
-    return builder.primitives
+            _add_plate(builder, "square", y, board, builder.placed.clearance, ahead=deep / 2 + _GANTRY.board_ahead)
 
 
 def _add_plate(

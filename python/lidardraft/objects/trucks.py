@@ -14,9 +14,7 @@ import numpy as np
 from lidardraft.objects.cars import sample_paint
 from lidardraft.objects.mesh import MeshTemplate, box, frustum, frustum_corners, join, loft
 from lidardraft.objects.object_builder import ObjectBuilder, sample_name
-from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.objects.vehicle_bodies import VehicleBody, add_axle, add_mirrors, add_vehicle
-from lidardraft.scene.layout import Primitive
 
 _WHEEL = 1.0  # m, 315/80 R22.5
 _CAB = VehicleBody(
@@ -113,10 +111,9 @@ class _Loads:
 _RIGID, _ARTICULATED, _CHASSIS, _LOAD = _Rigid(), _Articulated(), _Chassis(), _Loads()
 
 
-def truck(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def truck(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A rigid truck: cab, a gap, a load (box, tarpaulin, tank, flatbed or tipper), two or three axles."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     front, cab = length / 2, min(_RIGID.cab[0], _RIGID.cab[1] * length)
     large = int(height >= _RIGID.small_below)
     floor = _RIGID.floor[large]
@@ -130,13 +127,11 @@ def truck(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
     for axle in axles:
         add_axle(builder, "truck", (axle, 0.0), width, _RIGID.wheel[large])
     _add_guards(builder, axles[0] + _RIGID.guard_from_axle, front - cab - _RIGID.guard_from_cab)
-    return builder.primitives
 
 
-def trailer_truck(placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
+def trailer_truck(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A tractor and a semi-trailer with three axles; the trailer is what the length leaves behind the cab."""
-    length, width, height = placed.size
-    builder = ObjectBuilder(placed)
+    length, width, height = builder.placed.size
     rear, front = -length / 2, length / 2
     cab, floor = _ARTICULATED.cab, _ARTICULATED.floor
     _add_cab(
@@ -149,7 +144,6 @@ def trailer_truck(placed: PlacedObject, rng: np.random.Generator) -> list[Primit
     for axle in (drive, *(rear + at for at in _ARTICULATED.trailer_axles)):
         add_axle(builder, "truck", (axle, 0.0), width, _WHEEL)
     _add_guards(builder, rear + _ARTICULATED.guard[0], front - _ARTICULATED.guard[1])
-    return builder.primitives
 
 
 def _add_cab(builder: ObjectBuilder, x: float, length: float, height: float, paint: str) -> None:

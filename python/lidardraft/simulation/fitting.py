@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from lidardraft.objects.kinds import kind_of
+from lidardraft.objects.object_builder import Add, built
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.materials import CLASS_MATERIALS
@@ -14,9 +15,6 @@ from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.pose import point_at
 from lidardraft.semantics import CLASSES
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
-
-Build = Callable[[PlacedObject, np.random.Generator], list[Primitive]]
-
 
 _PROUD = (0.05, 0.05, 0.0)  # m that trim may stand out of a box: length, width, height
 _MOST_PROUD = 0.6  # m; parts that reach further out, as balconies do, are left out
@@ -34,13 +32,13 @@ def fitted(
     clearance: float = 0.0,
     proud: Vector = _PROUD,
     labels: tuple[str, ...] | None = None,
-    build: Build | None = None,
+    add: Add | None = None,
 ) -> list[Primitive]:
     """An object of a kind of `objects.kinds` in `box`, its front along the box's yaw; ids are left empty.
 
     `clearance` [m] is that of `PlacedObject`. Parts stand out of the box by `proud` [m] at most and do not reach under
     it; they have the instances of `coarse`, and a class that it has. `labels` are the classes of the parts that are
-    wanted, by default all; `build` takes the place of the kind's own builder.
+    wanted, by default all; `add` takes the place of the kind's own.
     """
     low, high = kind_of(kind).extents or (box.size, box.size)
     length, width, height = (min(max(extent, a), b) for extent, a, b in zip(box.size, low, high, strict=True))
@@ -49,7 +47,7 @@ def fitted(
         kind=kind, id=coarse.name, x=0.0, y=0.0, z=0.0, level=0.0, yaw=0.0, size=size,
         clearance=clearance * size[2] / box.size[2],
     )  # fmt: skip
-    parts = (build or kind_of(kind).build)(placed, coarse.rng)
+    parts = built(add or kind_of(kind).add, placed, coarse.rng)
     if labels is not None:
         parts = [part for part in parts if part.label in labels]
     return stretched(coarse, parts, box, size, proud)

@@ -9,9 +9,10 @@ import numpy as np
 
 from lidardraft.objects import fences, plants, signs
 from lidardraft.objects.kinds import KINDS
+from lidardraft.objects.object_builder import Add
 from lidardraft.scene.layout import Primitive
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
-from lidardraft.simulation.fitting import Build, changed, fitted, medium, part_of, solid
+from lidardraft.simulation.fitting import changed, fitted, medium, part_of, solid
 from lidardraft.simulation.surroundings import LANE_SIDE, Surroundings
 
 _HEAD_PROUD = (0.3, 0.05, 0.0)  # m: shades of signals, plates before their posts
@@ -73,8 +74,8 @@ def _plate(coarse: CoarseObject, part: Primitive, surroundings: Surroundings) ->
     box = _facing(UprightBox.around([part]), surroundings)
     if part.shape != "box" or box.size[1] < _LONG * box.size[0]:
         return [solid(part)]
-    build = partial(signs.sign, square=surroundings.clustered)
-    return fitted(coarse, "sign", box, labels=("traffic-sign",), build=build)
+    add = partial(signs.sign, square=surroundings.clustered)
+    return fitted(coarse, "sign", box, labels=("traffic-sign",), add=add)
 
 
 def _facing(box: UprightBox, surroundings: Surroundings) -> UprightBox:
@@ -143,7 +144,7 @@ def fence(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
     for part in coarse.parts:
         alike, box = coarse.again(), UprightBox.around([part]).lengthwise()
         if surroundings.clustered:
-            made += _stretch_of(alike, part, "fence", box, _THICK_FENCE, build=partial(fences.fence, dense=True))
+            made += _stretch_of(alike, part, "fence", box, _THICK_FENCE, add=partial(fences.fence, dense=True))
             continue
         mesh = float(alike.rng.random()) < _MESH and max(box.size) > _MESH_FROM
         kind = coarse.word if coarse.word in _FENCES else "mesh_fence" if mesh else "fence"
@@ -152,12 +153,12 @@ def fence(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
 
 
 def _stretch_of(
-    coarse: CoarseObject, part: Primitive, kind: str, box: UprightBox, thickest: float, *, build: Build | None = None
+    coarse: CoarseObject, part: Primitive, kind: str, box: UprightBox, thickest: float, *, add: Add | None = None
 ) -> list[Primitive]:
     length, thick, height = box.size
     if part.shape != "box" or length < _LEAST_BARRIER[0] or height < _LEAST_BARRIER[1] or thick > thickest:
         return [solid(part)]
-    return fitted(coarse, kind, box, build=build)
+    return fitted(coarse, kind, box, add=add)
 
 
 def plant(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
@@ -179,7 +180,7 @@ def _tree(coarse: CoarseObject, trunk: Primitive, crown: Primitive) -> list[Prim
     top = crown.center[2] + crown.size[2] / 2
     box = UprightBox(x, y, foot, crown.yaw, (length, width, top - foot))
     clearance = max(crown.center[2] - crown.size[2] / 2 - foot, 0.0)
-    parts = fitted(coarse, "tree", box, clearance=clearance, build=partial(plants.tree, bare=False))
+    parts = fitted(coarse, "tree", box, clearance=clearance, add=partial(plants.tree, bare=False))
     a, b, _ = trunk.size
     high = max(parts[0].size[2], trunk.size[2])
     center = (trunk.center[0], trunk.center[1], foot + high / 2)
