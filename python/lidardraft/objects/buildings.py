@@ -26,68 +26,49 @@ _MATERIALS = {
     "shed": {"plaster": 0.45, "wood": 0.2, "metal": 0.2, "concrete": 0.15},
 }
 
+# Dwellings of one or two families: estimates, of houses in Germany. Lengths are in metres, `_P` are probabilities, here
+# and below; chimneys lie anywhere within `_HOUSE_CHIMNEY_OFF` shares of length and width from the middle.
+_HOUSE_SLENDER = 1.5  # times as long as wide: its ridge always runs along
+_HOUSE_RIDGE_ALONG_P = 0.7
+_HOUSE_HIP_SLENDER = 1.15  # times as long as wide: it may have a hipped roof
+_HOUSE_HIPPED_P = 0.25
+_HOUSE_METAL_ROOF_P = 0.06
+_HOUSE_DORMERS_P = 0.4
+_HOUSE_PER_DORMER = 5.0
+_HOUSE_MOST_DORMERS = 3
+_HOUSE_CHIMNEY_P = 0.75
+_HOUSE_CHIMNEY_OFF = (0.3, 0.06)
+_HOUSE_CHIMNEY = (0.7, 0.55, 1.6)
+_HOUSE_CHIMNEY_MIDDLE = 0.3  # under the ridge
 
-@dataclass(frozen=True, slots=True)
-class _House:
-    """Dwellings of one or two families: estimates, of houses in Germany.
+# Blocks of flats and offices: estimates, of inner cities in Germany.
+_BLOCK_MANSARD = 2.6  # height of the storey under a mansard roof
+_BLOCK_MANSARD_FROM = 3  # storeys
+_BLOCK_MANSARD_P = 0.35
+_BLOCK_BLIND_P = 0.5  # sides without windows: those of blocks in a row are fire walls
+_BLOCK_VENTILATION_P = 0.5
+_BLOCK_VENTILATION = (2.4, 1.8, 0.7)
+_BLOCK_VENTILATION_OFF = (0.3, 0.2)
+_BLOCK_BALCONIES_P = 0.45
+_BLOCK_EVERY_BAY_P = 0.5  # balconies at every bay, not at every other
+_BLOCK_GLASS_RAIL_P = 0.2
+_BLOCK_RAIL = 1.0  # height of a balustrade
+_BLOCK_SLAB = 0.18
+_BLOCK_BALCONY_SHARE = 0.84  # of a bay
 
-    Lengths are in metres, `*_p` are probabilities; chimneys lie anywhere within `chimney_off` shares of length and
-    width from the middle.
-    """
+# Garages, workshops and halls [m]; estimates.
+_SHED_ROOF = 0.16  # thickness
+_SHED_ROOF_OVER = 0.2  # longer and wider than the walls
+_SHED_PER_GATE = 3.0
+_SHED_MOST_GATES = 4
+_SHED_GATE = (2.5, 2.2)  # width and height at most
+_SHED_GATE_SHARE = 0.85  # of the wall that it has, at most
+_SHED_GATE_DEPTH = 0.06
 
-    slender: float = 1.5  # times as long as wide: its ridge always runs along
-    ridge_along_p: float = 0.7
-    hip_slender: float = 1.15  # times as long as wide: it may have a hipped roof
-    hipped_p: float = 0.25
-    metal_roof_p: float = 0.06
-    dormers_p: float = 0.4
-    per_dormer: float = 5.0
-    most_dormers: int = 3
-    chimney_p: float = 0.75
-    chimney_off: tuple[float, float] = (0.3, 0.06)
-    chimney: Vector = (0.7, 0.55, 1.6)
-    chimney_middle: float = 0.3  # under the ridge
-
-
-@dataclass(frozen=True, slots=True)
-class _Block:
-    """Blocks of flats and offices: estimates, of inner cities in Germany; fields as in `_House`."""
-
-    mansard: float = 2.6  # height of the storey under a mansard roof
-    mansard_from: int = 3  # storeys
-    mansard_p: float = 0.35
-    blind_p: float = 0.5  # sides without windows: those of blocks in a row are fire walls
-    ventilation_p: float = 0.5
-    ventilation: Vector = (2.4, 1.8, 0.7)
-    ventilation_off: tuple[float, float] = (0.3, 0.2)
-    balconies_p: float = 0.45
-    every_bay_p: float = 0.5  # balconies at every bay, not at every other
-    glass_rail_p: float = 0.2
-    rail: float = 1.0  # height of a balustrade
-    slab: float = 0.18
-    balcony_share: float = 0.84  # of a bay
-
-
-@dataclass(frozen=True, slots=True)
-class _Shed:
-    """Garages, workshops and halls [m]; estimates."""
-
-    roof: float = 0.16  # thickness
-    roof_over: float = 0.2  # longer and wider than the walls
-    per_gate: float = 3.0
-    most_gates: int = 4
-    gate: tuple[float, float] = (2.5, 2.2)  # width and height at most
-    gate_share: float = 0.85  # of the wall that it has, at most
-    gate_depth: float = 0.06
-
-
-@dataclass(frozen=True, slots=True)
-class _Door:
-    """A door [m]; estimates."""
-
-    height: float = 2.2
-    depth: float = 0.06
-    recess: float = 0.8  # of the windows' recess
+# A door [m]; estimates.
+_DOOR_HEIGHT = 2.2
+_DOOR_DEPTH = 0.06
+_DOOR_RECESS = 0.8  # of the windows' recess
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +87,6 @@ _MANSARD_DORMERS = _Dormers(width=0.34, middle=(0.45, 0.42), size=(0.08, 0.76), 
 _HIP = 0.22  # of the ridge, half as long as that of a hipped roof
 _MANSARD_TOP = (0.92, 0.84)  # shares of length and width
 _PARAPET = (0.02, 0.03, 0.3)  # thickness in shares of length and width; height [m]
-_HOUSE, _BLOCK, _SHED, _DOOR = _House(), _Block(), _Shed(), _Door()
 
 
 def house(builder: ObjectBuilder, rng: np.random.Generator) -> None:
@@ -114,57 +94,57 @@ def house(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     length, width, height = builder.placed.size
     material = sample_name(_MATERIALS["house"], rng)
     _walls(builder, (length, width, builder.placed.clearance), material, rng)
-    along = length > _HOUSE.slender * width or rng.random() < _HOUSE.ridge_along_p
-    hipped = along and length > _HOUSE.hip_slender * width and rng.random() < _HOUSE.hipped_p
+    along = length > _HOUSE_SLENDER * width or rng.random() < _HOUSE_RIDGE_ALONG_P
+    hipped = along and length > _HOUSE_HIP_SLENDER * width and rng.random() < _HOUSE_HIPPED_P
     rise = height - builder.placed.clearance
     over = (length + 2 * EAVES, width + 2 * EAVES, rise)
     eaves = (0.0, 0.0, builder.placed.clearance)
-    roofing = "metal" if rng.random() < _HOUSE.metal_roof_p else "roof-tile"
+    roofing = "metal" if rng.random() < _HOUSE_METAL_ROOF_P else "roof-tile"
     builder.add_mesh(_roof(along, hipped), over, "building", roofing, at=eaves)
     if not hipped:
         # the ends of the roof, in the plane of the walls, as high as the roof is there
         share = 1 - 2 * EAVES / over[1 if along else 0]
         builder.add_mesh(_gable(along), (length, width, share * rise), "building", material, at=eaves)
-    if along and not hipped and rng.random() < _HOUSE.dormers_p:
+    if along and not hipped and rng.random() < _HOUSE_DORMERS_P:
         dormers, panes = _dormers(
-            _ROOF_DORMERS, int(np.clip(length // _HOUSE.per_dormer, 1, _HOUSE.most_dormers)), (-1,)
+            _ROOF_DORMERS, int(np.clip(length // _HOUSE_PER_DORMER, 1, _HOUSE_MOST_DORMERS)), (-1,)
         )
         builder.add_mesh(dormers, (length, width, rise), "building", roofing, at=eaves)
         builder.add_mesh(panes, (length, width, rise), "building", "window", at=eaves)
-    if rng.random() < _HOUSE.chimney_p:
-        along_off, across_off = _HOUSE.chimney_off
+    if rng.random() < _HOUSE_CHIMNEY_P:
+        along_off, across_off = _HOUSE_CHIMNEY_OFF
         x, y = rng.uniform(-along_off, along_off) * length, rng.uniform(-across_off, across_off) * width
-        builder.add("box", (x, y, height - _HOUSE.chimney_middle), _HOUSE.chimney, "building", "brick")
+        builder.add("box", (x, y, height - _HOUSE_CHIMNEY_MIDDLE), _HOUSE_CHIMNEY, "building", "brick")
 
 
 def block(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A block of flats or offices, its front (-y) to the street: a flat or a mansard roof, balconies or none."""
     length, width, height = builder.placed.size
     material = sample_name(_MATERIALS["block"], rng)
-    mansard = height > _BLOCK.mansard_from * STOREY and rng.random() < _BLOCK.mansard_p
-    top = height - _BLOCK.mansard if mansard else height
-    _walls(builder, (length, width, top), material, rng, blind=bool(rng.random() < _BLOCK.blind_p))
+    mansard = height > _BLOCK_MANSARD_FROM * STOREY and rng.random() < _BLOCK_MANSARD_P
+    top = height - _BLOCK_MANSARD if mansard else height
+    _walls(builder, (length, width, top), material, rng, blind=bool(rng.random() < _BLOCK_BLIND_P))
     bays = max(1, round(length / WINDOW_BAY))
     if mansard:
-        size, at = (length, width, _BLOCK.mansard), (0.0, 0.0, top)
+        size, at = (length, width, _BLOCK_MANSARD), (0.0, 0.0, top)
         builder.add_mesh(_mansard_roof(), size, "building", "roof-tile", at=at)
         dormers, panes = _dormers(_MANSARD_DORMERS, max(1, bays // 2), (-1, 1))
         builder.add_mesh(dormers, size, "building", "roof-tile", at=at)
         builder.add_mesh(panes, size, "building", "window", at=at)
     else:
         builder.add_mesh(_parapet(), (length, width, 1.0), "building", "concrete", at=(0.0, 0.0, height))
-        if rng.random() < _BLOCK.ventilation_p:
-            along_off, across_off = _BLOCK.ventilation_off
+        if rng.random() < _BLOCK_VENTILATION_P:
+            along_off, across_off = _BLOCK_VENTILATION_OFF
             x, y = rng.uniform(-along_off, along_off) * length, rng.uniform(-across_off, across_off) * width
-            at = (x, y, height + _BLOCK.ventilation[2] / 2)
-            builder.add("box", at, _BLOCK.ventilation, "building", "metal")
+            at = (x, y, height + _BLOCK_VENTILATION[2] / 2)
+            builder.add("box", at, _BLOCK_VENTILATION, "building", "metal")
     floors = max(1, round(top / STOREY))
-    if floors > 1 and rng.random() < _BLOCK.balconies_p:
-        slabs, rails = _balconies(bays, floors, bool(rng.random() < _BLOCK.every_bay_p))
+    if floors > 1 and rng.random() < _BLOCK_BALCONIES_P:
+        slabs, rails = _balconies(bays, floors, bool(rng.random() < _BLOCK_EVERY_BAY_P))
         size = (length, BALCONY, top)
         at = (0.0, -width / 2, 0.0)
         builder.add_mesh(slabs, size, "building", "concrete", at=at)
-        builder.add_mesh(rails, size, "building", "glass" if rng.random() < _BLOCK.glass_rail_p else "metal", at=at)
+        builder.add_mesh(rails, size, "building", "glass" if rng.random() < _BLOCK_GLASS_RAIL_P else "metal", at=at)
 
 
 def shed(builder: ObjectBuilder, rng: np.random.Generator) -> None:
@@ -172,13 +152,13 @@ def shed(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     length, width, height = builder.placed.size
     material = sample_name(_MATERIALS["shed"], rng)
     builder.add("box", (0.0, 0.0, (height - PLINTH) / 2), (length, width, height + PLINTH), "building", material)
-    roof = (length + _SHED.roof_over, width + _SHED.roof_over, _SHED.roof)
-    builder.add("box", (0.0, 0.0, height - _SHED.roof / 2), roof, "building", "concrete")
-    gates = int(np.clip(length // _SHED.per_gate, 1, _SHED.most_gates))
-    wide, tall = min(_SHED.gate[0], _SHED.gate_share * length / gates), min(_SHED.gate[1], _SHED.gate_share * height)
+    roof = (length + _SHED_ROOF_OVER, width + _SHED_ROOF_OVER, _SHED_ROOF)
+    builder.add("box", (0.0, 0.0, height - _SHED_ROOF / 2), roof, "building", "concrete")
+    gates = int(np.clip(length // _SHED_PER_GATE, 1, _SHED_MOST_GATES))
+    wide, tall = min(_SHED_GATE[0], _SHED_GATE_SHARE * length / gates), min(_SHED_GATE[1], _SHED_GATE_SHARE * height)
     for number in range(gates):
         x = ((number + 0.5) / gates - 0.5) * length
-        builder.add("box", (x, -width / 2, tall / 2), (wide, _SHED.gate_depth, tall), "building", "metal")
+        builder.add("box", (x, -width / 2, tall / 2), (wide, _SHED_GATE_DEPTH, tall), "building", "metal")
 
 
 def _walls(
@@ -193,8 +173,8 @@ def _walls(
     builder.add_mesh(wall, size, "building", material)
     builder.add_mesh(panes, size, "building", "window")
     x = (bays // 2 + 0.5 - bays / 2) * length / bays
-    leaf = (opening * length / bays, _DOOR.depth, _DOOR.height * height / (storeys * STOREY))
-    builder.add("box", (x, -width / 2 + _DOOR.recess * RECESS, leaf[2] / 2), leaf, "building", "wood")
+    leaf = (opening * length / bays, _DOOR_DEPTH, _DOOR_HEIGHT * height / (storeys * STOREY))
+    builder.add("box", (x, -width / 2 + _DOOR_RECESS * RECESS, leaf[2] / 2), leaf, "building", "wood")
 
 
 @lru_cache(maxsize=4)
@@ -256,11 +236,11 @@ def _balconies(bays: int, floors: int, every: bool) -> tuple[MeshTemplate, MeshT
     """Slabs of balconies before a front, in shares of its length, their depth and its height, and their balustrades."""
     slabs, rails = [], []
     columns = range(0 if every else bays % 2, bays, 2)
-    rail, foot = _BLOCK.rail / STOREY / floors, _BLOCK.slab / STOREY / floors
+    rail, foot = _BLOCK_RAIL / STOREY / floors, _BLOCK_SLAB / STOREY / floors
     for floor in range(1, floors):
         z = floor / floors
         for column in columns:
-            x, half = (column + 0.5) / bays - 0.5, _BLOCK.balcony_share / 2 / bays
+            x, half = (column + 0.5) / bays - 0.5, _BLOCK_BALCONY_SHARE / 2 / bays
             slabs.append([(x - half, 0.0, z), (x + half, 0.0, z), (x + half, -1.0, z), (x - half, -1.0, z)])
             a, b, c, d = (x - half, 0.0), (x - half, -1.0), (x + half, -1.0), (x + half, 0.0)
             for (u0, v0), (u1, v1) in ((a, b), (b, c), (c, d)):

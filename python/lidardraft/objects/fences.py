@@ -6,7 +6,6 @@ mm with 5 mm wires covers 12 %, chain link of 50 mm with 3 mm wires as much.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -14,77 +13,56 @@ import numpy as np
 from lidardraft.objects.mesh import MeshTemplate, box, join, loft, quads
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder, sample_name
 
+# Fences of palings and of iron bars [m], and those on walls: estimates.
+_FENCE_IRON_P = 0.3
+_FENCE_IRON_COVER = 0.17  # share of the length
+_FENCE_PALING_COVERS: tuple[float, ...] = (0.65, 0.75, 0.9)  # shares of the length
+_FENCE_PALING_APART = 0.15  # from middle to middle
+_FENCE_LEAST_PALINGS = 4
+_FENCE_PALINGS_AT = (0.3, 0.4)  # shares of the width: before the middle, depth
+_FENCE_GAP = 0.06  # under the palings
+_FENCE_POST_APART = 2.5
 
-@dataclass(frozen=True, slots=True)
-class _Fence:
-    """Fences of palings and of iron bars [m], and those on walls: estimates."""
+# Wire mesh between posts [m]: a medium that one in eight rays meets, see the module.
+_MESH_FENCE_COVER = 0.12
+_MESH_FENCE_THICKNESS = 0.04
+_MESH_FENCE_GAP = 0.03  # under the mesh
+_MESH_FENCE_POST = 0.06
+_MESH_FENCE_POST_APART = 2.5
 
-    iron_p: float = 0.3
-    iron_cover: float = 0.17  # share of the length
-    paling_covers: tuple[float, ...] = (0.65, 0.75, 0.9)  # shares of the length
-    paling_apart: float = 0.15  # from middle to middle
-    least_palings: int = 4
-    palings_at: tuple[float, float] = (0.3, 0.4)  # shares of the width: before the middle, depth
-    gap: float = 0.06  # under the palings
-    post_apart: float = 2.5
+# Garden walls with copings [m]; those with an iron fence on top have pillars. Estimates.
+_GARDEN_WALL_MATERIALS: tuple[str, ...] = ("brick", "stone", "concrete", "plaster")
+_GARDEN_WALL_RAILED_FROM = 1.0
+_GARDEN_WALL_RAILED_P = 0.3
+_GARDEN_WALL_RAILED_SHARE = 0.5  # of the height that is wall then
+_GARDEN_WALL_COPING = 0.08
+_GARDEN_WALL_WIDTH_SHARE = 0.8  # of the coping's
+_GARDEN_WALL_RAIL = 0.03  # thickness
+_GARDEN_WALL_PILLAR_APART = 3.0
+_GARDEN_WALL_PILLAR_SHARE = 0.1  # of their distance
+_GARDEN_WALL_PILLAR_WIDTH = 0.7  # share of the width
 
+# Noise barriers and walls of yards [m]: estimates.
+_WALL_PANEL_SHARE = 0.5  # of the width
+_WALL_PLINTH = 0.3
+_WALL_PLINTH_SHARE = 0.8  # of the width
+_WALL_POST_APART = 4.0
 
-@dataclass(frozen=True, slots=True)
-class _MeshFence:
-    """Wire mesh between posts [m]: a medium that one in eight rays meets, see the module."""
-
-    cover: float = 0.12
-    thickness: float = 0.04
-    gap: float = 0.03  # under the mesh
-    post: float = 0.06
-    post_apart: float = 2.5
-
-
-@dataclass(frozen=True, slots=True)
-class _GardenWall:
-    """Garden walls with copings [m]; those with an iron fence on top have pillars. Estimates."""
-
-    materials: tuple[str, ...] = ("brick", "stone", "concrete", "plaster")
-    railed_from: float = 1.0
-    railed_p: float = 0.3
-    railed_share: float = 0.5  # of the height that is wall then
-    coping: float = 0.08
-    width_share: float = 0.8  # of the coping's
-    rail: float = 0.03  # thickness
-    pillar_apart: float = 3.0
-    pillar_share: float = 0.1  # of their distance
-    pillar_width: float = 0.7  # share of the width
-
-
-@dataclass(frozen=True, slots=True)
-class _Wall:
-    """Noise barriers and walls of yards [m]: estimates."""
-
-    panel_share: float = 0.5  # of the width
-    plinth: float = 0.3
-    plinth_share: float = 0.8  # of the width
-    post_apart: float = 4.0
+# Barriers of roads [m]: concrete from a height on (EN 1317), else steel; other numbers are estimates.
+_BARRIER_CONCRETE_FROM = 0.8
+_BARRIER_RAIL = 0.31  # height of a W-beam
+_BARRIER_RAIL_DEPTH = 0.1
+_BARRIER_RAIL_INSET = 0.05  # its middle, from the side
+_BARRIER_DOUBLE_FROM = 0.5  # width, rails on both sides
+_BARRIER_POST_APART = 4.0
+_BARRIER_MOST_POSTS = 40
+_BARRIER_POST_INSET = (0.12, 0.1)  # less than the width, and the least width
+_BARRIER_POST_LOWER = 0.05
+_BARRIER_REFLECTOR_P = 0.5
+_BARRIER_REFLECTOR = (0.03, 0.08, 0.1)
+_BARRIER_REFLECTOR_OVER = 0.03  # its middle, over the rail
 
 
-@dataclass(frozen=True, slots=True)
-class _Barrier:
-    """Barriers of roads [m]: concrete from a height on (EN 1317), else steel; other numbers are estimates."""
-
-    concrete_from: float = 0.8
-    rail: float = 0.31  # height of a W-beam
-    rail_depth: float = 0.1
-    rail_inset: float = 0.05  # its middle, from the side
-    double_from: float = 0.5  # width, rails on both sides
-    post_apart: float = 4.0
-    most_posts: int = 40
-    post_inset: tuple[float, float] = (0.12, 0.1)  # less than the width, and the least width
-    post_lower: float = 0.05
-    reflector_p: float = 0.5
-    reflector: tuple[float, float, float] = (0.03, 0.08, 0.1)
-    reflector_over: float = 0.03  # its middle, over the rail
-
-
-_FENCE, _MESH_FENCE, _GARDEN_WALL, _WALL, _BARRIER = _Fence(), _MeshFence(), _GardenWall(), _Wall(), _Barrier()
 _WALL_MATERIALS = {"concrete": 0.4, "wood": 0.2, "metal": 0.2, "brick": 0.2}  # an estimate
 _POST_SHARE = 0.04  # of the distance of posts, their thickness: an estimate
 # One side of a concrete barrier from the foot up, after the New Jersey profile: shares of width and height.
@@ -96,80 +74,80 @@ _W_BEAM = ((-0.5, -0.5), (0.5, -0.25), (-0.3, 0.0), (0.5, 0.25), (-0.5, 0.5))
 def fence(builder: ObjectBuilder, rng: np.random.Generator, *, dense: bool = False) -> None:
     """Upright palings or bars with gaps between them, on posts with two rails; a `dense` one has close palings."""
     length, width, height = builder.placed.size
-    iron = not dense and rng.random() < _FENCE.iron_p
+    iron = not dense and rng.random() < _FENCE_IRON_P
     material = "metal" if iron else "wood"
-    covers = _FENCE.paling_covers[-1:] if dense else _FENCE.paling_covers
-    cover = _FENCE.iron_cover if iron else float(rng.choice(covers))
-    before, depth = _FENCE.palings_at
-    size, at = (length, depth * width, height - _FENCE.gap), (0.0, before * width, _FENCE.gap)
+    covers = _FENCE_PALING_COVERS[-1:] if dense else _FENCE_PALING_COVERS
+    cover = _FENCE_IRON_COVER if iron else float(rng.choice(covers))
+    before, depth = _FENCE_PALINGS_AT
+    size, at = (length, depth * width, height - _FENCE_GAP), (0.0, before * width, _FENCE_GAP)
     builder.add_mesh(_palings(_paling_count(length), cover), size, "fence", material, at=at)
-    posts = _post_count(length, _FENCE.post_apart)
+    posts = _post_count(length, _FENCE_POST_APART)
     builder.add_mesh(_posts_and_rails(posts), (length, width, height), "fence", material)
 
 
 def mesh_fence(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A wire mesh between posts: a thin medium."""
     length, width, height = builder.placed.size
-    thick, gap = _MESH_FENCE.thickness, _MESH_FENCE.gap
-    extinction = -float(np.log(1.0 - _MESH_FENCE.cover)) / thick
+    thick, gap = _MESH_FENCE_THICKNESS, _MESH_FENCE_GAP
+    extinction = -float(np.log(1.0 - _MESH_FENCE_COVER)) / thick
     size = (length, thick, height - gap)
     builder.add("box", (0.0, 0.0, gap + (height - gap) / 2), size, "fence", "metal", extinction=extinction)
-    posts = _posts(_post_count(length, _MESH_FENCE.post_apart), _POST_SHARE)
-    builder.add_mesh(posts, (length, min(width, _MESH_FENCE.post), height), "fence", "metal")
+    posts = _posts(_post_count(length, _MESH_FENCE_POST_APART), _POST_SHARE)
+    builder.add_mesh(posts, (length, min(width, _MESH_FENCE_POST), height), "fence", "metal")
 
 
 def garden_wall(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A wall with a coping; some with pillars and an iron fence on top of a low wall."""
     length, width, height = builder.placed.size
-    material = str(rng.choice(_GARDEN_WALL.materials))
-    railed = height > _GARDEN_WALL.railed_from and rng.random() < _GARDEN_WALL.railed_p
-    top, coping = _GARDEN_WALL.railed_share * height if railed else height, _GARDEN_WALL.coping
-    size = (length, _GARDEN_WALL.width_share * width, top - coping + EMBEDMENT)
+    material = str(rng.choice(_GARDEN_WALL_MATERIALS))
+    railed = height > _GARDEN_WALL_RAILED_FROM and rng.random() < _GARDEN_WALL_RAILED_P
+    top, coping = _GARDEN_WALL_RAILED_SHARE * height if railed else height, _GARDEN_WALL_COPING
+    size = (length, _GARDEN_WALL_WIDTH_SHARE * width, top - coping + EMBEDMENT)
     builder.add("box", (0.0, 0.0, (top - coping - EMBEDMENT) / 2), size, "wall", material)
     builder.add("box", (0.0, 0.0, top - coping / 2), (length, width, coping), "wall", "paving")
     if railed:
-        rails = _palings(_paling_count(length), _FENCE.iron_cover)
-        size = (length, _GARDEN_WALL.rail, height - top)
+        rails = _palings(_paling_count(length), _FENCE_IRON_COVER)
+        size = (length, _GARDEN_WALL_RAIL, height - top)
         builder.add_mesh(rails, size, "fence", "metal", at=(0.0, 0.0, top))
-        pillars = _posts(_post_count(length, _GARDEN_WALL.pillar_apart), _GARDEN_WALL.pillar_share)
-        builder.add_mesh(pillars, (length, _GARDEN_WALL.pillar_width * width, height), "wall", material)
+        pillars = _posts(_post_count(length, _GARDEN_WALL_PILLAR_APART), _GARDEN_WALL_PILLAR_SHARE)
+        builder.add_mesh(pillars, (length, _GARDEN_WALL_PILLAR_WIDTH * width, height), "wall", material)
 
 
 def wall(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A noise barrier or the wall of a yard: panels between posts, on a plinth."""
     length, width, height = builder.placed.size
     material = sample_name(_WALL_MATERIALS, rng)
-    size = (length, _WALL.panel_share * width, height + EMBEDMENT)
+    size = (length, _WALL_PANEL_SHARE * width, height + EMBEDMENT)
     builder.add("box", (0.0, 0.0, (height - EMBEDMENT) / 2), size, "wall", material)
-    size = (length, _WALL.plinth_share * width, _WALL.plinth + EMBEDMENT)
-    builder.add("box", (0.0, 0.0, (_WALL.plinth - EMBEDMENT) / 2), size, "wall", "concrete")
-    posts = _posts(_post_count(length, _WALL.post_apart), _POST_SHARE)
+    size = (length, _WALL_PLINTH_SHARE * width, _WALL_PLINTH + EMBEDMENT)
+    builder.add("box", (0.0, 0.0, (_WALL_PLINTH - EMBEDMENT) / 2), size, "wall", "concrete")
+    posts = _posts(_post_count(length, _WALL_POST_APART), _POST_SHARE)
     builder.add_mesh(posts, (length, width, height), "wall", "concrete" if material != "metal" else "metal")
 
 
 def barrier(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A motorway barrier: a guard rail on posts, or, from 0.8 m, a concrete wall of the New Jersey profile."""
     length, width, height = builder.placed.size
-    if height >= _BARRIER.concrete_from:
+    if height >= _BARRIER_CONCRETE_FROM:
         size, at = (length, width, height + EMBEDMENT), (0.0, 0.0, -EMBEDMENT)
         builder.add_mesh(_concrete_barrier(), size, "fence", "concrete", at=at)
         return
-    size = (length, _BARRIER.rail_depth, _BARRIER.rail)
-    for side in (-1, 1) if width > _BARRIER.double_from else (1,):
-        at = (0.0, side * (width / 2 - _BARRIER.rail_inset), height - _BARRIER.rail / 2)
+    size = (length, _BARRIER_RAIL_DEPTH, _BARRIER_RAIL)
+    for side in (-1, 1) if width > _BARRIER_DOUBLE_FROM else (1,):
+        at = (0.0, side * (width / 2 - _BARRIER_RAIL_INSET), height - _BARRIER_RAIL / 2)
         builder.add_mesh(_guard_rail(), size, "fence", "metal", at=at)
-    posts = min(_post_count(length, _BARRIER.post_apart), _BARRIER.most_posts)
-    inset, least = _BARRIER.post_inset
-    size = (length, max(width - inset, least), height - _BARRIER.post_lower)
+    posts = min(_post_count(length, _BARRIER_POST_APART), _BARRIER_MOST_POSTS)
+    inset, least = _BARRIER_POST_INSET
+    size = (length, max(width - inset, least), height - _BARRIER_POST_LOWER)
     builder.add_mesh(_posts(posts, _POST_SHARE), size, "fence", "metal")
-    if rng.random() < _BARRIER.reflector_p:
-        at = (0.0, 0.0, height + _BARRIER.reflector_over)
-        builder.add("box", at, _BARRIER.reflector, "fence", "retroreflector")
+    if rng.random() < _BARRIER_REFLECTOR_P:
+        at = (0.0, 0.0, height + _BARRIER_REFLECTOR_OVER)
+        builder.add("box", at, _BARRIER_REFLECTOR, "fence", "retroreflector")
 
 
 def _paling_count(length: float) -> int:
     """About as many as fit, in fours, so that fences of similar lengths share their mesh."""
-    return max(_FENCE.least_palings, round(length / _FENCE.paling_apart / 4) * 4)
+    return max(_FENCE_LEAST_PALINGS, round(length / _FENCE_PALING_APART / 4) * 4)
 
 
 def _post_count(length: float, apart: float) -> int:

@@ -6,69 +6,54 @@ Sizes: waste bins EN 840 (240 l: 0.58 x 0.74 x 1.07 m), traffic cones EN 13422 (
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from lidardraft.objects.mesh import MeshTemplate, box, join, lathe, loft
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder
-from lidardraft.objects.placed_object import Vector
+
+# Bus stops [m], `_SHARES` of length, width and height; a poster case holds 1.2 x 1.8 m. Estimates.
+_SHELTER_ROOF = 0.16
+_SHELTER_POSTS_LOWER = 0.1
+_SHELTER_PANE = 0.03
+_SHELTER_PANE_EXTINCTION = 12.0  # 1/m: 3 cm let 70 % of the rays through, an estimate for two ways
+_SHELTER_PANES_SHARES = (0.475, 0.72)  # middle and extent, of the height
+_SHELTER_BACK_SHARES = (0.44, 0.92)  # behind the middle, of the width; of the length
+_SHELTER_SIDE_SHARES = (0.48, 0.07, 0.68)  # beside the middle, of the length; behind it and extent, of the width
+_SHELTER_BENCH_SHARES = (0.1, 0.28, 0.55)  # aside and behind the middle; of the length
+_SHELTER_BENCH = (0.35, 0.06, 0.46)  # depth, thickness, height of its middle
+_SHELTER_BENCH_LEG = (0.1, 0.25, 0.44)
+_SHELTER_POSTER_P = 0.6
+_SHELTER_POSTER_INSET = 0.1  # its middle, from the end
+_SHELTER_POSTER = (0.2, 1.3, 1.8)  # depth, width at most, height
+_SHELTER_POSTER_MIDDLE = 1.1
+_SHELTER_POSTER_SHARE = 0.9  # of the width, at most
+_SHELTER_POSTER_FOOT = (0.1, 0.5, 0.25)
+_SHELTER_POSTER_FOOT_MIDDLE = 0.1
+
+# Benches [m], `_SHARE` of an extent: estimates.
+_BENCH_SEAT = (0.06, 0.45)  # thickness, height of its middle
+_BENCH_LEG = (0.08, 0.42)  # thickness, height
+_BENCH_LEGS_SHARE = 0.4  # of the length, from the middle
+_BENCH_LEG_SHARE = 0.9  # of the width
+_BENCH_BACK_P = 0.8
+_BENCH_BACK = (0.06, 0.55)  # thickness, height of its lower edge
+_BENCH_BACK_INSET = 0.04  # its middle, from the rear
+_BENCH_STAY = (0.04, 0.12, 0.5)  # what holds the back: thickness, height, its middle
+_BENCH_STAY_SHARE = 0.85  # of the length
+
+# Letterboxes, hydrants and cabinets [m], in shares of the extents where no unit is said: estimates.
+_COLUMN_LETTERBOX = (0.7, 0.6)  # its middle and its height
+_COLUMN_LETTERBOX_POST = (0.4, 0.12)  # its height; m thick
+_COLUMN_HYDRANT = (0.62, 0.9)  # diameter, of the lesser extent; height
+_COLUMN_BONNET = (1.2, 0.24, 0.88)  # of the diameter; height, middle
+_COLUMN_OUTLETS = (0.12, 0.66)  # m thick; middle
+_COLUMN_CABINET = (0.9, 0.95)
+_COLUMN_CABINET_LID = 0.06  # m
+_COLUMN_CABINET_PLINTH = 0.1  # m
 
 
-@dataclass(frozen=True, slots=True)
-class _Shelter:
-    """Bus stops [m], `*_shares` of length, width and height; a poster case holds 1.2 x 1.8 m. Estimates."""
-
-    roof: float = 0.16
-    posts_lower: float = 0.1
-    pane: float = 0.03
-    pane_extinction: float = 12.0  # 1/m: 3 cm let 70 % of the rays through, an estimate for two ways
-    panes_shares: tuple[float, float] = (0.475, 0.72)  # middle and extent, of the height
-    back_shares: tuple[float, float] = (0.44, 0.92)  # behind the middle, of the width; of the length
-    side_shares: Vector = (0.48, 0.07, 0.68)  # beside the middle, of the length; behind it and extent, of the width
-    bench_shares: Vector = (0.1, 0.28, 0.55)  # aside and behind the middle; of the length
-    bench: tuple[float, float, float] = (0.35, 0.06, 0.46)  # depth, thickness, height of its middle
-    bench_leg: Vector = (0.1, 0.25, 0.44)
-    poster_p: float = 0.6
-    poster_inset: float = 0.1  # its middle, from the end
-    poster: tuple[float, float, float] = (0.2, 1.3, 1.8)  # depth, width at most, height
-    poster_middle: float = 1.1
-    poster_share: float = 0.9  # of the width, at most
-    poster_foot: Vector = (0.1, 0.5, 0.25)
-    poster_foot_middle: float = 0.1
-
-
-@dataclass(frozen=True, slots=True)
-class _Bench:
-    """Benches [m], `*_share` of an extent: estimates."""
-
-    seat: tuple[float, float] = (0.06, 0.45)  # thickness, height of its middle
-    leg: tuple[float, float] = (0.08, 0.42)  # thickness, height
-    legs_share: float = 0.4  # of the length, from the middle
-    leg_share: float = 0.9  # of the width
-    back_p: float = 0.8
-    back: tuple[float, float] = (0.06, 0.55)  # thickness, height of its lower edge
-    back_inset: float = 0.04  # its middle, from the rear
-    stay: tuple[float, float, float] = (0.04, 0.12, 0.5)  # what holds the back: thickness, height, its middle
-    stay_share: float = 0.85  # of the length
-
-
-@dataclass(frozen=True, slots=True)
-class _Column:
-    """Letterboxes, hydrants and cabinets [m], in shares of the extents where no unit is said: estimates."""
-
-    letterbox: tuple[float, float] = (0.7, 0.6)  # its middle and its height
-    letterbox_post: tuple[float, float] = (0.4, 0.12)  # its height; m thick
-    hydrant: tuple[float, float] = (0.62, 0.9)  # diameter, of the lesser extent; height
-    bonnet: tuple[float, float, float] = (1.2, 0.24, 0.88)  # of the diameter; height, middle
-    outlets: tuple[float, float] = (0.12, 0.66)  # m thick; middle
-    cabinet: tuple[float, float] = (0.9, 0.95)
-    cabinet_lid: float = 0.06  # m
-    cabinet_plinth: float = 0.1  # m
-
-
-_SHELTER, _BENCH, _COLUMN = _Shelter(), _Bench(), _Column()
 _LITTER_BIN_BELOW = 0.95  # m: lower bins are round litter bins
 _LITTER_BIN_SHARE = 0.9  # of the extents
 _CONE_FOOT = 0.05  # m
@@ -82,36 +67,36 @@ _SLEEVE_OVER = 1.03  # times as wide as the cone under it
 def shelter(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A bus stop, open to its left (+y): a roof on posts, panes around it, a bench, a poster case."""
     length, width, height = builder.placed.size
-    roof = _SHELTER.roof
+    roof = _SHELTER_ROOF
     builder.add("box", (0.0, 0.0, height - roof / 2), (length, width, roof), "other", "metal")
-    builder.add_mesh(_shelter_posts(), (length, width, height - _SHELTER.posts_lower), "other", "metal")
+    builder.add_mesh(_shelter_posts(), (length, width, height - _SHELTER_POSTS_LOWER), "other", "metal")
     _add_panes(builder)
-    aside, behind, share = _SHELTER.bench_shares
-    depth, thick, z = _SHELTER.bench
+    aside, behind, share = _SHELTER_BENCH_SHARES
+    depth, thick, z = _SHELTER_BENCH
     x, y = -aside * length, -behind * width
     builder.add("box", (x, y, z), (share * length, depth, thick), "other", "wood")
-    builder.add("box", (x, y, _SHELTER.bench_leg[2] / 2), _SHELTER.bench_leg, "other", "metal")
-    if rng.random() < _SHELTER.poster_p:
-        depth, wide, tall = _SHELTER.poster
-        x = 0.5 * length - _SHELTER.poster_inset
-        size = (depth, min(wide, _SHELTER.poster_share * width), tall)
-        builder.add("box", (x, 0.0, _SHELTER.poster_middle), size, "other", "plastic")
-        builder.add("box", (x, 0.0, _SHELTER.poster_foot_middle), _SHELTER.poster_foot, "other", "metal")
+    builder.add("box", (x, y, _SHELTER_BENCH_LEG[2] / 2), _SHELTER_BENCH_LEG, "other", "metal")
+    if rng.random() < _SHELTER_POSTER_P:
+        depth, wide, tall = _SHELTER_POSTER
+        x = 0.5 * length - _SHELTER_POSTER_INSET
+        size = (depth, min(wide, _SHELTER_POSTER_SHARE * width), tall)
+        builder.add("box", (x, 0.0, _SHELTER_POSTER_MIDDLE), size, "other", "plastic")
+        builder.add("box", (x, 0.0, _SHELTER_POSTER_FOOT_MIDDLE), _SHELTER_POSTER_FOOT, "other", "metal")
 
 
 def _add_panes(builder: ObjectBuilder) -> None:
     """A pane behind and one on each side."""
     length, width, height = builder.placed.size
-    middle, extent = _SHELTER.panes_shares
-    z, tall, thick = middle * height, extent * height, _SHELTER.pane
-    behind, share = _SHELTER.back_shares
-    aside, back, deep = _SHELTER.side_shares
+    middle, extent = _SHELTER_PANES_SHARES
+    z, tall, thick = middle * height, extent * height, _SHELTER_PANE
+    behind, share = _SHELTER_BACK_SHARES
+    aside, back, deep = _SHELTER_SIDE_SHARES
     for at, size in (
         ((0.0, -behind * width, z), (share * length, thick, tall)),
         ((-aside * length, -back * width, z), (thick, deep * width, tall)),
         ((aside * length, -back * width, z), (thick, deep * width, tall)),
     ):
-        builder.add("box", at, size, "other", "glass", extinction=_SHELTER.pane_extinction)
+        builder.add("box", at, size, "other", "glass", extinction=_SHELTER_PANE_EXTINCTION)
 
 
 def bin(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
@@ -129,17 +114,17 @@ def bin(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
 def bench(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A bench that looks to its left (+y), open below; most have a back."""
     length, width, height = builder.placed.size
-    thick, middle = _BENCH.seat
+    thick, middle = _BENCH_SEAT
     builder.add("box", (0.0, 0.0, middle), (length, width, thick), "other", "wood")
-    thick, tall = _BENCH.leg
-    for x in (-_BENCH.legs_share * length, _BENCH.legs_share * length):
-        builder.add("box", (x, 0.0, tall / 2), (thick, _BENCH.leg_share * width, tall), "other", "metal")
-    if rng.random() < _BENCH.back_p:
-        y = _BENCH.back_inset - width / 2
-        thick, low = _BENCH.back
+    thick, tall = _BENCH_LEG
+    for x in (-_BENCH_LEGS_SHARE * length, _BENCH_LEGS_SHARE * length):
+        builder.add("box", (x, 0.0, tall / 2), (thick, _BENCH_LEG_SHARE * width, tall), "other", "metal")
+    if rng.random() < _BENCH_BACK_P:
+        y = _BENCH_BACK_INSET - width / 2
+        thick, low = _BENCH_BACK
         builder.add("box", (0.0, y, (low + height) / 2), (length, thick, height - low), "other", "wood")
-        thick, tall, middle = _BENCH.stay
-        builder.add("box", (0.0, y, middle), (_BENCH.stay_share * length, thick, tall), "other", "metal")
+        thick, tall, middle = _BENCH_STAY
+        builder.add("box", (0.0, y, middle), (_BENCH_STAY_SHARE * length, thick, tall), "other", "metal")
 
 
 def cone(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
@@ -154,9 +139,9 @@ def cone(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
 def letterbox(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A letterbox on a post, its slot forward (+x)."""
     length, width, height = builder.placed.size
-    middle, tall = _COLUMN.letterbox
+    middle, tall = _COLUMN_LETTERBOX
     builder.add("box", (0.0, 0.0, middle * height), (length, width, tall * height), "other", "light-paint")
-    share, thick = _COLUMN.letterbox_post
+    share, thick = _COLUMN_LETTERBOX_POST
     post = share * height
     builder.add("box", (0.0, 0.0, (post - EMBEDMENT) / 2), (thick, thick, post + EMBEDMENT), "other", "metal")
 
@@ -164,24 +149,24 @@ def letterbox(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
 def hydrant(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A pillar hydrant: a column with a bonnet and two outlets."""
     length, width, height = builder.placed.size
-    share, tall = _COLUMN.hydrant
+    share, tall = _COLUMN_HYDRANT
     diameter, column = share * min(length, width), tall * height
     size = (diameter, diameter, column + EMBEDMENT)
     builder.add("cylinder", (0.0, 0.0, (column - EMBEDMENT) / 2), size, "other", "metal")
-    wide, tall, middle = _COLUMN.bonnet
+    wide, tall, middle = _COLUMN_BONNET
     size = (wide * diameter, wide * diameter, tall * height)
     builder.add("ellipsoid", (0.0, 0.0, middle * height), size, "other", "metal")
-    thick, middle = _COLUMN.outlets
+    thick, middle = _COLUMN_OUTLETS
     builder.add("box", (0.0, 0.0, middle * height), (thick, width, thick), "other", "metal")
 
 
 def cabinet(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A distribution cabinet on a plinth, with a lid that sticks out and doors forward (+x)."""
     length, width, height = builder.placed.size
-    long, wide = _COLUMN.cabinet
+    long, wide = _COLUMN_CABINET
     size = (long * length, wide * width, height + EMBEDMENT)
     builder.add("box", (0.0, 0.0, (height - EMBEDMENT) / 2), size, "other", "plastic")
-    lid, plinth = _COLUMN.cabinet_lid, _COLUMN.cabinet_plinth
+    lid, plinth = _COLUMN_CABINET_LID, _COLUMN_CABINET_PLINTH
     builder.add("box", (0.0, 0.0, height - lid / 2), (length, width, lid), "other", "plastic")
     size = (length, width, plinth + EMBEDMENT)
     builder.add("box", (0.0, 0.0, plinth / 2 - EMBEDMENT / 2), size, "other", "concrete")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -13,82 +12,67 @@ from lidardraft.objects.placed_object import Vector
 
 LAMP_ARM = 1.9  # m, the longest: estimate
 
+# Street lamps [m]: estimates.
+_LAMP_LOW = 5.0  # below, most are lanterns
+_LAMP_LANTERN_P = 0.6
+_LAMP_LANTERN = (0.42, 0.42, 0.5)
+_LAMP_ARM = (0.6, LAMP_ARM - 0.3)  # shortest and longest, to the luminaire's middle
+_LAMP_ARM_WIDTH = 0.08
+_LAMP_ARM_UNDER = 0.08  # the top, its middle
+_LAMP_LUMINAIRE = (0.25, 0.6, 0.14)
+_LAMP_LUMINAIRE_UNDER = 0.12
+_LAMP_FUSE_BOX_P = 0.5
+_LAMP_FUSE_BOX = (1.15, 0.7, 0.5)  # times the mast's diameter, twice; height
+_LAMP_FUSE_BOX_MIDDLE = 0.6
 
-@dataclass(frozen=True, slots=True)
-class _Lamp:
-    """Street lamps [m]: estimates."""
+# Bare poles and bollards [m]: estimates.
+_POLE_WOODEN = (5.0, 0.2)  # higher and thicker than this
+_POLE_CONCRETE = 0.25  # thicker than this
+_POLE_BOLLARD = 1.3  # lower than this
+_POLE_BAND_P = 0.5
+_POLE_BAND = (1.04, 0.1, 0.85)  # of the diameter; height; middle, of the pole's height
 
-    low: float = 5.0  # below, most are lanterns
-    lantern_p: float = 0.6
-    lantern: Vector = (0.42, 0.42, 0.5)
-    arm: tuple[float, float] = (0.6, LAMP_ARM - 0.3)  # shortest and longest, to the luminaire's middle
-    arm_width: float = 0.08
-    arm_under: float = 0.08  # the top, its middle
-    luminaire: Vector = (0.25, 0.6, 0.14)
-    luminaire_under: float = 0.12
-    fuse_box_p: float = 0.5
-    fuse_box: tuple[float, float, float] = (1.15, 0.7, 0.5)  # times the mast's diameter, twice; height
-    fuse_box_middle: float = 0.6
-
-
-@dataclass(frozen=True, slots=True)
-class _Pole:
-    """Bare poles and bollards [m]: estimates."""
-
-    wooden: tuple[float, float] = (5.0, 0.2)  # higher and thicker than this
-    concrete: float = 0.25  # thicker than this
-    bollard: float = 1.3  # lower than this
-    band_p: float = 0.5
-    band: tuple[float, float, float] = (1.04, 0.1, 0.85)  # of the diameter; height; middle, of the pole's height
-
-
-@dataclass(frozen=True, slots=True)
-class _TrafficLight:
-    """Signals [m] with lenses of 0.2 m; those wider than `hanging` hang from a mast arm. Estimates."""
-
-    hanging: float = 1.0
-    post: float = 0.11
-    post_over: float = 0.1  # over the housing's lower edge
-    mast: float = 0.2
-    mast_inset: float = 0.15  # its middle, from the right end
-    arm: float = 0.14
-    arm_shorter: float = 0.1
-    arm_aside: float = 0.05
-    arm_under: float = 0.08
-    housing: Vector = (0.25, 0.32, 0.95)
-    housing_inset: float = 0.2  # its middle, from the left end
-    ahead: float = 0.2
-    low: float = 2.3  # height of the signal on the mast
-
-
-_LAMP, _POLE, _LIGHT = _Lamp(), _Pole(), _TrafficLight()
+# Signals [m] with lenses of 0.2 m; those wider than `_LIGHT_HANGING` hang from a mast arm. Estimates.
+_LIGHT_HANGING = 1.0
+_LIGHT_POST = 0.11
+_LIGHT_POST_OVER = 0.1  # over the housing's lower edge
+_LIGHT_MAST = 0.2
+_LIGHT_MAST_INSET = 0.15  # its middle, from the right end
+_LIGHT_ARM = 0.14
+_LIGHT_ARM_SHORTER = 0.1
+_LIGHT_ARM_ASIDE = 0.05
+_LIGHT_ARM_UNDER = 0.08
+_LIGHT_HOUSING = (0.25, 0.32, 0.95)
+_LIGHT_HOUSING_INSET = 0.2  # its middle, from the left end
+_LIGHT_AHEAD = 0.2
+_LIGHT_LOW = 2.3  # height of the signal on the mast
 
 
 def lamp(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A lamp post: with an arm to its left (+y) and a luminaire, or, if it is low, a lantern on its top."""
     diameter, _, height = builder.placed.size
     add_post(builder, diameter, height)
-    if height < _LAMP.low and rng.random() < _LAMP.lantern_p:
-        builder.add("cylinder", (0.0, 0.0, height - _LAMP.lantern[2] / 2), _LAMP.lantern, "pole", "plastic")
+    if height < _LAMP_LOW and rng.random() < _LAMP_LANTERN_P:
+        builder.add("cylinder", (0.0, 0.0, height - _LAMP_LANTERN[2] / 2), _LAMP_LANTERN, "pole", "plastic")
         return
-    arm = rng.uniform(*_LAMP.arm)
-    size = (_LAMP.arm_width, arm, _LAMP.arm_width)
-    builder.add("box", (0.0, arm / 2, height - _LAMP.arm_under), size, "pole")
-    builder.add("box", (0.0, arm, height - _LAMP.luminaire_under), _LAMP.luminaire, "pole", "plastic")
-    if rng.random() < _LAMP.fuse_box_p:
-        deep, wide, tall = _LAMP.fuse_box
+    arm = rng.uniform(*_LAMP_ARM)
+    size = (_LAMP_ARM_WIDTH, arm, _LAMP_ARM_WIDTH)
+    builder.add("box", (0.0, arm / 2, height - _LAMP_ARM_UNDER), size, "pole")
+    builder.add("box", (0.0, arm, height - _LAMP_LUMINAIRE_UNDER), _LAMP_LUMINAIRE, "pole", "plastic")
+    if rng.random() < _LAMP_FUSE_BOX_P:
+        deep, wide, tall = _LAMP_FUSE_BOX
         size = (deep * diameter, wide * diameter, tall)
-        builder.add("box", (0.0, 0.0, _LAMP.fuse_box_middle), size, "pole", "metal")
+        builder.add("box", (0.0, 0.0, _LAMP_FUSE_BOX_MIDDLE), size, "pole", "metal")
 
 
 def pole(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A bare pole, a wooden one if it is high and thick, or a bollard, some with a reflecting band."""
     diameter, _, height = builder.placed.size
-    high, thick = _POLE.wooden
+    high, thick = _POLE_WOODEN
     wooden = height > high and diameter > thick
-    add_post(builder, diameter, height, "wood" if wooden else "concrete" if diameter > _POLE.concrete else "metal")
-    if height < _POLE.bollard and rng.random() < _POLE.band_p:
-        share, tall, middle = _POLE.band
+    add_post(builder, diameter, height, "wood" if wooden else "concrete" if diameter > _POLE_CONCRETE else "metal")
+    if height < _POLE_BOLLARD and rng.random() < _POLE_BAND_P:
+        share, tall, middle = _POLE_BAND
         size = (share * diameter, share * diameter, tall)
         builder.add("cylinder", (0.0, 0.0, middle * height), size, "pole", "retroreflector")
 
@@ -101,18 +85,18 @@ def traffic_light(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """
     depth, width, height = builder.placed.size
     tall = height - builder.placed.clearance
-    if width <= _LIGHT.hanging:
-        add_post(builder, _LIGHT.post, builder.placed.clearance + _LIGHT.post_over)
+    if width <= _LIGHT_HANGING:
+        add_post(builder, _LIGHT_POST, builder.placed.clearance + _LIGHT_POST_OVER)
         _add_signal(builder, 0.0, builder.placed.clearance, (depth, width, tall))
         return
-    mast = -width / 2 + _LIGHT.mast_inset
-    add_post(builder, _LIGHT.mast, height, y=mast)
-    arm = (_LIGHT.arm, width - _LIGHT.arm_shorter, _LIGHT.arm)
-    builder.add("box", (0.0, _LIGHT.arm_aside, height - _LIGHT.arm_under), arm, "pole")
-    deep, wide, most = _LIGHT.housing
+    mast = -width / 2 + _LIGHT_MAST_INSET
+    add_post(builder, _LIGHT_MAST, height, y=mast)
+    arm = (_LIGHT_ARM, width - _LIGHT_ARM_SHORTER, _LIGHT_ARM)
+    builder.add("box", (0.0, _LIGHT_ARM_ASIDE, height - _LIGHT_ARM_UNDER), arm, "pole")
+    deep, wide, most = _LIGHT_HOUSING
     housing = (deep, wide, min(tall, most))
-    _add_signal(builder, width / 2 - _LIGHT.housing_inset, height - housing[2], housing, ahead=_LIGHT.ahead)
-    _add_signal(builder, mast, _LIGHT.low, _LIGHT.housing, ahead=_LIGHT.ahead)
+    _add_signal(builder, width / 2 - _LIGHT_HOUSING_INSET, height - housing[2], housing, ahead=_LIGHT_AHEAD)
+    _add_signal(builder, mast, _LIGHT_LOW, _LIGHT_HOUSING, ahead=_LIGHT_AHEAD)
 
 
 def add_post(

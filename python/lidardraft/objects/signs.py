@@ -7,63 +7,47 @@ least.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
 from lidardraft.objects.mesh import MeshTemplate, box, join, tube
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder, sample_name
-from lidardraft.objects.placed_object import Vector
 from lidardraft.objects.poles import add_post
 
 GANTRY_POST = 0.5  # m, how wide the posts of a gantry are: estimate
 
+# Signs [m]: posts are the tubes of 76 mm of DIN EN 12767; shares are estimates.
+_SIGN_POST = 0.076
+_SIGN_POST_LOWER = 0.05  # than the sign's upper edge
+_SIGN_WIDE = 1.5  # from here a board on two posts
+_SIGN_WIDE_POST = 0.1
+_SIGN_WIDE_POSTS_AT = 0.35  # share of the width, from the middle
+_SIGN_TWO_PLATES = (1.3, 0.7)  # times as high as wide; how often one over the other then
+_SIGN_PLATE_GAP = 0.03
+_SIGN_SQUARE = (0.8, 1.25)  # height over width between which it may be a disc
+_SIGN_AHEAD = 0.05  # of a plate, before the post's middle
+_SIGN_THICKNESS = 0.015
 
-@dataclass(frozen=True, slots=True)
-class _Sign:
-    """Signs [m]: posts are the tubes of 76 mm of DIN EN 12767; shares are estimates."""
+# Posters of 18/1 (3.56 x 2.52 m) on posts [m]: estimates.
+_BILLBOARD_NARROW = 2.0  # below, one post
+_BILLBOARD_HIGH = 2.0  # above this clearance, one post
+_BILLBOARD_POSTS_AT = 0.35  # share of the width, from the middle
+_BILLBOARD_POST = (0.16, 0.2)
+_BILLBOARD_POST_INTO = 0.1  # the board
+_BILLBOARD_DEEPEST = 0.3
+_BILLBOARD_FACE = (0.02, 0.94, 0.9)  # thickness; shares of width and height
+_BILLBOARD_BOTH_SIDES_P = 0.5
 
-    post: float = 0.076
-    post_lower: float = 0.05  # than the sign's upper edge
-    wide: float = 1.5  # from here a board on two posts
-    wide_post: float = 0.1
-    wide_posts_at: float = 0.35  # share of the width, from the middle
-    two_plates: tuple[float, float] = (1.3, 0.7)  # times as high as wide; how often one over the other then
-    plate_gap: float = 0.03
-    square: tuple[float, float] = (0.8, 1.25)  # height over width between which it may be a disc
-    ahead: float = 0.05  # of a plate, before the post's middle
-    thickness: float = 0.015
+# Sign bridges [m]: estimates.
+_GANTRY_POST_DEPTH = 0.5  # at most
+_GANTRY_TRUSS = (0.8, 1.2)  # depth and height at most
+_GANTRY_PER_BOARD = 4.5
+_GANTRY_BOARD_P = 0.75  # of those beside the middle one
+_GANTRY_BOARD_SHARE = 0.8  # of the width for it
+_GANTRY_BOARD_HEIGHT = (0.75, 1.0)  # shares of what is over the clearance
+_GANTRY_BOARD_AHEAD = 0.02  # of the truss
 
-
-@dataclass(frozen=True, slots=True)
-class _Billboard:
-    """Posters of 18/1 (3.56 x 2.52 m) on posts [m]: estimates."""
-
-    narrow: float = 2.0  # below, one post
-    high: float = 2.0  # above this clearance, one post
-    posts_at: float = 0.35  # share of the width, from the middle
-    post: tuple[float, float] = (0.16, 0.2)
-    post_into: float = 0.1  # the board
-    deepest: float = 0.3
-    face: Vector = (0.02, 0.94, 0.9)  # thickness; shares of width and height
-    both_sides_p: float = 0.5
-
-
-@dataclass(frozen=True, slots=True)
-class _Gantry:
-    """Sign bridges [m]: estimates."""
-
-    post_depth: float = 0.5  # at most
-    truss: tuple[float, float] = (0.8, 1.2)  # depth and height at most
-    per_board: float = 4.5
-    board_p: float = 0.75  # of those beside the middle one
-    board_share: float = 0.8  # of the width for it
-    board_height: tuple[float, float] = (0.75, 1.0)  # shares of what is over the clearance
-    board_ahead: float = 0.02  # of the truss
-
-
-_SIGN, _BILLBOARD, _GANTRY = _Sign(), _Billboard(), _Gantry()
 # Shapes of single plates, and how often: estimates.
 _PLATES = {"disc": 0.4, "triangle": 0.2, "square": 0.36, "octagon": 0.04}
 _UPPER_PLATES = ("disc", "triangle")  # of two, one over the other
@@ -78,18 +62,18 @@ def sign(builder: ObjectBuilder, rng: np.random.Generator, *, square: bool = Fal
     """
     _, width, height = builder.placed.size
     tall = height - builder.placed.clearance
-    if width > _SIGN.wide:
-        for side in (-_SIGN.wide_posts_at, _SIGN.wide_posts_at):
-            add_post(builder, _SIGN.wide_post, height, y=side * width)
+    if width > _SIGN_WIDE:
+        for side in (-_SIGN_WIDE_POSTS_AT, _SIGN_WIDE_POSTS_AT):
+            add_post(builder, _SIGN_WIDE_POST, height, y=side * width)
         _add_plate(builder, "square", 0.0, (width, tall), builder.placed.clearance)
         return
-    add_post(builder, _SIGN.post, height - _SIGN.post_lower)
-    slender, often = _SIGN.two_plates
+    add_post(builder, _SIGN_POST, height - _SIGN_POST_LOWER)
+    slender, often = _SIGN_TWO_PLATES
     if not square and tall > slender * width and rng.random() < often:
         _add_plate(builder, str(rng.choice(_UPPER_PLATES)), 0.0, (width, width), height - width)
-        _add_plate(builder, "square", 0.0, (width, tall - width - _SIGN.plate_gap), builder.placed.clearance)
+        _add_plate(builder, "square", 0.0, (width, tall - width - _SIGN_PLATE_GAP), builder.placed.clearance)
     else:
-        low, high = _SIGN.square
+        low, high = _SIGN_SQUARE
         outline = sample_name(_PLATES, rng) if not square and low < tall / width < high else "square"
         _add_plate(builder, outline, 0.0, (width, tall), builder.placed.clearance)
 
@@ -98,22 +82,22 @@ def billboard(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A poster from `clearance` to the top, facing forward (+x), on one post or two."""
     depth, width, height = builder.placed.size
     tall = height - builder.placed.clearance
-    top = builder.placed.clearance + _BILLBOARD.post_into
+    top = builder.placed.clearance + _BILLBOARD_POST_INTO
     for y in billboard_posts(width, builder.placed.clearance):
-        size = (*_BILLBOARD.post, top + EMBEDMENT)
+        size = (*_BILLBOARD_POST, top + EMBEDMENT)
         builder.add("box", (0.0, y, (top - EMBEDMENT) / 2), size, "other", "metal")
-    deep, middle = min(depth, _BILLBOARD.deepest), builder.placed.clearance + tall / 2
+    deep, middle = min(depth, _BILLBOARD_DEEPEST), builder.placed.clearance + tall / 2
     builder.add("box", (0.0, 0.0, middle), (deep, width, tall), "other", "metal")
-    thick, wide, high = _BILLBOARD.face
-    for side in (-1, 1) if rng.random() < _BILLBOARD.both_sides_p else (1,):
+    thick, wide, high = _BILLBOARD_FACE
+    for side in (-1, 1) if rng.random() < _BILLBOARD_BOTH_SIDES_P else (1,):
         at = (side * (deep / 2), 0.0, middle)
         builder.add("box", at, (thick, wide * width, high * tall), "other", "plastic")
 
 
 def billboard_posts(width: float, clearance: float) -> tuple[float, ...]:
     """Where across a billboard of that width its posts stand [m]: narrow and high ones have one."""
-    aside = _BILLBOARD.posts_at * width
-    single = width < _BILLBOARD.narrow or clearance > _BILLBOARD.high
+    aside = _BILLBOARD_POSTS_AT * width
+    single = width < _BILLBOARD_NARROW or clearance > _BILLBOARD_HIGH
     return (0.0,) if single else (-aside, aside)
 
 
@@ -126,17 +110,17 @@ def gantry(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     tall = height - builder.placed.clearance
     for side in (-1, 1):
         y = side * (width - GANTRY_POST) / 2
-        size = (min(depth, _GANTRY.post_depth), GANTRY_POST, height + EMBEDMENT)
+        size = (min(depth, _GANTRY_POST_DEPTH), GANTRY_POST, height + EMBEDMENT)
         builder.add("box", (0.0, y, (height - EMBEDMENT) / 2), size, "pole")
-    deep, high = min(depth, _GANTRY.truss[0]), min(tall, _GANTRY.truss[1])
+    deep, high = min(depth, _GANTRY_TRUSS[0]), min(tall, _GANTRY_TRUSS[1])
     builder.add_mesh(_truss(), (deep, width, high), "pole", "metal", at=(0, 0, builder.placed.clearance))
-    count = max(1, round(width / _GANTRY.per_board))
+    count = max(1, round(width / _GANTRY_PER_BOARD))
     room = width - 2 * GANTRY_POST
     for number in range(count):
-        if rng.random() < _GANTRY.board_p or number == count // 2:
-            board = (_GANTRY.board_share * room / count, tall * rng.uniform(*_GANTRY.board_height))
+        if rng.random() < _GANTRY_BOARD_P or number == count // 2:
+            board = (_GANTRY_BOARD_SHARE * room / count, tall * rng.uniform(*_GANTRY_BOARD_HEIGHT))
             y = (number + 0.5 - count / 2) * room / count
-            _add_plate(builder, "square", y, board, builder.placed.clearance, ahead=deep / 2 + _GANTRY.board_ahead)
+            _add_plate(builder, "square", y, board, builder.placed.clearance, ahead=deep / 2 + _GANTRY_BOARD_AHEAD)
 
 
 def _add_plate(
@@ -146,11 +130,11 @@ def _add_plate(
     size: tuple[float, float],
     bottom: float,
     *,
-    ahead: float = _SIGN.ahead,
+    ahead: float = _SIGN_AHEAD,
 ) -> None:
     """Add a plate of that width and height that faces forward, and its back."""
     width, height = size
-    for x, material in ((ahead + _SIGN.thickness, "retroreflector"), (ahead, "sign-back")):
+    for x, material in ((ahead + _SIGN_THICKNESS, "retroreflector"), (ahead, "sign-back")):
         at = (x, y, bottom + height / 2)
         builder.add_mesh(_plate(outline), (1.0, width, height), "traffic-sign", material, at=at)
 
