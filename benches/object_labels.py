@@ -19,7 +19,6 @@ from lidardraft.semantics import BY_NAME
 
 ROAD, OTHER = BY_NAME["road"].id, BY_NAME["other"].id
 _KITTI = {"Car": "car", "Van": "car", "Truck": "truck", "Tram": "train", "Pedestrian": "person", "Cyclist": "rider"}
-_PANDASET_CARS = ("Car",)
 _GROWTH = 0.1  # m around an annotated box, of which the points are the object's
 _STANDS = 0.25  # m over the lowest return of a cell of 2 m; what is lower is ground
 _CELL = 2.0
@@ -37,6 +36,12 @@ class FittedBox:
         """Points [N, 3] in the frame of the box, its center at the origin."""
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
         return (points - self.center) @ np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
+
+    def depths(self, points: np.ndarray) -> np.ndarray:
+        """How far behind the nearest side or the roof [m] those of points [N, 3] lie that are in the box."""
+        local = self.to_local(points)
+        room = self.size / 2 - np.column_stack([np.abs(local[:, :2]), local[:, 2]])
+        return room.min(axis=1)[(room > 0).all(axis=1) & (local[:, 2] > -self.size[2] / 2)]
 
     def contains(self, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
         """bool [N]: above or below the box's footprint and further than `margin` from its edge; heights are ignored."""
@@ -76,13 +81,13 @@ def kitti_frames(folder: Path) -> Iterator[LabelledBoxes]:
         yield LabelledBoxes(points, labels, cars, 1.73)
 
 
-def pandaset_frames(folder: Path) -> Iterator[LabelledBoxes]:
-    """PandaSet's frames with their own labels of points, and the cuboids of class "Car"."""
+def pandaset_frames(folder: Path, classes: tuple[str, ...] = ("Car",)) -> Iterator[LabelledBoxes]:
+    """PandaSet's frames with their own labels of points, and the cuboids of some of its classes."""
     for path in sorted((folder / "permissive" / "pandaset").glob("*/*.npz")):
         with np.load(path) as file:
             mine = file["device"] == 0
             points, raw = file["xyz"][mine].astype(np.float64), file["label"][mine]
-            chosen = np.isin(file["box_class"], _PANDASET_CARS)
+            chosen = np.isin(file["box_class"], classes)
             boxes = [
                 FittedBox(center=center.astype(np.float64), size=size.astype(np.float64), yaw=float(yaw))
                 for center, size, yaw in zip(

@@ -7,11 +7,15 @@ from there returns within 0.5 m or 5 % and of the same class. That is the cast o
 the coarse layouts of streets in each style; "street" is the detailed scene of the same street itself. For labelled
 recordings in FOLDER (PandaSet's, by default in LIDARDRAFT_DATA) it is the share of the recorded returns of a class for
 which the bare cast, and that of the detailed layout, of their clustering is as near: "bare" and "detailed".
+
+Two more tables: how many of the returns in the boxes of vehicles lie behind their skin, recorded and in streets; and
+how many returns the objects of sentences keep in the street around them.
 """
 
 from __future__ import annotations
 
 import argparse
+import itertools
 import os
 import time
 from collections import defaultdict
@@ -19,16 +23,18 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft import Layout, RangeImage, Sensor, detail, layout_from_cloud, layout_from_text, raycast
+from lidardraft import Layout, RangeImage, Sensor, detail, layout_from_cloud, layout_from_text, raycast, surround
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.labelling import agrees
 from lidardraft.scene.layout import object_of
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import PRESETS
-from lidardraft.semantics import CLASSES, GROUND, NUM_CLASSES
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, ClusterStyle, PictureStyle, TextStyle, coarse_layout
 from lidardraft.streets.pairs import scan_street
+from lidardraft.streets.scans import street_scan
 from lidardraft.streets.street import StreetConfig, make_street
+from object_labels import FittedBox, pandaset_frames
 from recordings import pandar64
 
 SENSOR = PRESETS["hdl64e"]
@@ -47,6 +53,9 @@ SENTENCES = (
 SEEDS = 3  # of each sentence
 STYLES = (TextStyle(), ClusterStyle(), PictureStyle(), BoxStyle())
 POSES = 2  # of each street
+SKIN = 0.3  # m behind the sides or the roof of a vehicle
+# Classes of vehicles, and what they are in PandaSet.
+VEHICLES = {"car": ("Car",), "truck": ("Medium-sized Truck", "Semi-truck"), "bus": ("Bus",)}
 
 Counts = dict[str, np.ndarray]  # by column: agreeing returns and all [2, K]
 
@@ -118,6 +127,46 @@ def of_recording(counts: Counts, sweep: Sweep, sensor: Sensor) -> Layout:
     return layout
 
 
+def of_skins(data: Path | None, number: int) -> str:
+    """A row a class of vehicle: of the returns in its boxes the share over `SKIN` behind the nearest side or the roof,
+    and their number: those of PandaSet, and those of streets seen by its sensor."""
+    found: dict[tuple[str, str], list[np.ndarray]] = defaultdict(list)
+    for index in range(number):
+        scan = street_scan(11, index, StreetConfig(sensor=PRESETS["pandar64"], poses_per_street=2))
+        points, instances = scan.points()[:, :3].astype(np.float64), scan.instances()
+        for box in scan.boxes():
+            if box.label in VEHICLES:
+                fitted = FittedBox(center=np.array(box.center), size=np.array(box.size), yaw=box.yaw)
+                found[box.label, "streets"].append(fitted.depths(points[instances == box.instance]))
+    for label, classes in VEHICLES.items() if data is not None else ():
+        for frame in pandaset_frames(Path(data), classes):
+            points = frame.points[frame.labels == BY_NAME[label].id]
+            found[label, "recorded"] += [box.depths(points) for box in frame.cars]
+    lines = ["| | recorded | streets |", "|---|---:|---:|"]
+    for label in VEHICLES:
+        depths = [np.concatenate([np.zeros(0), *found[label, origin]]) for origin in ("recorded", "streets")]
+        cells = [f"{np.mean(one > SKIN):.2f} ({len(one)})" if len(one) else "" for one in depths]
+        lines.append(f"| {label} | {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def of_surroundings(sentences: tuple[str, ...] = SENTENCES, seeds: int = SEEDS) -> str:
+    """How many returns the vehicles and people of sentences have in the street around them, of those without it."""
+    counts = []
+    for sentence, seed in itertools.product(sentences, range(seeds)):
+        layout = layout_from_text(sentence, seed=seed)
+        asked = np.array([BY_NAME[primitive.label].is_thing for primitive in layout])
+        for each in (layout, surround(layout, seed)):
+            image = raycast(each, SENSOR, primitive=True)
+            seen = np.bincount(image.primitive[image.valid], minlength=len(each))
+            counts.append(seen[: len(layout)][asked])
+    before, after = np.concatenate(counts[::2]), np.concatenate(counts[1::2])
+    lost = np.mean(after[before >= 20] < 0.9 * before[before >= 20])
+    return (
+        f"{after.sum()} of {before.sum()} returns; of {len(before)} shapes {lost:.1%} lose over a tenth of 20 or more"
+    )
+
+
 def main() -> None:
     """Print all tables."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
@@ -136,6 +185,8 @@ def main() -> None:
             for sweep in sweeps:
                 of_recording(counts, sweep, PRESETS["pandar64"])
         print(f"\n{report(counts)}" if counts else "")
+    print(f"\nreturns over {SKIN} m behind the skin of vehicles:\n\n{of_skins(arguments.data, 4 * arguments.streets)}")
+    print(f"\nvehicles and people of sentences in their streets: {of_surroundings()}")
 
 
 if __name__ == "__main__":

@@ -3,7 +3,8 @@
 For each sensor of which there are recordings, and which is a preset: streets scanned with its pattern, measured as the
 recordings are, in one table, worst property first. "Recorded vs recorded" is the mean distance between recordings of
 two drives or places, "streets vs recorded" that between as many streets and each of them; a ratio of 1 says that
-streets differ from a drive as another drive does. The recordings are looked for in the folder LIDARDRAFT_DATA or
+streets differ from a drive as another drive does. Below are the shares of classes beside those of each recording, and
+which lie within a factor of two of one of them. The recordings are looked for in the folder LIDARDRAFT_DATA or
 --data. With --text the scans are those of a sentence and its surroundings, a seed each.
 """
 
@@ -93,7 +94,27 @@ def _section(
     if without:
         recorded = without_group(recorded, without)
     comparisons, pooled = report(recorded, read_sensor(scan_with or name), num, text)
-    return markdown(recorded, comparisons, f"{num} scans of {text or 'streets'}"), pooled
+    return markdown(recorded, comparisons, f"{num} scans of {text or 'streets'}") + composition(pooled), pooled
+
+
+def composition(pooled: Pooled) -> str:
+    """The share of each class [%] in each recording and in the streets, and whether these lie within a factor of two of
+    one of the recordings."""
+    counts = {name: np.array(values) for name, values in pooled.get("class counts", {}).items()}
+    if not counts:
+        return ""
+    known = np.sum([values for name, values in counts.items() if name != "streets"], axis=0) > 0
+    shares = {name: values * known / max((values * known).sum(), 1.0) for name, values in counts.items()}
+    made = shares.pop("streets")
+    head = f"| share [%] | {' | '.join(shares)} | streets | within 2 x |"
+    lines = ["", head, "|---" + "|---:" * (len(shares) + 2) + "|"]
+    for at, name in enumerate(CLASS_SETS):
+        if known[at]:
+            recorded = [values[at] for values in shares.values()]
+            near = any(one / 2 <= made[at] <= 2 * one for one in recorded)
+            cells = [digits(100 * share) for share in (*recorded, made[at])]
+            lines.append(f"| {name} | {' | '.join(cells)} | {'yes' if near else 'no'} |")
+    return "\n".join(lines) + "\n"
 
 
 def without_group(recorded: Recordings, left_out: str) -> Recordings:
