@@ -1,5 +1,7 @@
 """Specs: read, refused, and put into words."""
 
+import json
+
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -16,6 +18,7 @@ from lidardraft.drafting.solver.scene_spec import (
 )
 from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS
 from lidardraft.errors import LidarDraftError
+from lidardraft.json_fields import parse_object
 
 kinds_and_surfaces = st.sampled_from(sorted(SENTENCE_KINDS)).map(lambda kind: (kind, None)) | st.sampled_from(
     [("person", "road"), ("person", "sidewalk"), ("bicycle", "sidewalk"), ("car", "road"), ("bench", "sidewalk")]
@@ -41,13 +44,12 @@ roads = st.builds(
 @given(roads, st.lists(groups, max_size=4), st.lists(st.sampled_from(sorted(SENTENCE_KINDS)), max_size=2))
 def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list[str]) -> None:
     spec = SceneSpec(road=road, groups=tuple(wanted), absent=tuple(absent), not_understood=("bus stop",))
-    assert SceneSpec.from_json(spec.to_json()) == spec
+    assert SceneSpec.from_dict(json.loads(json.dumps(spec.to_dict()))) == spec
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", "spec: not JSON"),
         (
             '{"groups": [{"kind": "car", "distance": 9}]}',
             "car: distance is 9; it must be a range in metres",
@@ -57,9 +59,8 @@ def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list
         ('{"groups": [{"kind": "car", "places": "front"}]}', "car: places is 'front'; it must be a list"),
         ('{"road": {"sidewalk": 1}}', "road: sidewalk is 1; it must be true, false or null"),
         ('{"road": {"oncoming_lanes": 1}}', "road: oncoming_lanes is 1; it must be null, unless the road is two-way"),
-        ('{"groups": [{"kind": "car", "distance": [1, 1' + "0" * 400 + "]}]}", "spec: car: distance is [1, 10000"),
-        ('{"groups": ' + "[" * 100_000, "spec: not JSON that can be read: it is nested too deeply"),
-        ('{"sky": 1}', "spec: unknown field 'sky'"),
+        ('{"groups": [{"kind": "car", "distance": [1, 1' + "0" * 400 + "]}]}", "car: distance is [1, 10000"),
+        ('{"sky": 1}', "unknown field 'sky'"),
         ('{"groups": [{"kind": "dragon"}]}', "group: kind is 'dragon'; it must be one of vehicle, car"),
         ('{"groups": [{"kind": "car", "count": 0}]}', "car: count is 0; it must be 1 to 5000, or one of few, some"),
         ('{"groups": [{"kind": "car", "count": "lots"}]}', "car: count is 'lots'; it must be one of few, some, many"),
@@ -71,10 +72,6 @@ def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list
         ),
         ('{"groups": [{"kind": "car", "distance": [9, 3]}]}', "car: distance is [9, 3]; it must be a range in metres"),
         ('{"groups": [{"kind": "car", "spacing": 0}]}', "car: spacing is 0; it must be 0.1 m or more"),
-        ('{"groups": [{"kind": "car", "count": ' + "9" * 1_000_000 + "}]}", "spec: not JSON"),
-        ('{"groups": [{"kind": "car", "spacing": ' + "9" * 4000 + "}]}", "spec: "),
-        ('{"groups": [{"kind": "car", "distance": [1, ' + "9" * 4000 + "]}]}", "spec: "),
-        ('{"groups": ' + "[" * 100_000, "spec: not JSON"),
         ('{"road": {"kind": "river"}}', "road: kind is 'river'; it must be one of straight"),
         ('{"road": {"lanes": 7}}', "road: lanes is 7; it must be 1 to 6 in each direction"),
         ('{"road": {"sidewalk": "wide"}}', "road: sidewalk is 'wide'; it must be true, false or null"),
@@ -86,7 +83,7 @@ def test_json_round_trip(road: RoadSpec, wanted: list[ObjectGroup], absent: list
 )
 def test_wrong_specs_name_what_is_wrong(text: str, message: str) -> None:
     with pytest.raises(LidarDraftError) as caught:
-        SceneSpec.from_json(text)
+        SceneSpec.from_dict(parse_object(text))
     assert message in str(caught.value)
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import graphlib
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, cast
@@ -12,8 +11,7 @@ from typing import Any, cast
 from lidardraft.arranging.district import SETTINGS
 from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind
 from lidardraft.errors import LayoutError, one_of
-from lidardraft.files import named
-from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number, parse_object
+from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number
 from lidardraft.scene.weather import WEATHERS
 
 ROADS = (
@@ -298,16 +296,6 @@ class SceneSpec:
         for group in groups:
             check_fields(check_object(group), ("kind",), ObjectGroup.__dataclass_fields__)
         return cls(**{**fields, "road": RoadSpec(**road), "groups": [ObjectGroup(**group) for group in groups]})
-
-    def to_json(self) -> str:
-        """The spec as JSON text; `from_json` gives an equal spec."""
-        return json.dumps(self.to_dict(), allow_nan=False)
-
-    @classmethod
-    def from_json(cls, text: str) -> SceneSpec:
-        """Raises `FormatError` where the text is no spec, `LayoutError` where what it says cannot be."""
-        with named("spec"):
-            return cls.from_dict(parse_object(text))
 
 
 def _plain(value: Any) -> Any:

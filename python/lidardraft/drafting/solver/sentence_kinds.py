@@ -327,4 +327,8 @@ _KINDS = (
     # 0.75 m for motorways and 0.5 m for other roads in the German rules for road works (RSA 21)
     _thing("cone", SizeBetween((0.28, 0.28, 0.5), (0.4, 0.4, 0.75)), "other", shapes=sample_cone, set_down=True),
 )  # fmt: skip
+# How often a sentence about a street names each family of kinds.
+FAMILIES = {
+    "people": 0.85, "buildings": 0.9, "trees": 0.9, "greenery": 0.6, "enclosures": 0.6, "poles": 0.5, "furniture": 0.4
+}  # fmt: skip
 SENTENCE_KINDS: dict[str, SentenceKind] = {kind.name: kind for kind in _KINDS}

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar, TypeAlias
+from typing import ClassVar, TypeAlias
 
 import numpy as np
 
 from lidardraft.drafting.cloud.layout import layout_from_cloud
-from lidardraft.errors import LayoutError
+from lidardraft.drafting.solver.sentence_kinds import FAMILIES
 from lidardraft.objects.coarse_shapes import MOST_LOBES
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.shape_table import ShapeTable
-from lidardraft.streets.coarse.coarse_street import FAMILIES, CoarseStreet, place_of
+from lidardraft.streets.coarse.coarse_street import CoarseStreet, place_of
 
 _NOTICED = 5  # returns of an object that is noticed in a picture: an estimate
 _SHARES = (0.3, 0.35, 0.2, 0.15)  # how often each is sampled
@@ -54,8 +54,7 @@ class VisibleObjects:
 class TextStyle:
     """What the sentence names: vehicles, and of `FAMILIES` those in `named`, within `reach` [m] of the ego vehicle.
 
-    `sidewalks` and `poles` say whether there are any. Raises `LayoutError` on an unknown family or a reach that is not
-    1 to 1000 m.
+    `sidewalks` and `poles` say whether there are any.
     """
 
     source: ClassVar[str] = "text"
@@ -64,12 +63,6 @@ class TextStyle:
     sidewalks: bool = True
     poles: bool = True
     reach: float = 200.0
-
-    def __post_init__(self) -> None:
-        for family in self.named:
-            if family not in FAMILIES:
-                raise LayoutError(f"named holds {family!r}; it must be of {', '.join(FAMILIES)}")
-        _check_limits(self, reach=(1.0, 1000.0))
 
 
 def as_text(street: CoarseStreet, style: TextStyle, pose: np.ndarray) -> ShapeTable:
@@ -110,7 +103,7 @@ class PictureStyle:
     The picture shows what is within `reach` [m] and `view` [rad] around straight ahead; `omit` is the share of small
     objects left out, `sidewalks` and `poles` say whether there are any, `relief` whether the ground rises and falls.
     `lobes` is the number of ellipsoids in a crown. `error` is the standard deviation of sizes in shares of them and of
-    places in shares of the distance, `turn` that of yaw [rad]. Raises `LayoutError` on a value out of its limits.
+    places in shares of the distance, `turn` that of yaw [rad].
     """
 
     source: ClassVar[str] = "picture"
@@ -123,17 +116,6 @@ class PictureStyle:
     turn: float = 0.0
     reach: float = 200.0
     view: float = math.tau
-
-    def __post_init__(self) -> None:
-        _check_limits(
-            self,
-            omit=(0.0, 1.0),
-            lobes=(1, MOST_LOBES),
-            error=(0.0, 0.3),
-            turn=(0.0, 1.0),
-            reach=(1.0, 1000.0),
-            view=(0.1, math.tau),
-        )
 
     @property
     def coverage(self) -> tuple[float, float] | None:
@@ -191,13 +173,6 @@ def as_boxes(street: CoarseStreet, style: BoxStyle, pose: np.ndarray) -> ShapeTa
     everything = np.ones(len(street.objects), dtype=bool)
     ground = street.ground(pose, relief=style.relief)
     return ShapeTable.join(ground, street.standing(street.exact, everything, pose, relief=style.relief))
-
-
-def _check_limits(style: Any, **limits: tuple[float, float]) -> None:
-    """Raises `LayoutError` if a field of the style is below the first or over the second number given for it."""
-    for name, (low, high) in limits.items():
-        if not low <= getattr(style, name) <= high:
-            raise LayoutError(f"{name} is {getattr(style, name)}; it must be {low:g} to {high:g}")
 
 
 Style: TypeAlias = TextStyle | ClusterStyle | PictureStyle | BoxStyle

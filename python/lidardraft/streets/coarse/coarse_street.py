@@ -1,5 +1,4 @@
-"""What all coarse layouts of one street share: its ground, the coarse shapes of its objects as columns, and the
-families of words that a sentence names or leaves out together."""
+"""What all coarse layouts of one street share: its ground, and the coarse shapes of its objects as columns."""
 
 from __future__ import annotations
 
@@ -110,12 +109,6 @@ def _looked_down(caster: Raycaster, places: np.ndarray) -> tuple[np.ndarray, np.
     height = np.where(hits.valid, _SKY - hits.distance.astype(float), 0.0)
     label = np.where(hits.valid, hits.label, BY_NAME["terrain"].id)
     return height.reshape(places.shape[:-1]), label.reshape(places.shape[:-1])
-
-
-# How often a sentence names each family of kinds: an estimate.
-FAMILIES = {
-    "people": 0.85, "buildings": 0.9, "trees": 0.9, "greenery": 0.6, "enclosures": 0.6, "poles": 0.5, "furniture": 0.4
-}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
