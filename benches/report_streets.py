@@ -4,8 +4,9 @@ For each sensor of which there are recordings, and which is a preset: streets sc
 recordings are, in one table, worst property first. "Recorded vs recorded" is the mean distance between recordings of
 two drives or places, "streets vs recorded" that between as many streets and each of them; a ratio of 1 says that
 streets differ from a drive as another drive does. Below are the shares of classes beside those of each recording, and
-which lie within a factor of two of one of them. The recordings are looked for in the folder LIDARDRAFT_DATA or
---data. With --text the scans are those of a sentence and its surroundings, a seed each.
+which lie within a factor of two of what the recordings have, from the least to the most. The recordings are looked for
+in the folder LIDARDRAFT_DATA or --data. With --text the scans are those of a sentence and its surroundings, a seed
+each.
 """
 
 from __future__ import annotations
@@ -99,7 +100,7 @@ def _section(
 
 def composition(pooled: Pooled) -> str:
     """The share of each class [%] in each recording and in the streets, and whether these lie within a factor of two of
-    one of the recordings."""
+    what the recordings have, from the least to the most."""
     counts = {name: np.array(values) for name, values in pooled.get("class counts", {}).items()}
     if not counts:
         return ""
@@ -111,7 +112,7 @@ def composition(pooled: Pooled) -> str:
     for at, name in enumerate(CLASS_SETS):
         if known[at]:
             recorded = [values[at] for values in shares.values()]
-            near = any(one / 2 <= made[at] <= 2 * one for one in recorded)
+            near = min(recorded) / 2 <= made[at] <= 2 * max(recorded)
             cells = [digits(100 * share) for share in (*recorded, made[at])]
             lines.append(f"| {name} | {' | '.join(cells)} | {'yes' if near else 'no'} |")
     return "\n".join(lines) + "\n"
