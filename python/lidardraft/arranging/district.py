@@ -188,7 +188,7 @@ SETTINGS: dict[str, District] = {
         thickets=0.0,
         traffic_gap=120.0,
         adjoining=0.93,
-        short_front=4.0,
+        short_front=3.0,
     ),
     "village": replace(_RESIDENTIAL, setback=(1.0, 6.0), gap=(1.0, 7.0), built=0.75, front_fences=0.8),
     "industrial": replace(_RETAIL, blocks=1.0, built=0.75, heavy=0.35, people=0.1, street_trees=0.3, wild_trees=14),

@@ -235,7 +235,7 @@ def _parapet() -> MeshTemplate:
 def _balconies(bays: int, floors: int, every: bool) -> tuple[MeshTemplate, MeshTemplate]:
     """Slabs of balconies before a front, in shares of its length, their depth and its height, and their balustrades."""
     slabs, rails = [], []
-    columns = range(0 if every else bays % 2, bays, 2)
+    columns = range(0 if every or bays == 1 else bays % 2, bays, 2)
     rail, foot = _BLOCK_RAIL / STOREY / floors, _BLOCK_SLAB / STOREY / floors
     for floor in range(1, floors):
         z = floor / floors
