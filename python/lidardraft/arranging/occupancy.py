@@ -12,7 +12,6 @@ import numpy as np
 from lidardraft.arranging.ground import Ground
 from lidardraft.objects.kinds import kind_of
 from lidardraft.objects.placed_object import PlacedObject
-from lidardraft.scene.pose import point_at
 from lidardraft.scene.road import PavedArea, Road
 from lidardraft.scene.solids import Solid, Solids
 
@@ -81,7 +80,7 @@ class Occupancy:
             return False
         x, y, heading = self.road.at(along, across)
         yaw = math.remainder(heading + angle, 2 * math.pi)
-        spaces = solids_of(kind, x, y, yaw, size, clearance)
+        spaces = kind_of(kind).solids((x, y, yaw), size, clearance)
         for space in spaces:
             if any(self._occupied.touching(space, margin)) or (private and any(self._public.touching(space))):
                 return False
@@ -176,13 +175,3 @@ class Occupancy:
         length, width = area.along[1] - area.along[0], area.across[1] - area.across[0]
         x, y, yaw = self.road.at(sum(area.along) / 2, sum(area.across) / 2)
         return Solid.box(x, y, yaw, (length, width), -_PUBLIC_DEPTH, _HEADROOM)
-
-
-def solids_of(
-    kind: str, x: float, y: float, yaw: float, size: tuple[float, float, float], clearance: float
-) -> list[Solid]:
-    """The upright boxes an object of a kind fills there."""
-    return [
-        Solid.box(*point_at((x, y, yaw), b.x, b.y), yaw, (b.length, b.width), b.bottom, b.top)
-        for b in kind_of(kind).boxes(size, clearance)
-    ]

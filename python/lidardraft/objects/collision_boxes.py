@@ -1,14 +1,13 @@
-"""The upright boxes that an object fills, by which placement keeps one object out of another."""
+"""The upright boxes that an object fills, in its frame, by which placement keeps one object out of another."""
 
 from __future__ import annotations
-
-from typing import NamedTuple
 
 from lidardraft.objects.buildings import BALCONY, EAVES, STOREY
 from lidardraft.objects.placed_object import Vector
 from lidardraft.objects.plants import trunk_diameter
 from lidardraft.objects.poles import LAMP_ARM
 from lidardraft.objects.signs import GANTRY_POST, billboard_posts
+from lidardraft.scene.solids import Solid
 
 # Estimates.
 _POST = 0.2  # m, how much room a post is given
@@ -18,72 +17,65 @@ _LOWEST_BALCONY = 0.9  # storeys over the ground
 _NARROW_SIGN = 1.0  # m; wider signs stand on two posts
 
 
-class CollisionBox(NamedTuple):
-    """A box in the object's frame: its middle, its extents, and its bottom and top over the ground [m]."""
-
-    x: float
-    y: float
-    length: float
-    width: float
-    bottom: float
-    top: float
-
-
-def whole(size: Vector, _clearance: float) -> list[CollisionBox]:
+def whole(size: Vector, _clearance: float) -> list[Solid]:
     """All of the extents, from the ground up."""
     length, width, height = size
-    return [CollisionBox(0.0, 0.0, length, width, 0.0, height)]
+    return [_box(length, width, 0.0, height)]
 
 
-def tree(size: Vector, clearance: float) -> list[CollisionBox]:
+def tree(size: Vector, clearance: float) -> list[Solid]:
     """A trunk and a crown, so that a car can stand under it."""
     diameter = trunk_diameter(size[2])
-    return [CollisionBox(0.0, 0.0, diameter, diameter, 0.0, clearance), _above(size, clearance)]
+    return [_box(diameter, diameter, 0.0, clearance), _above(size, clearance)]
 
 
-def house(size: Vector, clearance: float) -> list[CollisionBox]:
+def house(size: Vector, clearance: float) -> list[Solid]:
     """Walls, and a roof that overhangs on all sides."""
     length, width, height = size
-    roof = CollisionBox(0.0, 0.0, length + 2 * EAVES, width + 2 * EAVES, clearance - _UNDER_EAVES, height)
+    roof = _box(length + 2 * EAVES, width + 2 * EAVES, clearance - _UNDER_EAVES, height)
     return [*whole(size, clearance), roof]
 
 
-def block(size: Vector, clearance: float) -> list[CollisionBox]:
+def block(size: Vector, clearance: float) -> list[Solid]:
     """Walls, and balconies from the first floor up."""
     length, width, height = size
     return [
         *whole(size, clearance),
-        CollisionBox(0.0, 0.0, length, width + 2 * BALCONY, _LOWEST_BALCONY * STOREY, height),
+        _box(length, width + 2 * BALCONY, _LOWEST_BALCONY * STOREY, height),
     ]
 
 
-def lamp(size: Vector, clearance: float) -> list[CollisionBox]:
+def lamp(size: Vector, clearance: float) -> list[Solid]:
     """A mast, and the longest arm to its left (+y)."""
     height = size[2]
-    return [*whole(size, clearance), CollisionBox(0.0, LAMP_ARM / 2, _ARM, LAMP_ARM + _ARM, height - _ARM, height)]
+    return [*whole(size, clearance), _box(_ARM, LAMP_ARM + _ARM, height - _ARM, height, y=LAMP_ARM / 2)]
 
 
-def billboard(size: Vector, clearance: float) -> list[CollisionBox]:
+def billboard(size: Vector, clearance: float) -> list[Solid]:
     """A post or two, and a board from `clearance` to the top."""
-    posts = [CollisionBox(0.0, y, _POST, _POST, 0.0, clearance) for y in billboard_posts(size[1], clearance)]
+    posts = [_box(_POST, _POST, 0.0, clearance, y=y) for y in billboard_posts(size[1], clearance)]
     return [*posts, _above(size, clearance)]
 
 
-def sign(size: Vector, clearance: float) -> list[CollisionBox]:
+def sign(size: Vector, clearance: float) -> list[Solid]:
     """A post and a plate; a wide sign stands on two, and nothing passes between."""
     if size[1] >= _NARROW_SIGN:
         return whole(size, clearance)
-    return [CollisionBox(0.0, 0.0, _POST, _POST, 0.0, clearance), _above(size, clearance)]
+    return [_box(_POST, _POST, 0.0, clearance), _above(size, clearance)]
 
 
-def gantry(size: Vector, clearance: float) -> list[CollisionBox]:
+def gantry(size: Vector, clearance: float) -> list[Solid]:
     """Two posts and what is between them over the clearance `clearance`."""
     length, width, height = size
     out = (width - GANTRY_POST) / 2
-    posts = [CollisionBox(0.0, side * out, length, GANTRY_POST, 0.0, height) for side in (-1, 1)]
+    posts = [_box(length, GANTRY_POST, 0.0, height, y=side * out) for side in (-1, 1)]
     return [*posts, _above(size, clearance)]
 
 
-def _above(size: Vector, clearance: float) -> CollisionBox:
+def _box(length: float, width: float, bottom: float, top: float, *, y: float = 0.0) -> Solid:
+    return Solid.box(0.0, y, 0.0, (length, width), bottom, top)
+
+
+def _above(size: Vector, clearance: float) -> Solid:
     length, width, height = size
-    return CollisionBox(0.0, 0.0, length, width, clearance, height)
+    return _box(length, width, clearance, height)

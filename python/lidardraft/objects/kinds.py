@@ -30,10 +30,11 @@ from lidardraft.objects import (
 from lidardraft.objects import coarse_shapes as coarse
 from lidardraft.objects import collision_boxes as boxes
 from lidardraft.objects.coarse_shapes import CoarseShape
-from lidardraft.objects.collision_boxes import CollisionBox
 from lidardraft.objects.object_builder import Add, built
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.scene.layout import Primitive
+from lidardraft.scene.pose import Place, point_at
+from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME
 
 
@@ -60,7 +61,7 @@ class Kind:
     _: KW_ONLY
     word: str | None = None
     shapes: Callable[[PlacedObject], list[CoarseShape]] | None = None
-    boxes: Callable[[Vector, float], list[CollisionBox]] = boxes.whole
+    boxes: Callable[[Vector, float], list[Solid]] = boxes.whole
     extents: tuple[Vector, Vector] | None = None
     most_fall: float = math.inf
     is_small: bool = False
@@ -69,6 +70,14 @@ class Kind:
     def build(self, placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
         """The detailed primitives of an object."""
         return built(self.add, placed, rng)
+
+    def solids(self, place: Place, size: Vector, clearance: float) -> list[Solid]:
+        """The upright boxes that an object fills at its place."""
+        solids = []
+        for own in self.boxes(size, clearance):
+            extents = (2 * own.half_length, 2 * own.half_width)
+            solids.append(Solid.box(*point_at(place, own.x, own.y), place[2], extents, own.bottom, own.top))
+        return solids
 
     def coarse(self, placed: PlacedObject) -> list[CoarseShape]:
         """The shapes of an object in a coarse layout."""

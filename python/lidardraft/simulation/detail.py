@@ -15,15 +15,15 @@ from lidardraft.simulation.coarse_object import CoarseObject, coarse_objects
 from lidardraft.simulation.ground import ground_parts
 from lidardraft.simulation.roadside import fence, other, plant, pole, wall
 from lidardraft.simulation.surroundings import Surroundings
-from lidardraft.simulation.traffic import bus, car, machine, person, rider, train, truck
+from lidardraft.simulation.traffic import car, heavy, machine, person, rider
 
 # What an object becomes, by the first of these classes that it has.
 RULES: dict[str, Callable[[CoarseObject, Surroundings], list[Primitive]]] = {
     "rider": rider,
     "car": car,
-    "truck": truck,
-    "bus": bus,
-    "train": train,
+    "truck": heavy,
+    "bus": heavy,
+    "train": heavy,
     "motorcycle": machine,
     "bicycle": machine,
     "person": person,

@@ -32,21 +32,13 @@ def car(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
     return fitted(coarse, name, box, proud=_TRIM_PROUD)
 
 
-def truck(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
-    """A rigid truck, or from 12.6 m on a tractor with its trailer."""
+def heavy(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
+    """A bus, a tram, or a rigid truck, from 12.6 m on a tractor with its trailer."""
     box = _lengthwise(coarse, surroundings)
-    kind = "trailer_truck" if box.size[0] > _TRAILER_FROM else "truck"
+    kind = "bus" if "bus" in coarse.owners else "tram"
+    if "truck" in coarse.owners:
+        kind = "trailer_truck" if box.size[0] > _TRAILER_FROM else "truck"
     return fitted(coarse, kind, box, proud=_TRIM_PROUD)
-
-
-def bus(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
-    """A bus."""
-    return fitted(coarse, "bus", _lengthwise(coarse, surroundings), proud=_TRIM_PROUD)
-
-
-def train(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
-    """A tram."""
-    return fitted(coarse, "tram", _lengthwise(coarse, surroundings), proud=_TRIM_PROUD)
 
 
 def _lengthwise(coarse: CoarseObject, surroundings: Surroundings) -> UprightBox:
