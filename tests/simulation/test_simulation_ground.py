@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from coarse_boxes import box
 
-from lidardraft import Layout, Primitive, detail
+from lidardraft import Layout, Primitive, detail, layout_from_text
 from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import KERB_HEIGHT, PavedArea, Road
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
@@ -90,6 +90,16 @@ def test_no_line_crosses_a_roundabout_and_a_car_park_has_no_lanes() -> None:
     assert "patch_1.markings" not in parts
     vertices = primitive_mesh(parts["road.markings"]).vertices
     assert np.hypot(vertices[:, 0] - 40.0, vertices[:, 1] - 1.75).min() > 18.0
+
+
+def test_the_cars_of_a_parking_lot_stand_between_the_lines_of_its_bays() -> None:
+    layout = layout_from_text("a parking lot with parked cars on both sides", seed=4)
+    lines = primitive_mesh({p.id: p for p in detail(layout)}["bays.markings"]).vertices
+    cars = [p for p in layout if p.label == "car" and abs(math.sin(p.yaw)) > 0.9]
+    assert len(cars) > 4
+    for car in cars:
+        near = lines[np.abs(lines - car.center)[:, 1] < 4.0, 0] - car.center[0]
+        assert 0.9 < np.abs(near).min() < 1.4
 
 
 def test_only_clusterings_know_no_front_from_back() -> None:

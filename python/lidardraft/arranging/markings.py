@@ -7,6 +7,8 @@ Widths and patterns are those of the German guide to road markings (RMS-1): line
 from __future__ import annotations
 
 import itertools
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +16,7 @@ import numpy as np
 from lidardraft.arranging.car_parks import BAY_LENGTH, BAY_WIDTH, CarPark
 from lidardraft.arranging.district import CALM, FAST, SIDES
 from lidardraft.arranging.lanes import MAIN_ROAD, SIDE_ROAD, Lane
+from lidardraft.arranging.sizes import Range
 from lidardraft.scene.road import Road
 
 Span = tuple[float, float, float, float]  # from and to along, from and to across [m]
@@ -76,7 +79,8 @@ def road_markings(
             spans += _pieces(road, line, rng.uniform(*_FIRST_DASH))
         spans += [_stop_line(road, lane) for lane in lanes if lane.stop is not None]
     if car_park is not None:
-        spans += _bay_lines(car_park)
+        rows = [across for across, _ in car_park.rows]
+        spans += bay_lines(car_park.paved_area.along, rows, car_park.gate)
     if road.sidewalk > 0 and speed > CALM and rng.random() < _ZEBRAS:
         spans += _zebra(road, rng)
     return np.array(spans).reshape(-1, 4)
@@ -136,14 +140,14 @@ def _zebra(road: Road, rng: np.random.Generator) -> list[Span]:
     return [(along - half, along + half, low, low + _BAR) for low in bars if abs(low + _BAR / 2) > off]
 
 
-def _bay_lines(car_park: CarPark) -> list[Span]:
-    """The lines between the bays of each row, but where cars drive in."""
+def bay_lines(span: Range, rows: Iterable[float], gate: float = math.inf) -> list[Span]:
+    """The lines between the bays of rows over a `span` [m along] with their middles across [m], but at the `gate`."""
     spans = []
-    start, end = car_park.paved_area.along
+    start, end = span
     half = BAY_LENGTH / 2 - _BAY_END
-    for across, _ in car_park.rows:
+    for across in rows:
         for number in range(int((end - start) / BAY_WIDTH) + 1):
             along = start + number * BAY_WIDTH
-            if start + _BAY_SIDE < along < end - _BAY_SIDE and abs(along - car_park.gate) > _BAY_GATE:
+            if start + _BAY_SIDE < along < end - _BAY_SIDE and abs(along - gate) > _BAY_GATE:
                 spans.append((along - _THIN / 2, along + _THIN / 2, across - half, across + half))
     return spans

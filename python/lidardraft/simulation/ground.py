@@ -8,12 +8,17 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
+from lidardraft.arranging.markings import bay_lines
+from lidardraft.drafting.solver.poses import row_poses
 from lidardraft.objects.mesh import quads
 from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.road import Road
+from lidardraft.simulation.street_frame import road_of
 from lidardraft.simulation.surroundings import RoadStrip, strip_rows
 
 _COAT = 0.005  # m that paint lies over the road
@@ -54,6 +59,8 @@ def ground_parts(layout: Layout, strips: tuple[RoadStrip, ...]) -> list[Primitiv
     rounds = _rounds(layout, strips) if strips else []
     made = [p for strip in strips if (p := _markings(strip, strips, rounds, bool(walks))) is not None]
     made += [p for walk in walks if (p := _kerb(walk, strips)) is not None]
+    if {"patch_1", "patch_2"} & taken and "road" in layout.provenance:
+        made += _bays(road_of(layout.provenance["road"]))
     return [p for p in made if p.id not in taken]
 
 
@@ -81,6 +88,23 @@ def _markings(
     side = across[:, None] + _LINE / 2 * np.array([-1, -1, 1, 1])
     corners = np.concatenate([strip.at(along, side), np.full((*along.shape, 1), strip.top + _COAT)], axis=-1)
     return Primitive.from_mesh(*quads(corners), label="road", id=f"{strip.id}.markings", material="road-paint")
+
+
+def _bays(road: Road) -> Iterator[Primitive]:
+    """The lines between the bays of a parking lot as the solver of sentences makes them."""
+    spans = np.array(
+        [
+            span
+            for area in road.paved_areas
+            for span in bay_lines(
+                area.along, [across for across, _ in row_poses(road, 1 if area.across[1] > 0 else -1)]
+            )
+        ]
+    )
+    if len(spans):
+        plane = road.points(spans[:, [0, 1, 1, 0]], spans[:, [2, 2, 3, 3]])
+        corners = np.concatenate([plane, np.full((*plane.shape[:2], 1), _COAT)], axis=-1)
+        yield Primitive.from_mesh(*quads(corners), label="road", id="bays.markings", material="road-paint")
 
 
 def _rounds(layout: Layout, strips: tuple[RoadStrip, ...]) -> list[tuple[float, float, float]]:

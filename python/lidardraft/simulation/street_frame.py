@@ -58,7 +58,7 @@ class StreetFrame(NamedTuple):
 def street_frame(layout: Layout) -> StreetFrame:
     """The frame of the road that a layout shows under the ego vehicle; raises `NoStreetError` where there is none."""
     if "road" in layout.provenance:
-        return StreetFrame(_road(layout.provenance["road"]))
+        return StreetFrame(road_of(layout.provenance["road"]))
     if layout.coverage is not None:
         if layout.coverage[1] - layout.coverage[0] > _WIDEST_PICTURE:
             raise NoStreetError("no street around it: it shows everything around already")
@@ -71,7 +71,7 @@ def street_frame(layout: Layout) -> StreetFrame:
     return _drawn(max(strips, key=lambda strip: strip.length), layout)
 
 
-def _road(fields: dict[str, Any]) -> Road:
+def road_of(fields: dict[str, Any]) -> Road:
     """The road of the provenance of a layout from a spec."""
     areas = tuple(PavedArea(tuple(area["along"]), tuple(area["across"])) for area in fields["paved_areas"])
     return Road(**{**fields, "paved_areas": areas, "side_roads": tuple(fields["side_roads"])})

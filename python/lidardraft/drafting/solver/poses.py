@@ -8,6 +8,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from lidardraft.arranging.car_parks import AISLE_WIDTH, BAY_LENGTH, BAY_WIDTH
 from lidardraft.drafting.solver.scene_spec import ObjectGroup
 from lidardraft.drafting.solver.sentence_kinds import SentenceKind
 from lidardraft.objects.coarse_shapes import STANDING, CoarseShape
@@ -28,8 +29,6 @@ _FULL = (0.5, 0.8)  # share of the bays of the first rows that many vehicles tak
 _OFF_MIDDLE = 0.1  # m along a bay, at most
 _AISLE_OFF = 2.0  # m from the middle of an aisle that people walk, at most
 _DEEPEST = 105.0  # m behind the sidewalk, for hundreds of objects
-# EAR 05 and RASt 06: bays of 2.5 x 5.0 m at right angles to an aisle of 6.0 m.
-BAY_WIDTH, BAY_LENGTH, AISLE_WIDTH = 2.5, 5.0, 6.0
 LOT_DEPTH = 3 * BAY_LENGTH + AISLE_WIDTH  # m from the ego's aisle: two rows back to back, an aisle, a row
 LOT_DEPTHS = (LOT_DEPTH, 2 * BAY_LENGTH, BAY_LENGTH)  # m, of three rows, two, and one
 _ROWS = ((0.5 * BAY_LENGTH, -1), (1.5 * BAY_LENGTH, 1), (LOT_DEPTH - 0.5 * BAY_LENGTH, -1))  # m; where the aisle lies
