@@ -1,10 +1,13 @@
 """Fences, furniture, poles, signs and plants."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from built_objects import all_vertices, build, cast, extinction_along, placed, vertices
 
 from lidardraft.objects import fences, plants
+from lidardraft.objects.object_builder import built
 from lidardraft.objects.plants import trunk_diameter
 from lidardraft.objects.poles import LAMP_ARM
 
@@ -48,7 +51,7 @@ def test_barriers_are_of_steel_or_from_a_height_on_of_concrete():
 def test_a_dense_fence_has_close_palings_of_wood():
     made = placed("fence")
     for seed in range(20):
-        parts = fences.fence(made, np.random.default_rng(seed), dense=True)
+        parts = built(partial(fences.fence, dense=True), made, np.random.default_rng(seed))
         assert {p.material for p in parts} == {"wood"}
         palings = next(p for p in parts if p.size[1] == 0.0)
         assert palings.mesh is not None
@@ -234,7 +237,7 @@ def test_whether_a_tree_is_bare_can_be_said():
     made = placed("tree", 1)
 
     def light(seed: int, bare: bool | None) -> float:
-        parts = plants.tree(made, np.random.default_rng(seed), bare=bare)
+        parts = built(partial(plants.tree, bare=bare), made, np.random.default_rng(seed))
         return max(p.extinction for p in parts if p.extinction is not None)
 
     assert all(light(seed, False) > 0.15 for seed in range(60))

@@ -135,6 +135,7 @@ def block(builder: ObjectBuilder, rng: np.random.Generator) -> None:
         builder.add_mesh(_parapet(), (length, width, 1.0), "building", "concrete", at=(0.0, 0.0, height))
         if rng.random() < _BLOCK_VENTILATION_P:
             along_off, across_off = _BLOCK_VENTILATION_OFF
+            along_off = min(along_off, max(0.0, 0.5 - _BLOCK_VENTILATION[0] / 2 / length))  # nor beyond the roof
             x, y = rng.uniform(-along_off, along_off) * length, rng.uniform(-across_off, across_off) * width
             at = (x, y, height + _BLOCK_VENTILATION[2] / 2)
             builder.add("box", at, _BLOCK_VENTILATION, "building", "metal")
