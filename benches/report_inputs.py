@@ -59,13 +59,14 @@ def _holds(text: str, spec: SceneSpec, refusal: str, seed: int) -> bool:
 
 
 def report_solver() -> None:
-    """Random specs whose layouts an independent checker finds right."""
+    """Random specs whose layouts an independent checker finds right, alone and in the street around them."""
     from test_layout_from_spec import random_spec
+    from test_surround import faults
 
     from lidardraft.drafting.solver.layout import layout_from_spec
     from spec_checker import broken
 
-    held = refused = 0
+    held = surrounded = refused = 0
     for number in range(SPECS):
         spec = random_spec(np.random.default_rng([7, number]))
         try:
@@ -74,7 +75,9 @@ def report_solver() -> None:
             refused += 1
             continue
         held += not broken(spec, layout) and not check(layout)
+        surrounded += not faults(layout, lidardraft.surround(layout, number))
     print(f"  of {SPECS} specs every relation holds in {held}; refused: {refused}; broken: {SPECS - held - refused}")
+    print(f"  in the street around it nothing is touched, hidden or counted wrong in {surrounded}")
 
 
 def report_scripts() -> None:
@@ -187,7 +190,8 @@ def main() -> None:
     """Print all parts, or those whose names are given."""
     tests = Path(__file__).parents[1] / "tests"
     drafting = tests / "drafting"
-    sys.path[:0] = map(str, (tests, drafting, drafting / "text", drafting / "solver", drafting / "blender"))
+    rooms = (tests, tests / "simulation", drafting, drafting / "text", drafting / "solver", drafting / "blender")
+    sys.path[:0] = map(str, rooms)
     for name, report in PARTS.items():
         if len(sys.argv) < 2 or name in sys.argv[1:]:
             print(f"{name}:", flush=True)
