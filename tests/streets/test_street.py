@@ -11,8 +11,9 @@ import pytest
 from lidardraft import CLASSES
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.arranging.lanes import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD
-from lidardraft.arranging.occupancy import Occupancy, solids_of
+from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.errors import LayoutError
+from lidardraft.objects.kinds import kind_of
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.solids import Solid, penetration
@@ -26,7 +27,7 @@ STREETS = [make_street(seed) for seed in range(20)]
 
 def object_spaces(placed: PlacedObject) -> np.ndarray:
     """The upright boxes [n, 8] that an object fills."""
-    return np.array([solid[:8] for solid in solids_of(placed.kind, *placed.place, placed.size, placed.clearance)])
+    return np.array([solid[:8] for solid in kind_of(placed.kind).solids(placed.place, placed.size, placed.clearance)])
 
 
 def test_a_street_is_a_function_of_its_seed():
@@ -100,7 +101,7 @@ def test_the_ego_vehicle_is_free_and_on_the_road_of_its_lane():
         mine = Solid.box(ego.x, ego.y, ego.yaw, EGO_SPACE[:2], 0.0, EGO_SPACE[2])
         for placed in occupancy.objects:
             if math.hypot(placed.x - ego.x, placed.y - ego.y) < 30.0:
-                for space in solids_of(placed.kind, *placed.place, placed.size, placed.clearance):
+                for space in kind_of(placed.kind).solids(placed.place, placed.size, placed.clearance):
                     assert not penetration(mine, space), placed
         assert 0.0 <= ego.speed <= 1.1 * ego.lane.speed + 1e-9
     names = Counter(ego.lane.kind for _, ego in egos())

@@ -196,7 +196,7 @@ def _usual_strip(spec: SceneSpec, rng: np.random.Generator) -> float:
     kinds = {group.kind for group in spec.groups if group.record.family == "buildings" and group.fewest is None}
     name = spec.district or ("residential" if "house" in kinds else "urban" if kinds else "country")
     district = SETTINGS[name]
-    counted = any(group.record.is_vehicle and group.fewest is not None for group in spec.groups)
+    counted = any(group.record.label == "car" and group.fewest is not None for group in spec.groups)
     denied = {"car", "vehicle"} & {*spec.absent, *spec.not_around} or spec.activity == "empty"
     if counted or denied or not district.built_up or district.sidewalk[1] == 0.0:
         return 0.0
