@@ -6,6 +6,7 @@ import math
 
 from lidardraft.objects.buildings import EAVES
 from lidardraft.objects.facades import RECESS, STOREY, WINDOW_BAY, front
+from lidardraft.objects.kinds import KINDS
 from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.layout import Primitive
@@ -13,7 +14,10 @@ from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 from lidardraft.simulation.fitting import fitted, solid, stretched
 from lidardraft.simulation.surroundings import Surroundings
 
-_KINDS = {"house": "house", "block": "block", "building": "block", "shed": "shed"}  # by the word of a name
+# By what they are called here and in sentences.
+_KINDS = {
+    word: name for name, kind in KINDS.items() if kind.labels == ("building",) for word in (name, kind.word) if word
+}
 _PROUD = {"house": (EAVES, EAVES, 0.0), "block": (0.05, 0.05, 0.0), "shed": (0.1, 0.1, 0.0)}  # m
 # Estimates of ours [m].
 _FRONT = 1.3  # thickness up to which a box is a front without a body
