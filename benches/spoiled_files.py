@@ -38,11 +38,9 @@ from lidardraft.formats.kitti import read_bin, write_bin
 from lidardraft.formats.kitti_object import read_label_2
 from lidardraft.formats.las import read_las
 from lidardraft.formats.masks import read_masks
-from lidardraft.formats.nuscenes import read_lidarseg, read_pcd_bin, read_table
-from lidardraft.formats.nuscenes_tables import read_annotations
+from lidardraft.formats.nuscenes import read_annotations, read_lidarseg, read_pcd_bin, read_table
 from lidardraft.formats.obj import write_obj
-from lidardraft.formats.ouster import read_ouster_metadata
-from lidardraft.formats.ouster_capture import read_ouster_capture
+from lidardraft.formats.ouster import read_ouster_capture, read_ouster_metadata
 from lidardraft.formats.pairs import Pair, read_shard, write_pairs
 from lidardraft.formats.pandaset import read_cuboids, read_sweep
 from lidardraft.formats.pcd import read_pcd

@@ -18,7 +18,7 @@ from lidardraft.formats.frame import Frame
 from lidardraft.formats.kitti_object import write_kitti_object
 from lidardraft.formats.las import write_las
 from lidardraft.formats.mmdet3d import write_mmdet3d
-from lidardraft.formats.nuscenes_tables import write_nuscenes
+from lidardraft.formats.nuscenes import write_nuscenes
 from lidardraft.formats.openpcdet import write_openpcdet
 from lidardraft.formats.ouster import read_ouster_metadata
 from lidardraft.formats.ply import write_ply_folder

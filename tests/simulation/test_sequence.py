@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from lidardraft import Layout, Primitive, Raycaster, Scan, Sensor, layout_from_text, surround
 from lidardraft.errors import LidarDraftError
-from lidardraft.formats.nuscenes_tables import write_nuscenes
+from lidardraft.formats.nuscenes import write_nuscenes
 from lidardraft.formats.semantickitti import write_sequences
 from lidardraft.scene.effects import sub_rays
 from lidardraft.scene.pose import upright

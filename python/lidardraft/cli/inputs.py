@@ -190,7 +190,7 @@ def _name_of_input(arguments: argparse.Namespace) -> str:
 def sensor_of_file(file: str | Path) -> Sensor | None:
     """The sensor of a scan, where its file says it: by NAME.sensor.json beside NAME.bin and NAME.boxes.json, as
     `generate` writes it, by the metadata of an Ouster's capture, or by an ending of its data set."""
-    from lidardraft.formats.ouster_capture import metadata_beside
+    from lidardraft.formats.ouster import metadata_beside
 
     path = Path(file)
     beside = path.with_name(f"{path.name.removesuffix(path.suffix).removesuffix('.boxes')}.sensor.json")

@@ -9,7 +9,7 @@ from lidardraft.errors import FormatError
 from lidardraft.files import named, read_text
 from lidardraft.formats.boxes import read_boxes
 from lidardraft.formats.kitti_object import CLASS_OF_TYPE, read_label_2
-from lidardraft.formats.nuscenes_tables import read_annotations
+from lidardraft.formats.nuscenes import read_annotations
 from lidardraft.formats.pandaset import read_cuboids
 from lidardraft.scene.box import Box
 from lidardraft.semantics import CLASSES
