@@ -320,7 +320,7 @@ def test_bad_places_and_options_are_one_line(refused: Callable[..., str], capsys
     for share in ("3/3", "1", "a/b", "-1/2"):
         with pytest.raises(SystemExit):
             cli.main(["dataset", "recipe.toml", "-o", "set", f"--shard={share}"])
-        assert "is no I/K" in capsys.readouterr().err
+        assert "is not I/K" in capsys.readouterr().err
 
 
 def refused_but_locks(folder: str, capsys: pytest.CaptureFixture[str]) -> str:

@@ -52,11 +52,11 @@ def test_a_bad_box_is_named(tmp_path, change, message):
     ("text", "message"),
     [
         ("{", r"boxes.json: not JSON"),
-        ("[]", r"boxes.json: \[\] is no JSON object"),
+        ("[]", r"boxes.json: \[\] is not a JSON object"),
         ('{"frame": "sensor", "boxes": {}}', r"boxes.json: boxes is {}; it must be a list"),
         ('{"frame": "sensor"}', r"boxes.json: 'boxes' is missing"),
         ('{"frame": "world", "boxes": []}', r"frame is 'world'; it must be 'sensor'"),
-        ('{"frame": "sensor", "boxes": [3]}', r"box 0: 3 is no JSON object"),
+        ('{"frame": "sensor", "boxes": [3]}', r"box 0: 3 is not a JSON object"),
     ],
 )
 def test_a_file_that_holds_no_boxes(tmp_path, text, message):

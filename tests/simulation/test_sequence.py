@@ -394,7 +394,7 @@ def test_rates_that_cannot_be_are_one_line(more: dict[str, object], said: str) -
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[]", "is no JSON object"),
+        ("[]", "is not a JSON object"),
         ('{"schema": "lidardraft.scenario/2"}', "schema is 'lidardraft.scenario/2'"),
         ('{"schema": "lidardraft.scenario/1", "cars": {}}', "unknown field 'cars'"),
         ('{"schema": "lidardraft.scenario/1", "ego": {"lane": {"turn": "back"}}}', "ego: turn is 'back'"),

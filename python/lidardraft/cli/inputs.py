@@ -336,7 +336,7 @@ def _predicted(
     if weights is not None:
         from lidardraft.networks.weight_header import read_metadata
 
-        read_metadata(weights)  # a broken file is told before torch is loaded
+        read_metadata(weights)  # a broken file is reported before torch is loaded
     try:
         with extra("generate"):
             from lidardraft.perception.segmenter import SURE, Segmenter
@@ -466,8 +466,8 @@ def _depths(path: str) -> np.ndarray:
     if wrong.any():
         row, column = np.argwhere(wrong)[0].tolist()
         raise FormatError(
-            f"{path}: {depth[row, column]} at row {row}, column {column} is no depth [m], which is finite, and 0 where "
-            "unknown"
+            f"{path}: {depth[row, column]} at row {row}, column {column} is not a depth [m], which is finite, and 0 "
+            "where unknown"
         )
     return depth
 

@@ -125,7 +125,7 @@ def pairs(arguments: argparse.Namespace) -> None:
     from lidardraft.training.recorded_pairs import ReturnShares
 
     if arguments.segmenter is not None:
-        read_metadata(arguments.segmenter)  # a broken file is told before any work
+        read_metadata(arguments.segmenter)  # a broken file is reported before any work
     folder, files = Path(arguments.output), _recorded_files(arguments)
     sensor = _recorded_by(arguments, files[0].scan)
     source = f"recordings, {sensor.name}"

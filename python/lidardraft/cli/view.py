@@ -20,7 +20,7 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 
 _PAIRS_SHOWN = 6
-_SHOWN_FOR = 0.5  # s, of scans that are no sequence
+_SHOWN_FOR = 0.5  # s, of scans that are not a sequence
 
 
 def view(arguments: argparse.Namespace) -> None:
@@ -121,7 +121,7 @@ def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
     from lidardraft.view import points_on_road
 
     if path.suffix == ".json" or (not _holds_points(path) and is_shard(path)):
-        raise FormatError(f"{path} is no scan; a page of HTML shows scans alone")
+        raise FormatError(f"{path} is not a scan; a page of HTML shows scans alone")
     if _holds_points(path):
         points, fields, sensor = _read_points(path, arguments.sensor)
         points = np.add(points, (0.0, 0.0, sensor.mount_height))

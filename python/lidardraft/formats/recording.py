@@ -30,7 +30,7 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import NUM_CLASSES
 
-_NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
+_NEAREST = 0.1  # m: what is nearer is not a return (zeros stand for those of organised clouds)
 _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
 SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pkl.gz", ".pcap")
@@ -125,7 +125,7 @@ def _is_range_image(path: Path) -> bool:
 
 
 def is_points_file(path: str | os.PathLike[str]) -> bool:
-    """Whether an .npz file holds points. Raises `FormatError` where it is no whole one."""
+    """Whether an .npz file holds points. Raises `FormatError` where it is not a whole one."""
     with array_files.opened(path) as archive:
         return array_files.holds(archive, "xyz")
 
@@ -176,8 +176,8 @@ def read_semantic_map(path: str | os.PathLike[str], sensor: Sensor) -> np.ndarra
 
 
 def recording_of(name: str, points: np.ndarray, **fields: np.ndarray) -> Recording:
-    """The recording of `points` [N, 3] and `ring`, `intensity`, `label`, `column` [N]; what is no return or not finite
-    is left out. Raises `FormatError` as `read_recording` does."""
+    """The recording of `points` [N, 3] and `ring`, `intensity`, `label`, `column` [N]; what is not a return or not
+    finite is left out. Raises `FormatError` as `read_recording` does."""
     points, fields = returns(points, fields)
     ring = fields.pop("ring", None)
     ring = rings_of_order(points) if ring is None else ring.astype(np.int64)
