@@ -3,6 +3,7 @@
 import math
 import os
 from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ from lidardraft.formats.boxes import write_boxes
 from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, SphericalGrid
 from lidardraft.semantics import BY_NAME
-from rendered_pictures import render
+from rendered_pictures import RenderedPicture, render
 
 # A cube of a metre on the ground, its y axis up.
 CUBE = """\
@@ -202,15 +203,21 @@ def test_what_is_wrong_with_boxes(refused: Callable[..., str]) -> None:
     assert "a.json: flat: size is [4.0, 2.0, 0.0]; every extent must be >= 1e-06 m" in refused(*draft)
 
 
-@pytest.fixture
-def photo(folder: Path) -> list[str]:
-    """Options for a rendered picture of two cars with the files of its depth and its train ids."""
+@cache
+def two_cars() -> RenderedPicture:
+    """A rendered picture of two cars on a road."""
     road = Primitive(shape="plane", center=(0, 0, 0), size=(200, 60, 0), label="road", id="road")
     cars = (
         Primitive(shape="box", center=(x, y, 0.75), size=(4, 1.8, 1.5), label="car", id=f"car_{k}", instance=k)
         for k, (x, y) in enumerate([(12, 2), (18, -3)], start=1)
     )
-    picture = render(Layout((road, *cars)), Pinhole.from_hfov(math.radians(80), 640, 400))
+    return render(Layout((road, *cars)), Pinhole.from_hfov(math.radians(80), 640, 400))
+
+
+@pytest.fixture
+def photo(folder: Path) -> list[str]:
+    """Options for a rendered picture of two cars with the files of its depth and its train ids."""
+    picture = two_cars()
     Image.fromarray(picture.pixels).save(folder / "photo.png")
     np.save(folder / "depth.npy", picture.depth * 1.1)
     train_ids = np.array([10, 0, *[255] * 11, 13], dtype=np.uint8)  # of none, road and car
@@ -278,7 +285,7 @@ def test_what_is_wrong_with_a_picture(photo: list[str], refused: Callable[..., s
     Path("depth.npy").write_bytes(b"no array")
     assert "depth.npy: not a whole .npy file" in refused(*draft, "--hfov", "80")
     Image.fromarray(np.full((9, 9), 33, np.uint8)).save("classes.png")
-    assert "classes.png: 33 at row 0, column 0 is no train id" in refused(
+    assert "classes.png: 33 at row 0, column 0 is not a train id" in refused(
         "draft", *photo[:2], *photo[4:], "-o", "a.json"
     )
     plain = ["draft", "--image", "plain.png", "--hfov", "80", "-o", "layout.json"]
