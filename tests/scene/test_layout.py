@@ -137,16 +137,15 @@ def test_a_mesh_that_cannot_be(vertices, faces, message):
         Primitive.from_mesh(np.array(vertices), np.array(faces), label="road", id="m")
 
 
-@pytest.mark.parametrize("extent", [-2.0, 0.0, 5e-324, 1e-160, 1e-30, 1e-7, 1.1e9, math.nan, math.inf])
 @pytest.mark.parametrize("shape", ["box", "ellipsoid", "cylinder", "plane"])
-@pytest.mark.parametrize("axes", [(0,), (1,), (0, 1, 2)])
-def test_shapes_without_extent_or_without_end_are_refused(shape: str, extent: float, axes: tuple[int, ...]) -> None:
+def test_shapes_without_extent_or_without_end_are_refused(shape: str) -> None:
     """Rays missed some shapes of less than a millionth of a metre and met others in the wrong places."""
-    size = [extent if axis in axes else 2.0 for axis in range(3)]
-    with pytest.raises(
-        LayoutError, match=r"car_1: size is .*; (every extent must|a plane needs|no number may|it must)"
-    ):
-        dataclasses.replace(CAR, shape=shape, size=(*size[:2], 0.0) if shape == "plane" else size)
+    said = r"car_1: size is .*; (every extent must|a plane needs|no number may|it must)"
+    for extent in (-2.0, 0.0, 5e-324, 1e-160, 1e-30, 1e-7, 1.1e9, math.nan, math.inf):
+        for axes in ((0,), (1,), (0, 1, 2)):
+            size = [extent if axis in axes else 2.0 for axis in range(3)]
+            with pytest.raises(LayoutError, match=said):
+                dataclasses.replace(CAR, shape=shape, size=(*size[:2], 0.0) if shape == "plane" else size)
 
 
 @pytest.mark.parametrize(
@@ -239,7 +238,6 @@ def row(**changes):
             document(primitives=row(shape="mesh", vertices=[[0, 0, 10**400]], faces=[[0, 1, 2]])),
             r"car_1: a mesh needs vertices",
         ),
-        (document(coverage=[0]), r"layout: coverage is \[0\]; it must be 2 finite numbers"),
     ],
 )
 def test_text_that_is_no_layout(tmp_path, text, message):

@@ -146,7 +146,7 @@ def _holds_points(path: Path) -> bool:
 
 def _check_no_sensor(path: Path, name: str | None) -> None:
     if name is not None:
-        raise FormatError(f"{path} says by which sensor it is; --sensor is for .bin and .json files")
+        raise FormatError(f"{path} names its own sensor; --sensor is for .bin and .json files")
 
 
 def _title(path: Path) -> str:

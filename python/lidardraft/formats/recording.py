@@ -64,8 +64,9 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
     A KITTI file has its points laser by laser. A PCD or PLY file has x, y, z and a field `ring` (or `channel`), or is
     organised (its HEIGHT lasers are rows) or in KITTI's order; `intensity` in 0 to 1 or 0 to 255. An .npz file has
     `xyz` [N, 3], and `ring`, `intensity`, `label` (our classes), `instance`, `column` [N] where they are known, or is a
-    range image; that of a scan of ours is read in place of its `.bin`, which does not say which laser took a point.
-    Raises `FormatError` where the file is something else, has no points, or where nothing says which laser took them.
+    range image; that of a scan that lidardraft wrote is read in place of its `.bin`, which does not say which laser
+    took a point. Raises `FormatError` where the file is something else, has no points, or where nothing says which
+    laser took them.
     """
     path = Path(path)
     image = path.with_suffix(".npz")
