@@ -48,7 +48,7 @@ from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.pickled_table import read_pickled_table
 from lidardraft.formats.picture import read_picture
 from lidardraft.formats.ply import read_ply, write_ply
-from lidardraft.formats.recording import read_labels, read_points, read_recording, read_semantic_map, returns
+from lidardraft.formats.recording import read_labels, read_points, read_recording, read_returns, read_semantic_map
 from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
@@ -94,12 +94,6 @@ class Reader:
     read: Callable[[Path], object]
     ending: str
     good: bytes
-
-
-def _points(path: Path) -> object:
-    points, fields = read_points(path)
-    with named(path):
-        return returns(points, fields)
 
 
 def _label_2(path: Path) -> object:
@@ -249,11 +243,11 @@ def readers() -> dict[str, Reader]:
         "npy": Reader(read_carla, ".npy", buffer.getvalue()),
         "ply": Reader(read_carla, ".ply", PLY),
         "ply vertices": Reader(read_ply, ".ply", PLY),
-        "ply points": Reader(_points, ".ply", _binary_ply(points)),
+        "ply points": Reader(read_points, ".ply", _binary_ply(points)),
         "label_2": Reader(_label_2, ".txt", LABEL_2),
         "calib": Reader(_calib, ".txt", CALIB),
         "depth": Reader(read_npy, ".npy", _npy(points)),
-        "points": Reader(_points, ".npz", _zip("xyz", _npy(points))),
+        "points": Reader(read_returns, ".npz", _zip("xyz", _npy(points))),
         "recording": Reader(read_recording, ".npz", _zip("xyz", _npy(points), "ring", _npy(np.arange(100) // 10))),
         "pairs": Reader(_shard, ".npz", _written(lambda p: _pairs(str(p.parent)).rename(p), ".npz")),
         "cast": Reader(read_cast, ".npz", _written(image.save, ".npz")),

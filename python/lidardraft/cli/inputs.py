@@ -302,17 +302,13 @@ def _from_text(arguments: argparse.Namespace) -> Layout:
 
 def _from_points(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.cloud.layout import layout_from_cloud
-    from lidardraft.formats.recording import read_labels, read_points, returns
+    from lidardraft.formats.recording import read_returns
 
     if arguments.labels is not None and arguments.segmenter is not None:
         raise FormatError("--labels and --segmenter both say the classes of --points; give one of them")
     path = arguments.points
-    points, fields = read_points(path)
+    points, fields = read_returns(path, arguments.labels)
     height = _sensor_height(arguments, path)
-    if arguments.labels is not None:
-        fields |= read_labels(arguments.labels, len(points), of=path)
-    with named(path):
-        points, fields = returns(points, fields)
     if arguments.segmenter is not None or "label" not in fields:
         fields = {"label": _predicted(path, arguments.segmenter, points, fields.get("intensity"), height)}
     classes = arguments.segmenter or arguments.labels

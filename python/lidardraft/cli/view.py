@@ -170,12 +170,9 @@ def _read_scan(path: Path, arguments: argparse.Namespace) -> tuple[RangeImage, l
 
 
 def _read_points(path: Path, name: str | None) -> tuple[np.ndarray, dict[str, np.ndarray], Sensor]:
-    from lidardraft.formats.recording import read_points, returns
+    from lidardraft.formats.recording import read_returns
 
-    points, fields = read_points(path)
-    sensor = sensor_of_scan(path, name)
-    with named(path):
-        return (*returns(points, fields), sensor)
+    return (*read_returns(path), sensor_of_scan(path, name))
 
 
 def _boxes(path: Path, arguments: argparse.Namespace, sensor: Sensor) -> list[Box]:

@@ -8,7 +8,7 @@ from pathlib import Path
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_text
 from lidardraft.formats.boxes import read_boxes
-from lidardraft.formats.kitti import read_numbers
+from lidardraft.formats.kitti import numbers_of
 from lidardraft.formats.kitti_object import CLASS_OF_TYPE, boxes_of_lines, read_label_2
 from lidardraft.formats.nuscenes import read_annotations
 from lidardraft.formats.pandaset import read_cuboids
@@ -46,7 +46,7 @@ def read_custom_labels(path: str | os.PathLike[str]) -> list[Box]:
         label = _CLASS_OF_NAME.get(words[7].lower()) if len(words) == 8 else None
         if label is None:
             raise FormatError(f"{' '.join(words)!r:.80} is not a box: x y z length width height yaw and a class")
-        x, y, z, length, width, height, yaw = read_numbers(words[:7], 7)
+        x, y, z, length, width, height, yaw = numbers_of(words[:7], 7)
         center = (x, y, z + height / 2 if is_bottom else z)
         return Box(f"{label}_{number}", label, number, center, (length, width, height), yaw)
 

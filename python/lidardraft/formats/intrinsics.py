@@ -8,7 +8,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_text
-from lidardraft.formats.kitti import read_calibration, read_numbers
+from lidardraft.formats.kitti import calibration_of, numbers_of
 from lidardraft.json_fields import are_numbers, parse_json
 
 _LARGEST = 2**20  # bytes
@@ -45,14 +45,14 @@ def _from_json(text: str) -> np.ndarray:
 
 
 def _from_kitti(text: str) -> np.ndarray:
-    lines = read_calibration(text)
+    lines = calibration_of(text)
     name = next((name for name in _KITTI_NAMES if name in lines), None)
     if name is None:
         raise FormatError(
             f"not a calibration of KITTI: it has no line {', '.join(_KITTI_NAMES[:-1])} or {_KITTI_NAMES[-1]}"
         )
     with named(name):
-        return _four(read_numbers(lines[name], 9, 12))
+        return _four(numbers_of(lines[name], 9, 12))
 
 
 def _four(flat: list[float]) -> np.ndarray:

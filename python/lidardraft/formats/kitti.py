@@ -47,13 +47,13 @@ def read_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray]:
     return scan[:, :3].copy(), scan[:, 3].copy()
 
 
-def read_calibration(text: str) -> dict[str, list[str]]:
+def calibration_of(text: str) -> dict[str, list[str]]:
     """The words of each line `name: words` of a calibration."""
     lines = (line.partition(":") for line in text.splitlines())
     return {name: words.split() for name, colon, words in lines if colon}
 
 
-def read_numbers(words: Sequence[str], *counts: int) -> list[float]:
+def numbers_of(words: Sequence[str], *counts: int) -> list[float]:
     """The numbers that words are; raises `FormatError` where they are not so many finite ones."""
     try:
         values = [float(word) for word in words]

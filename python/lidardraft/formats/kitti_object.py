@@ -20,7 +20,7 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.files import named, new_folder, read_text, write_text
 from lidardraft.formats.frame import Annotation, Drives, Frame, numbered, write_image_sets
-from lidardraft.formats.kitti import read_calibration, read_numbers, write_bin
+from lidardraft.formats.kitti import calibration_of, numbers_of, write_bin
 from lidardraft.scene.box import Box
 from lidardraft.scene.sensor import Sensor
 
@@ -126,7 +126,7 @@ def read_label_2(path: str | os.PathLike[str], calib: str | os.PathLike[str] | N
             raise FormatError(f"{' '.join(words)!r:.80} is not an object of KITTI: a type and 14 numbers")
         if words[0] == "DontCare":
             return None
-        height, width, length, *place, turn = read_numbers(words[8:15], 7)
+        height, width, length, *place, turn = numbers_of(words[8:15], 7)
         center = lidar_from_camera[:3, :3] @ np.subtract(place, (0.0, height / 2, 0.0)) + lidar_from_camera[:3, 3]
         ahead = lidar_from_camera[:3, :3] @ (math.cos(turn), 0.0, -math.sin(turn))
         label, yaw = CLASS_OF_TYPE[words[0]], math.atan2(ahead[1], ahead[0])
@@ -151,13 +151,13 @@ def boxes_of_lines(text: str, box: Callable[[int, list[str]], Box | None]) -> li
 
 
 def _lidar_from_camera(path: str | os.PathLike[str]) -> np.ndarray:
-    rows = read_calibration(read_text(path))
+    rows = calibration_of(read_text(path))
     with named(path):
         if missing := [key for key in ("R0_rect", "Tr_velo_to_cam") if key not in rows]:
             raise FormatError(f"there is no line {missing[0]}")
         rectified, camera = np.eye(4), np.eye(4)
-        rectified[:3, :3] = np.reshape(read_numbers(rows["R0_rect"], 9), (3, 3))
-        camera[:3] = np.reshape(read_numbers(rows["Tr_velo_to_cam"], 12), (3, 4))
+        rectified[:3, :3] = np.reshape(numbers_of(rows["R0_rect"], 9), (3, 3))
+        camera[:3] = np.reshape(numbers_of(rows["Tr_velo_to_cam"], 12), (3, 4))
         try:
             back: np.ndarray = np.linalg.inv(rectified @ camera)
         except np.linalg.LinAlgError:

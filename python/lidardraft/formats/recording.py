@@ -110,6 +110,17 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
     raise FormatError(f"{os.fspath(path)}: a recorded scan is one of {', '.join(SCAN_ENDINGS)}")
 
 
+def read_returns(
+    path: str | os.PathLike[str], labels: str | os.PathLike[str] | None = None
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """The returns of such a file with their fields, as `returns` has them; `labels` is a file of others for them."""
+    points, fields = read_points(path)
+    if labels is not None:
+        fields |= read_labels(labels, len(points), of=path)
+    with named(path):
+        return returns(points, fields)
+
+
 def _of_image(name: str, image: RangeImage) -> Recording:
     known = {"ring": image.beams(), "column": np.nonzero(image.valid)[1]}
     if image.intensity is not None:
@@ -168,9 +179,8 @@ def read_semantic_map(path: str | os.PathLike[str], sensor: Sensor) -> np.ndarra
     Raises `FormatError` where the file is something else or has no labels."""
     if Path(path).suffix in (".png", ".npy"):
         return read_masks(path)
-    points, fields = read_points(path)
+    points, fields = read_returns(path)
     with named(path):
-        points, fields = returns(points, fields)
         if "label" not in fields:
             raise FormatError("it has no labels; a semantic map is made of them")
         return RangeImage.project(points, sensor, label=fields["label"]).label
