@@ -331,11 +331,11 @@ def test_what_a_sentence_became_is_explained(capsys: pytest.CaptureFixture[str])
 
 
 def test_what_is_drafted_is_read_again(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["draft", "--text", "two cars ahead, a house on the left", "-o", "a.json"]) == 0
+    source = ["--text", "two cars ahead, a house on the left", "--no-preview"]
+    assert cli.main(["draft", *source, "-o", "a.json"]) == 0
     for ending, option in ((".py", "--blender"), (".glb", "--glb"), (".obj", "--obj")):
-        source = ["--text", "two cars ahead, a house on the left"]
         assert cli.main(["draft", *source, "-o", f"a{ending}"]) == 0
-        assert cli.main(["draft", option, f"a{ending}", "-o", f"back{ending}.json"]) == 0
+        assert cli.main(["draft", option, f"a{ending}", "--no-preview", "-o", f"back{ending}.json"]) == 0
     layout = Layout.load("a.json")
     assert Layout.load("back.py.json") == layout
     assert [p.id for p in Layout.load("back.glb.json")] == [p.id for p in layout]
