@@ -1,7 +1,6 @@
 """What layouts are made of: sentences, labelled scans, boxes, 3D models, layout files."""
 
 import math
-import os
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -293,11 +292,6 @@ def test_what_is_wrong_with_a_picture(photo: list[str], refused: Callable[..., s
     assert "plain.png: the picture is of one colour" in refused(*plain)
     Path("plain.png").unlink()
     assert "plain.png: No such file" in refused(*plain)
-    Path("plain.png").mkdir()
-    assert "plain.png is a directory; it must be a regular file" in refused(*plain)
-    Path("plain.png").rmdir()
-    os.mkfifo("plain.png")
-    assert "plain.png is a FIFO; it must be a regular file" in refused(*plain)
 
 
 def test_a_blender_script_is_read_and_what_is_passed_over_is_said(capsys: pytest.CaptureFixture[str]) -> None:

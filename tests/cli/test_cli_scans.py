@@ -284,7 +284,7 @@ def test_casts_are_observed_in_their_order(cast: RangeImage, capsys: pytest.Capt
 
 def test_a_cast_without_a_sensor_is_of_the_one_given(cast: RangeImage, refused: Callable[..., str]) -> None:
     np.savez("bare.npz", depth=cast.depth, label=cast.label.astype(np.int64))
-    assert "bare.npz: it does not say by which sensor it is" in refused("observe", "bare.npz", "-o", "out")
+    assert "bare.npz: it does not name its sensor" in refused("observe", "bare.npz", "-o", "out")
     assert cli.main(["observe", "bare.npz", "--sensor", "small.json", "-o", "out"]) == 0
     expected = observe_cast(cast.depth, cast.label, Sensor.load("small.json"))
     np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
@@ -296,7 +296,7 @@ def test_clouds_of_carla_are_observed(refused: Callable[..., str]) -> None:
     head = ["ply", "format ascii 1.0", "element vertex 2", *(f"property {field}" for field in fields), "end_header"]
     rows = ["9.8481 0.0000 1.7365 0.9000 31 14", "8.6603 0.0000 -5.0000 0.5000 0 1"]
     Path("a.ply").write_text("\n".join([*head, *rows, ""]))
-    assert "a.ply does not say by which sensor it is; give its --sensor" in refused("observe", "a.ply", "-o", "out")
+    assert "a.ply does not name its sensor; give its --sensor" in refused("observe", "a.ply", "-o", "out")
     assert cli.main(["observe", "a.ply", "--sensor", "carla.json", "-o", "out"]) == 0
     points, _ = kitti.read_bin("out/000000.bin")
     np.testing.assert_allclose(points, [[9.85, 0, 1.74], [8.66, 0, -5.0]], atol=0.2)

@@ -109,5 +109,5 @@ def test_what_is_no_cast_is_named(tmp_path: Path, images: dict[str, np.ndarray],
 
 def test_a_cast_without_a_sensor_needs_one(tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", **IMAGES)
-    with pytest.raises(FormatError, match=r"a\.npz: it does not say by which sensor it is; give one"):
+    with pytest.raises(FormatError, match=r"a\.npz: it does not name its sensor; give one"):
         read_cast(tmp_path / "a.npz")
