@@ -184,7 +184,7 @@ def test_a_run_that_is_stopped_goes_on_with_the_same_call(capsys: pytest.Capture
     assert Path("tiny.safetensors").exists()
 
 
-ABLATION = ["ablation", "--sensor", "small.json", "--base-steps", "2", "--steps", "2", "-n", "1", "--work", "work"]
+ABLATION = ["ablation", "--sensor", "small.json", "--base-steps", "1", "--steps", "1", "-n", "1", "--work", "work"]
 
 
 def test_pairs_become_a_segmenter(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -225,7 +225,7 @@ def test_the_table_has_a_row_for_each_arm(monkeypatch: pytest.MonkeyPatch, capsy
         monkeypatch.delitem(ARMS, alike)  # they differ in their configs alone
     assert train.main(ABLATION) == 0
     shown = capsys.readouterr().out
-    assert shown.startswith("1 street, small; base 2 steps, each arm 2 steps\n")
+    assert shown.startswith("1 street, small; base 1 steps, each arm 1 steps\n")
     number = r" +(?:\d+\.\d{3}|nan)"
     rows = re.findall(rf"^(\S.*?){number}{number} +\d\.\d{{3}} +\d+\.\d{{3}} +\d\.\d{{3}}$", shown, re.MULTILINE)
     assert rows == ["other streets", "no condition", *ARMS]
@@ -237,7 +237,7 @@ def test_the_table_has_a_row_for_each_arm(monkeypatch: pytest.MonkeyPatch, capsy
         if arm.controlnet is not None:
             pairs = zip(arm.network.parameters(), base.network.parameters(), strict=True)
             assert all(torch.equal(one, other) for one, other in pairs)
-    assert steps == dict.fromkeys(steps, 2)
+    assert steps == dict.fromkeys(steps, 1)
     assert len(steps) == len(ARMS) + 1  # and the base
     assert weight_file.read_card("work/top-view-not-cast/weights.safetensors")["data"].endswith("from above")
     assert train.main([*ABLATION, "--base", "work/base/weights.safetensors"]) == 0  # all of it is there already
