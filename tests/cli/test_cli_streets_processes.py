@@ -44,7 +44,7 @@ def test_workers_end_with_a_parent_that_is_killed(start: Callable[..., Command],
 
 @pytest.mark.parametrize("send", [os.kill, os.killpg])
 def test_termination_is_clean(start: Callable[..., Command], send: Callable[[int, int], None]) -> None:
-    command = start(*ENDLESS, "--workers", "1")
+    command = start(*ENDLESS, "--workers", "2")
     wait_for(Path("pairs/index.json").exists)
     send(command.process.pid, signal.SIGTERM)
     assert command.ended()[::2] == (143, "")
@@ -54,9 +54,9 @@ def test_termination_is_clean(start: Callable[..., Command], send: Callable[[int
 
 @pytest.mark.parametrize(("early", "times"), [(True, 1), (False, 20)])
 def test_an_interrupt_and_impatience_are_one_line(start: Callable[..., Command], early: bool, times: int) -> None:
-    command = start(*ENDLESS, "--workers", "1")
-    # early: the worker is still loading
-    wait_for(lambda: command.workers() if early else Path("pairs/index.json").exists())
+    command = start(*ENDLESS, "--workers", "2")
+    # early: the workers are still loading
+    wait_for(lambda: len(command.workers()) == 2 if early else Path("pairs/index.json").exists())
     for _ in range(times):  # while it cleans up and ends
         with contextlib.suppress(ProcessLookupError):
             command.interrupt()
