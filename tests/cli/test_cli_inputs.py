@@ -61,7 +61,6 @@ def test_what_is_wrong_with_an_obj_file(refused: Callable[..., str]) -> None:
     assert "did you mean 'car'?" in refused(*draft, "--class", "Cube.001=carr")
     assert "--class is 'Cube.001'; it must be NAME=CLASS" in refused(*draft, "--class", "Cube.001")
     assert "scale is 0" in refused(*draft, "--class", "Cube.001=car", "--scale", "0")
-    assert "nowhere.obj" in refused("draft", "-o", "layout.json", "--obj", "nowhere.obj")
 
 
 @pytest.mark.parametrize(
@@ -92,7 +91,6 @@ def test_a_sentence_or_a_scan_that_says_nothing(refused: Callable[..., str]) -> 
     assert "short.bin" in refused("draft", *short, "--labels", "short.label")
     Path("short.label").unlink()
     assert "short.bin has 5 bytes" in refused("draft", *short)
-    assert "gone.bin" in refused("draft", "--points", "gone.bin", "-o", "layout.json")
 
 
 def test_the_file_that_is_wrong_is_named(refused: Callable[..., str]) -> None:
@@ -307,7 +305,6 @@ def test_a_blender_script_is_read_and_what_is_passed_over_is_said(capsys: pytest
 
 def test_what_is_wrong_with_a_blender_script(refused: Callable[..., str]) -> None:
     draft = ("draft", "-o", "layout.json", "--blender", "scene.py")
-    assert "scene.py: No such file" in refused(*draft)
     Path("scene.py").write_text(SCRIPT)
     assert "scene.py: no class for Blob (line 2); say which by --class" in refused(*draft, "--strict")
     assert "did you mean 'car'?" in refused(*draft, "--class", "Blob=carr")

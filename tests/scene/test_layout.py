@@ -223,9 +223,7 @@ def row(**changes):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", r"not JSON: "),
         ("{}", r"schema is None; this version reads 'lidardraft.layout/1'"),
-        ('{"schema": 1' + "0" * 1_000_000 + "}", r"not JSON: "),
         (document(schema="lidardraft.layout/9"), r"schema is 'lidardraft.layout/9'; this version reads"),
         (document(primitives={}), r"primitives is {}; it must be a list of objects"),
         (document(primitives=[{"id": "a"}]), r"a: 'center' is missing"),

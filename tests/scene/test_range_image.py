@@ -139,11 +139,6 @@ def test_images_must_fit_the_sensor():
 
 
 def test_files_that_are_no_range_image(tmp_path):
-    with pytest.raises(FormatError, match=r"none.npz: No such file or directory"):
-        RangeImage.load(tmp_path / "none.npz")
-    (tmp_path / "a.npz").write_bytes(b"PK\x03\x04 nonsense")
-    with pytest.raises(FormatError, match=r"a.npz: not a whole .npz file"):
-        RangeImage.load(tmp_path / "a.npz")
     np.savez(tmp_path / "b.npz", depth=np.zeros((4, 16), np.float32))
     with pytest.raises(FormatError, match=r"b.npz: 'sensor' is missing"):
         RangeImage.load(tmp_path / "b.npz")
