@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+import itertools
 import json
 import os
 import resource
@@ -38,18 +39,16 @@ from lidardraft.formats.kitti import read_bin, write_bin
 from lidardraft.formats.kitti_object import read_label_2
 from lidardraft.formats.las import read_las
 from lidardraft.formats.masks import read_masks
-from lidardraft.formats.nuscenes import read_lidarseg, read_pcd_bin, read_table
-from lidardraft.formats.nuscenes_tables import read_annotations
+from lidardraft.formats.nuscenes import read_annotations, read_lidarseg, read_pcd_bin, read_table
 from lidardraft.formats.obj import write_obj
-from lidardraft.formats.ouster import read_ouster_metadata
-from lidardraft.formats.ouster_capture import read_ouster_capture
+from lidardraft.formats.ouster import read_ouster_capture, read_ouster_metadata
 from lidardraft.formats.pairs import Pair, read_shard, write_pairs
 from lidardraft.formats.pandaset import read_cuboids, read_sweep
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.pickled_table import read_pickled_table
 from lidardraft.formats.picture import read_picture
 from lidardraft.formats.ply import read_ply, write_ply
-from lidardraft.formats.recording import read_labels, read_points, read_recording, read_semantic_map, returns
+from lidardraft.formats.recording import read_labels, read_points, read_recording, read_returns, read_semantic_map
 from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
@@ -95,12 +94,6 @@ class Reader:
     read: Callable[[Path], object]
     ending: str
     good: bytes
-
-
-def _points(path: Path) -> object:
-    points, fields = read_points(path)
-    with named(path):
-        return returns(points, fields)
 
 
 def _label_2(path: Path) -> object:
@@ -250,11 +243,11 @@ def readers() -> dict[str, Reader]:
         "npy": Reader(read_carla, ".npy", buffer.getvalue()),
         "ply": Reader(read_carla, ".ply", PLY),
         "ply vertices": Reader(read_ply, ".ply", PLY),
-        "ply points": Reader(_points, ".ply", _binary_ply(points)),
+        "ply points": Reader(read_points, ".ply", _binary_ply(points)),
         "label_2": Reader(_label_2, ".txt", LABEL_2),
         "calib": Reader(_calib, ".txt", CALIB),
         "depth": Reader(read_npy, ".npy", _npy(points)),
-        "points": Reader(_points, ".npz", _zip("xyz", _npy(points))),
+        "points": Reader(read_returns, ".npz", _zip("xyz", _npy(points))),
         "recording": Reader(read_recording, ".npz", _zip("xyz", _npy(points), "ring", _npy(np.arange(100) // 10))),
         "pairs": Reader(_shard, ".npz", _written(lambda p: _pairs(str(p.parent)).rename(p), ".npz")),
         "cast": Reader(read_cast, ".npz", _written(image.save, ".npz")),
@@ -282,7 +275,7 @@ def readers() -> dict[str, Reader]:
 
 
 def spoilings(reader: Reader) -> Iterator[tuple[str, bytes]]:
-    """Ways to spoil any file, by name."""
+    """Ways to spoil any file, by name, of less than two megabytes."""
     good, noise = reader.good, np.random.default_rng(0).bytes(4096)
     yield "empty", b""
     for share in (0.1, 0.5, 0.9):
@@ -303,6 +296,10 @@ def spoilings(reader: Reader) -> Iterator[tuple[str, bytes]]:
     yield "twice", good + good
     yield "brackets", b"[" * _MIB
     yield "braces", b'{"a":' * 200_000
+
+
+def large_spoilings() -> Iterator[tuple[str, bytes]]:
+    """Files for any reader that take a while to make, by name."""
     yield "spaces", b" " * (100 * _MIB)
     yield "one long line", b"a" * (100 * _MIB)
     yield "many lines", b"v 1 2 3\n" * (12 * _MIB)
@@ -326,7 +323,7 @@ def _npz(name: str, array: np.ndarray | None, claimed: tuple[int, ...] = (), pic
         else:  # a header that claims much, and zeros
             np.lib.format.write_array_header_1_0(header, {"descr": "<f4", "fortran_order": False, "shape": claimed})
             file.write(header.getvalue())
-            for _ in range(400):
+            for _ in range(140):
                 file.write(bytes(_MIB))
     return buffer.getvalue()
 
@@ -375,7 +372,7 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
     checks = np.full((1400, 1400, 3), 255, np.uint8)
     checks[np.add.outer(np.arange(1400) // 4, np.arange(1400) // 4) % 2 > 0] = (0, 0, 142)
     pictures = {
-        "100 megapixels": _png(10_000, 10_000, zlib.compress(bytes(30_001) * 10_000, 1)),
+        "100 megapixels": _png(10_000, 10_000, zlib.compress(bytes(10_001) * 10_000, 1), kind=0),
         "two billion pixels to a side": _png(2**31 - 1, 2**31 - 1, rows),
         "pixels that are not there": _png(5000, 5000, rows[:200]),
         "nothing": _png(0, 0),
@@ -394,11 +391,15 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
         buffer = io.BytesIO()
         Image.fromarray(pixels).save(buffer, "png", compress_level=1)
         yield "painted sketch", name, buffer.getvalue()
-    for reader in ("cast", "range image"):
-        yield reader, "a bomb", _npz("depth", None, (100 * _MIB,))
-        yield reader, "more than there is", _npz("depth", None, (2**40,))
-        yield reader, "a pickle", _npz("depth", np.array([print], dtype=object), pickled=True)
-        yield reader, "text for numbers", _npz("depth", np.array(["car"]))
+    images = {
+        "a bomb": _npz("depth", None, (35 * _MIB,)),
+        "more than there is": _npz("depth", None, (2**40,)),
+        "a pickle": _npz("depth", np.array([print], dtype=object), pickled=True),
+        "text for numbers": _npz("depth", np.array(["car"])),
+    }
+    for name, data in images.items():
+        yield "cast", name, data
+        yield "range image", name, data
     for name, array in (("a pickle", np.array([print], dtype=object)), ("text", np.array(["car"]))):
         buffer = io.BytesIO()
         np.save(buffer, array, allow_pickle=True)
@@ -426,7 +427,7 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
     yield "pickled table", "a memory of thousands of millions", b"\x80\x03Nr\xff\xff\xff\x7f."
     yield "pickled table", "a text that is not there", b"\x80\x03B\xff\xff\xff\xff."
     yield "pickled table", "pointers for objects", pandas_pickle(a=np.arange(3)).replace(b"i8", b"O8")
-    yield "pandaset lidar/00.pkl.gz", "a bomb", gzip.compress(bytes(200 * _MIB), 9)
+    yield "pandaset lidar/00.pkl.gz", "a bomb", gzip.compress(bytes(80 * _MIB), 1)
     yield "layout", "two million fields", b"{" + b'"a":1,' * 2_000_000 + b'"a":1}'
     yield (
         "sketch of shapes",
@@ -575,7 +576,7 @@ def outcomes(folder: Path, only: str = "") -> Iterator[Outcome]:
     known = readers()
     for name, reader in known.items():
         if only in ("", name):
-            for file, data in spoilings(reader):
+            for file, data in itertools.chain(spoilings(reader), large_spoilings()):
                 path = folder / f"spoiled{reader.ending}"
                 path.write_bytes(data)
                 yield outcome(name, file, reader.read, path)

@@ -1,8 +1,8 @@
 """A language model's server in the test process, and an environment that names no other."""
 
+import itertools
 import os
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
 
@@ -10,16 +10,18 @@ from replay_server import ReplayServer
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # for torch, on small tensors: threads would wait for each other
 
+_NUMBERS = itertools.count()
+
 
 @pytest.fixture(autouse=True)
-def no_language_model(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+def no_language_model(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> None:
     """No test asks a model that a developer uses, goes through a proxy, or fills a developer's cache."""
     for name in ("URL", "MODEL", "KEY"):
         monkeypatch.delenv(f"LIDARDRAFT_LLM_{name}", raising=False)
     for name in ("http_proxy", "https_proxy", "all_proxy", "no_proxy"):
         monkeypatch.delenv(name, raising=False)
         monkeypatch.delenv(name.upper(), raising=False)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "caches"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.getbasetemp() / f"caches/{next(_NUMBERS)}"))
 
 
 @pytest.fixture

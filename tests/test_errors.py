@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import lidardraft
-from lidardraft import Layout, Primitive, Sensor
-from lidardraft.errors import FormatError, LayoutError, SensorError, did_you_mean, nearest_name, one_of
+from lidardraft import Layout, Sensor
+from lidardraft.errors import FormatError, did_you_mean, nearest_name, one_of
 
 SENSOR = Sensor(name="small", elevations=(0.0, -0.1), columns=8)
 
@@ -54,13 +54,6 @@ def test_a_misspelled_word_is_near_to_the_one_that_was_meant(typed: str, meant: 
 )
 def test_another_word_is_near_to_none(word: str) -> None:
     assert nearest_name(WORDS, word) is None
-
-
-def test_sensors_and_classes_are_suggested() -> None:
-    with pytest.raises(SensorError, match=r"sensor is 'hdl64'; .*hdl64e, .*did you mean 'hdl64e'\?"):
-        Sensor.preset("hdl64")
-    with pytest.raises(LayoutError, match=r"label is 'cars'; .*did you mean 'car'\?"):
-        Primitive(shape="box", center=(0, 0, 1), size=(1, 1, 1), label="cars", id="car_1")
 
 
 def test_control_characters_of_names_and_values_are_escaped() -> None:

@@ -23,6 +23,8 @@ from lidardraft.training import recipes
 
 SENSOR = Sensor(name="small", elevations=tuple(math.radians(2 - 1.7 * row) for row in range(16)), columns=128)
 
+NAMES = ("detailed scan", "other streets", "simulated", "generated", "untrained")
+
 
 @pytest.fixture(scope="module")
 def pairs() -> list[StreetPair]:
@@ -47,14 +49,7 @@ def test_scans_are_scored_between_those_of_other_streets_and_random_weights(
 ) -> None:
     rows = list(evaluate(Pipeline(papers, steps=2), pairs))
     _, others, condition, simulated, generated, random = rows
-    assert [row.name for row in rows] == [
-        "detailed scan",
-        "other streets",
-        "condition image",
-        "simulated",
-        "generated",
-        "untrained",
-    ]
+    assert [row.name for row in rows] == [*NAMES[:2], "condition image", *NAMES[2:]]
     assert (condition.objects, condition.overall, condition.drop) == (1, 1, 0)
     assert condition.holes < 0.02
     assert set(condition.by_class.values()) == {1.0}
@@ -87,14 +82,7 @@ def test_the_detailed_scans_are_at_no_distance_from_themselves(pairs: list[Stree
 def test_weights_that_complete_are_given_half_of_each_street(pairs: list[StreetPair], completing: Denoiser) -> None:
     rows = list(evaluate(Pipeline(completing, steps=2), pairs))
     _, others, bare, simulated, generated, random = rows
-    assert [row.name for row in rows] == [
-        "detailed scan",
-        "other streets",
-        "bare",
-        "simulated",
-        "generated",
-        "untrained",
-    ]
+    assert [row.name for row in rows] == [*NAMES[:2], "bare", *NAMES[2:]]
     for row in (bare, generated, random):  # all have the given half of the simulated scan
         assert (row.objects, row.overall, row.drop) == (simulated.objects, simulated.overall, simulated.drop)
     assert others.objects < simulated.objects

@@ -21,9 +21,11 @@ def test_a_release_build_says_nothing():
         lidardraft._warn_of_debug_build(False)
 
 
-def test_importing_warns_once_if_and_only_if_the_core_is_a_debug_build():
-    code = "import lidardraft\nimport lidardraft.scene.raycast\n"
+def test_importing_is_light_and_warns_once_if_and_only_if_the_core_is_a_debug_build():
+    code = "import sys, lidardraft; print(sorted({'torch', 'sklearn', 'scipy', 'PIL'} & set(sys.modules)))\n"
+    code += "import lidardraft.scene.raycast\n"
     result = subprocess.run(
         [sys.executable, "-W", "always", "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
+    assert result.stdout == "[]\n"
     assert result.stderr.count("RuntimeWarning: lidardraft's compiled core is a debug build") == int(_core.DEBUG)

@@ -17,8 +17,8 @@ from lidardraft.json_fields import are_numbers, check_fields, is_number, parse_l
         ("[" * 1_000_000, r"not JSON that can be read: it is nested too deeply"),
         ('{"a":' * 1_000_000, r"not JSON that can be read: it is nested too deeply"),
         ("[" + "[]," * 3_000_000 + "1]", "3000001 lists and objects; JSON of up to 3000000 is read"),
-        ("[1]", r"\[1\] is no JSON object"),
-        ("null", r"None is no JSON object"),
+        ("[1]", r"\[1\] is not a JSON object"),
+        ("null", r"None is not a JSON object"),
     ],
 )
 def test_a_text_without_an_object_is_refused(text: str, message: str) -> None:
@@ -28,7 +28,7 @@ def test_a_text_without_an_object_is_refused(text: str, message: str) -> None:
 
 def test_a_list_is_parsed_and_nothing_else() -> None:
     assert parse_list('[{"a": 1}, 2]') == [{"a": 1}, 2]
-    with pytest.raises(FormatError, match=r"\{\} is no JSON list"):
+    with pytest.raises(FormatError, match=r"\{\} is not a JSON list"):
         parse_list("{}")
     with pytest.raises(FormatError, match="not JSON: "):
         parse_list("[")

@@ -47,11 +47,13 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
     for line in lines:
         words = shlex.split(line, comments=True)[1:]
         if words[0] in ("generate", "evaluate"):
-            words += ["--steps", "4"]
+            words += ["--steps", "1"]
         if words[0] == "evaluate":
             words += ["-n", "1"]  # 50 streets take minutes
         if "--frames" in words:
-            words += ["--frames", "3"]  # 100 take half a minute
+            words += ["--frames", "2"]  # 100 take half a minute
+        if "--street" in words:
+            words += ["-n", "2"]  # 100 take a minute
         if words[0] == "streets":
             words += ["--num", "2", "--poses", "1", "--workers", "1"]  # 1,000 take minutes
         if words[0] == "dataset":

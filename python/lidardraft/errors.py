@@ -34,7 +34,7 @@ def check_type(name: str, value: object, *types: type) -> None:
 
 
 def check_seed(seed: object) -> None:
-    """Raise `LayoutError` on a seed that is no integer >= 0."""
+    """Raise `LayoutError` on a seed that is not an integer >= 0."""
     if type(seed) is not int or seed < 0:
         raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
 

@@ -53,11 +53,9 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield temporary
         temporary.replace(target)
     except OSError as error:
-        temporary.unlink(missing_ok=True)
         raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
-    except BaseException:
+    finally:  # where it was renamed, there is nothing of that name
         temporary.unlink(missing_ok=True)
-        raise
 
 
 @contextmanager
@@ -97,11 +95,9 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
         yield temporary
         temporary.replace(target)  # fails where another process has filled the folder meanwhile
     except OSError as error:
-        shutil.rmtree(temporary, ignore_errors=True)
         raise FormatError(f"{path} cannot be written: {error.strerror or error}") from None
-    except BaseException:
+    finally:
         shutil.rmtree(temporary, ignore_errors=True)
-        raise
 
 
 def _replace_all(new: Path, old: Path, folder: Path) -> None:
@@ -124,11 +120,11 @@ def _replace_all(new: Path, old: Path, folder: Path) -> None:
 
 
 def check_replaceable(target: Path) -> None:
-    """Raise `FormatError` where something is there that is no regular file: a rename would take a device's place."""
+    """Raise `FormatError` where something is there that is not a regular file: a rename would take a device's place."""
     if "\0" in str(target):
         raise FormatError(f"{target} cannot be written: no file can have that name")
     if target.exists() and not target.is_file():
-        raise FormatError(f"{target} cannot be written: it is there, and no regular file")
+        raise FormatError(f"{target} cannot be written: it is there, and not a regular file")
 
 
 def check_other_file(output: str | os.PathLike[str], given: str | os.PathLike[str]) -> None:
@@ -153,7 +149,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 def regular_size(path: str | os.PathLike[str], most: int = MAX_BYTES) -> int:
     """The number of bytes of a file, links followed.
 
-    Raises `FormatError` where it is missing, is no regular file (a FIFO or a device may never end) or has more than
+    Raises `FormatError` where it is missing, is not a regular file (a FIFO or a device may never end) or has more than
     `most` bytes.
     """
     name = os.fspath(path) or "''"
@@ -186,7 +182,7 @@ def read_text(path: str | os.PathLike[str], most: int = MAX_TEXT) -> str:
     try:
         return read_bytes(path, most).decode("utf-8")
     except UnicodeDecodeError as error:
-        raise FormatError(f"{os.fspath(path)} is no text in UTF-8: byte {error.start} is wrong") from None
+        raise FormatError(f"{os.fspath(path)} is not text in UTF-8: byte {error.start} is wrong") from None
 
 
 def read_sentences(path: str | os.PathLike[str]) -> dict[int, str]:

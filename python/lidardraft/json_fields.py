@@ -17,7 +17,7 @@ _MOST_FIELDS = 1_500_000  # of all objects, which take twice as much and twice a
 
 
 def parse_json(text: str | bytes) -> Any:
-    """What a JSON text holds; raises `FormatError` where it is no JSON, or more of it than is read."""
+    """What a JSON text holds; raises `FormatError` where it is not JSON, or more of it than is read."""
     check_brackets(text)
     try:
         return json.loads(text)
@@ -48,14 +48,14 @@ def parse_list(text: str | bytes) -> list[Any]:
     """The list that a JSON text holds; raises `FormatError` where it holds something else or nothing."""
     document = parse_json(text)
     if not isinstance(document, list):
-        raise FormatError(f"{document!r:.50} is no JSON list")
+        raise FormatError(f"{document!r:.50} is not a JSON list")
     return document
 
 
 def check_object(value: Any) -> dict[str, Any]:
     """The value, which is a JSON object; raises `FormatError` where it is not."""
     if not isinstance(value, dict):
-        raise FormatError(f"{value!r:.50} is no JSON object")
+        raise FormatError(f"{value!r:.50} is not a JSON object")
     return value
 
 

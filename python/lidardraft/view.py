@@ -55,7 +55,7 @@ _STRIP = 1 / 8  # rows of a range image over those of the view
 _REACH = 50.0  # m, what a view from above shows ahead and behind
 _SHOWN, _SHOWN_WITHIN, _SEEN = 10, 30.0, 5  # boxes that an eye shows: so many, within m, with so many returns
 _LONGEST_TITLE = 120
-_FURTHEST = 1000.0  # m of a page: what is further is no return
+_FURTHEST = 1000.0  # m of a page: what is further is not a return
 _FILM_COLOURS = 64  # of all frames
 _EYE = np.array(  # 16 m behind and 11 m over the ego vehicle, looking 24 degrees down
     [[0.9135, 0, 0.4067, -16.0], [0, 1, 0, 0], [-0.4067, 0, 0.9135, 11.0], [0, 0, 0, 1]]

@@ -76,7 +76,7 @@ def test_bad_exports_are_one_line(refused: Callable[..., str], capsys: pytest.Ca
     assert "'kity' is not one of kitti, " in capsys.readouterr().err
     said = refused("export", "empty", "--format", "kitti", "-o", "out")
     assert "empty holds no scans of `simulate`, `generate` or `observe`: there is no .sensor.json" in said
-    assert "nowhere is no folder of scans" in refused("export", "nowhere", "--format", "kitti", "-o", "out")
+    assert "nowhere is not a folder of scans" in refused("export", "nowhere", "--format", "kitti", "-o", "out")
     Sensor.load("small.json").save("empty/000000.sensor.json")
     assert "000000.npz: No such file" in refused("export", "empty", "--format", "kitti", "-o", "out")
     Path("full").mkdir()

@@ -37,16 +37,15 @@ def test_without_a_command_the_help_says_where_to_start(capsys: pytest.CaptureFi
         cli._parser().parse_args(shlex.split(line)[1:])
 
 
-@pytest.mark.parametrize("argv", [["--help"], ["generate", "--help"]])
-def test_help_loads_nothing_heavy(argv: list[str]) -> None:
+def test_help_loads_nothing_heavy() -> None:
     code = (
         "import sys; from lidardraft.cli.main import main\n"
-        f"try: main({argv!r})\n"
-        "except SystemExit: print(sorted({'torch', 'sklearn', 'scipy', 'PIL'} & set(sys.modules)))"
+        "for argv in (['--help'], ['generate', '--help']):\n"
+        "    try: main(argv)\n"
+        "    except SystemExit: print(sorted({'torch', 'sklearn', 'scipy', 'PIL'} & set(sys.modules)))"
     )
     result = run("-c", code)
-    assert "usage: lidardraft" in result.stdout
-    assert result.stdout.endswith("[]\n")
+    assert result.stdout.count("usage: lidardraft") == result.stdout.count("\n[]\n") == 2
 
 
 @pytest.mark.parametrize("command", ["generate", "view", "draft", "raycast", "streets", "evaluate"])

@@ -112,7 +112,7 @@ def test_a_scan_becomes_a_page(capsys: pytest.CaptureFixture[str], refused: Call
     assert '"id": "bus_1"' in Path("given.html").read_text()
     capsys.readouterr()
     said = refused("view", "out/000000.layout.json", "-o", "page.html")
-    assert "000000.layout.json is no scan; a page of HTML shows scans alone" in said
+    assert "000000.layout.json is not a scan; a page of HTML shows scans alone" in said
 
 
 @pytest.mark.parametrize("name", ["a.ply", "a.npy", "a.las"])

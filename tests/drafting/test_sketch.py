@@ -102,7 +102,7 @@ def test_a_file_is_read_as_its_pixels_and_what_is_transparent_is_paper(tmp_path:
             b'<svg><line id="scale 5 m" x2="9"/><rect id="q" width="1" height="1"/></svg>',
             "a.svg: the sketch shows nothing of a class; rect 'q': neither",
         ),
-        ("a.svg", b"\xff\xfe<\x00s\x00", "a.svg is no text in UTF-8"),
+        ("a.svg", b"\xff\xfe<\x00s\x00", "a.svg is not text in UTF-8"),
         ("a.png", b"car", "a.png: not a whole picture"),
     ],
 )

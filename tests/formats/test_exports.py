@@ -22,8 +22,7 @@ from lidardraft.formats.kitti_object import read_label_2, write_kitti_object
 from lidardraft.formats.las import write_las
 from lidardraft.formats.mcap import write_mcap
 from lidardraft.formats.mmdet3d import CATEGORIES, write_mmdet3d
-from lidardraft.formats.nuscenes import read_pcd_bin
-from lidardraft.formats.nuscenes_tables import CATEGORY_OF_CLASS, write_nuscenes
+from lidardraft.formats.nuscenes import CATEGORY_OF_CLASS, read_pcd_bin, write_nuscenes
 from lidardraft.formats.openpcdet import write_openpcdet
 from lidardraft.formats.pcd import write_pcd_folder
 from lidardraft.formats.ply import read_ply, write_ply_folder

@@ -249,7 +249,7 @@ def test_shapes_stand_upright_along_y_as_along_z(tmp_path: Path) -> None:
         (b"PK\3\4" + bytes(20), "it does not begin with glTF"),
         (struct.pack("<5I", 0x46546C67, 2, 999, 4, 0x4E4F534A) + b"{}  ", "a broken GLB: its header tells of 999"),
         (struct.pack("<5I", 0x46546C67, 2, 24, 99, 0x4E4F534A) + b"{}  ", "99 of JSON"),
-        (struct.pack("<5I", 0x46546C67, 2, 24, 4, 0x4E4F534A) + b"[]  ", "is no JSON object"),
+        (struct.pack("<5I", 0x46546C67, 2, 24, 4, 0x4E4F534A) + b"[]  ", "is not a JSON object"),
         (
             glb_bytes({}, b"1234").replace(struct.pack("<2I", 4, 0x004E4942), struct.pack("<2I", 99, 0x004E4942)),
             "its second chunk tells of 99 bytes",

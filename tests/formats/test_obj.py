@@ -176,7 +176,7 @@ def documents(draw):
     return draw(st.sampled_from(["\n", "\r\n"])).join([*lines, ""]), objects
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(documents())
 def test_a_valid_file_comes_back_as_it_was_written(path, document):
     text, objects = document
@@ -210,7 +210,7 @@ def survives(path, data: bytes) -> None:
     assert error is None or len(str(error).splitlines()) == 1
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.lists(st.one_of(st.sampled_from(TOKENS), st.sampled_from([b" ", b"\n", b"1 ", b"2 ", b"3 "])), max_size=80))
 def test_words_in_any_order(path, words):
     survives(path, b"v 0 0 0\nv 4 0 0\nv 0 0 1\n" + b"".join(words))

@@ -12,8 +12,7 @@ import pytest
 from lidardraft.cli.inputs import sensor_of_file
 from lidardraft.cli.main import main
 from lidardraft.errors import FormatError, MissingExtraError
-from lidardraft.formats.ouster import read_ouster_metadata
-from lidardraft.formats.ouster_capture import metadata_beside, read_ouster_capture
+from lidardraft.formats.ouster import metadata_beside, read_ouster_capture, read_ouster_metadata
 from lidardraft.formats.recording import read_recording
 from ouster_files import BEAMS, COLUMNS, METADATA, write_capture
 from ouster_packets import read_sweep

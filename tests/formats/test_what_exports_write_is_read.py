@@ -18,7 +18,7 @@ from lidardraft.formats.frame import Frame
 from lidardraft.formats.kitti_object import write_kitti_object
 from lidardraft.formats.las import write_las
 from lidardraft.formats.mmdet3d import write_mmdet3d
-from lidardraft.formats.nuscenes_tables import write_nuscenes
+from lidardraft.formats.nuscenes import write_nuscenes
 from lidardraft.formats.openpcdet import write_openpcdet
 from lidardraft.formats.ouster import read_ouster_metadata
 from lidardraft.formats.ply import write_ply_folder
@@ -113,11 +113,11 @@ def test_las_files_of_others(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("1 2 3 4 5 6 car", "line 1: '1 2 3 4 5 6 car' is no box: x y z length width height yaw and a class"),
-        ("1 2 3 4 5 6 7 Boat", "line 1: '1 2 3 4 5 6 7 Boat' is no box"),
-        ("1 2 3 4 5 x 7 car", "line 1: '1 2 3 4 5 x 7' is not seven numbers"),
+        ("1 2 3 4 5 6 car", "line 1: '1 2 3 4 5 6 car' is not a box: x y z length width height yaw and a class"),
+        ("1 2 3 4 5 6 7 Boat", "line 1: '1 2 3 4 5 6 7 Boat' is not a box"),
+        ("1 2 3 4 5 x 7 car", "line 1: '1 2 3 4 5 x 7' is not 7 finite numbers"),
+        ("1 2 3 4 5 6 nan car", "line 1: '1 2 3 4 5 6 nan' is not 7 finite numbers"),
         ("1 2 3 4 -5 6 7 car", "line 1: car_1: size is [4.0, -5.0, 6.0]; no extent may be negative"),
-        ("1 2 3 4 5 6 nan car", "line 1: car_1: yaw is nan"),
     ],
 )
 def test_lines_that_are_no_boxes(tmp_path: Path, line: str, message: str) -> None:

@@ -6,7 +6,6 @@ import pytest
 
 from lidardraft.errors import SensorError
 from lidardraft.metrics.adherence import adherence
-from lidardraft.scene.labelling import agrees
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
@@ -24,12 +23,6 @@ def image(depth, label=None):
         else np.array([[BY_NAME[n].id for n in row] for row in label], np.uint8)
     )
     return RangeImage(sensor=SENSOR, depth=depth, label=label, instance=np.zeros(depth.shape, np.uint32))
-
-
-def test_the_tolerance_is_half_a_metre_or_five_percent():
-    condition_image = image([[5.0, 5.0], [40.0, 40.0]])
-    scan = image([[5.49, 4.49], [41.99, 37.9]])
-    np.testing.assert_array_equal(agrees(scan, condition_image), [[True, False], [True, False]])
 
 
 def test_shares_are_counted_over_what_the_ray_hits():

@@ -2,6 +2,7 @@ import os
 import subprocess
 import sys
 import threading
+from functools import cache
 from http.server import BaseHTTPRequestHandler, HTTPServer
 
 import numpy as np
@@ -12,6 +13,7 @@ import transformers
 from PIL import Image
 
 from lidardraft import layout_from_image, layout_from_text
+from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.errors import CheckpointError, LayoutError, MissingExtraError
 from lidardraft.perception import picture_networks
 from lidardraft.perception.mask_votes import number_objects
@@ -237,8 +239,13 @@ def test_pickled_weights_are_not_read(tmp_path):
         picture_networks.load_network("depth network", "AutoModelForDepthEstimation", folder, "cpu")
 
 
+@cache
+def two_cars():
+    return render(layout_from_text("two cars 12 m ahead", seed=0), Pinhole.from_hfov(np.deg2rad(80), 480, 160))
+
+
 def test_layouts_ask_the_networks_of_folders(tmp_path):
-    picture = render(layout_from_text("two cars 12 m ahead", seed=0))
+    picture = two_cars()
     camera = picture.camera
     known = {
         "depth": picture.depth,
@@ -257,7 +264,7 @@ def test_layouts_ask_the_networks_of_folders(tmp_path):
 
 
 def test_a_network_may_be_any_function():
-    picture = render(layout_from_text("two cars 12 m ahead", seed=0))
+    picture = two_cars()
     layout = layout_from_image(
         picture.pixels,
         depth=lambda pixels: np.where(pixels.any(axis=2), picture.depth, 0),

@@ -43,7 +43,7 @@ def test_the_reference_is_always_there_and_the_slowest():
 
 
 @pytest.mark.parametrize("backend", FAST)
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=60, deadline=None)
 @given(layouts(), sensors(), poses())
 def test_backends_see_what_the_reference_sees(backend, layout, sensor, pose):
     expected = scanned(layout, sensor, pose[None, None], backend="reference")
@@ -51,7 +51,7 @@ def test_backends_see_what_the_reference_sees(backend, layout, sensor, pose):
 
 
 @pytest.mark.parametrize("backend", FAST)
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(layouts(), sensors(), poses(), poses())
 def test_backends_see_what_the_reference_sees_with_a_pose_a_column(backend, layout, sensor, first, last):
     share = np.linspace(0, 1, sensor.columns)[:, None]
@@ -62,7 +62,7 @@ def test_backends_see_what_the_reference_sees_with_a_pose_a_column(backend, layo
 
 
 @pytest.mark.parametrize("backend", FAST)
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(3))
 def test_a_crowd_looks_the_same(backend, seed):
     random = np.random.default_rng(seed)
     crowd = [
@@ -87,7 +87,7 @@ def test_a_crowd_looks_the_same(backend, seed):
 
 
 @pytest.mark.parametrize("backend", _core.backends())
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(layouts(), sensors(), poses(), poses())
 def test_threads_change_no_bit(backend, layout, sensor, first, last):
     rolling = np.stack([np.tile(pose, (sensor.columns, 1, 1)) for pose in (first, last, first)])

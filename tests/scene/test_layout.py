@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lidardraft.errors import FormatError, LayoutError, LidarDraftError
+from lidardraft.json_fields import check_brackets
 from lidardraft.scene.box import Box, check_id
-from lidardraft.scene.layout import SCHEMA, Layout, Primitive, box_around, primitive_mesh
+from lidardraft.scene.layout import MOST_PRIMITIVES, SCHEMA, Layout, Primitive, box_around, primitive_mesh
 from lidardraft.scene.mesh import TriangleMesh, unit_mesh
 from lidardraft.scene.placed_mesh import placed_mesh, shape_of, size_and_yaw
 from lidardraft.semantics import CLASSES
@@ -137,16 +138,15 @@ def test_a_mesh_that_cannot_be(vertices, faces, message):
         Primitive.from_mesh(np.array(vertices), np.array(faces), label="road", id="m")
 
 
-@pytest.mark.parametrize("extent", [-2.0, 0.0, 5e-324, 1e-160, 1e-30, 1e-7, 1.1e9, math.nan, math.inf])
 @pytest.mark.parametrize("shape", ["box", "ellipsoid", "cylinder", "plane"])
-@pytest.mark.parametrize("axes", [(0,), (1,), (0, 1, 2)])
-def test_shapes_without_extent_or_without_end_are_refused(shape: str, extent: float, axes: tuple[int, ...]) -> None:
+def test_shapes_without_extent_or_without_end_are_refused(shape: str) -> None:
     """Rays missed some shapes of less than a millionth of a metre and met others in the wrong places."""
-    size = [extent if axis in axes else 2.0 for axis in range(3)]
-    with pytest.raises(
-        LayoutError, match=r"car_1: size is .*; (every extent must|a plane needs|no number may|it must)"
-    ):
-        dataclasses.replace(CAR, shape=shape, size=(*size[:2], 0.0) if shape == "plane" else size)
+    said = r"car_1: size is .*; (every extent must|a plane needs|no number may|it must)"
+    for extent in (-2.0, 0.0, 5e-324, 1e-160, 1e-30, 1e-7, 1.1e9, math.nan, math.inf):
+        for axes in ((0,), (1,), (0, 1, 2)):
+            size = [extent if axis in axes else 2.0 for axis in range(3)]
+            with pytest.raises(LayoutError, match=said):
+                dataclasses.replace(CAR, shape=shape, size=(*size[:2], 0.0) if shape == "plane" else size)
 
 
 @pytest.mark.parametrize(
@@ -180,10 +180,9 @@ def test_ids_must_be_distinct():
         Layout(primitives=(CAR, CAR))
 
 
-def test_a_layout_that_is_built_can_be_read(tmp_path):
-    many = Layout([dataclasses.replace(CAR, id=f"c{k}") for k in range(66_000)])
-    many.save(tmp_path / "layout.json")
-    assert len(Layout.load(tmp_path / "layout.json")) == 66_000
+def test_as_many_primitives_as_a_layout_may_have_are_not_too_much_to_read():
+    row = json.dumps(dataclasses.replace(CAR, material="glass", extinction=0.5, open=True).to_dict())
+    check_brackets("[" + ",".join([row] * MOST_PRIMITIVES) + "]")
     with pytest.raises(LayoutError, match="100001 primitives; a layout has 100000 at most"):
         Layout([CAR] * 100_001)
 
@@ -224,9 +223,7 @@ def row(**changes):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", r"not JSON: "),
         ("{}", r"schema is None; this version reads 'lidardraft.layout/1'"),
-        ('{"schema": 1' + "0" * 1_000_000 + "}", r"not JSON: "),
         (document(schema="lidardraft.layout/9"), r"schema is 'lidardraft.layout/9'; this version reads"),
         (document(primitives={}), r"primitives is {}; it must be a list of objects"),
         (document(primitives=[{"id": "a"}]), r"a: 'center' is missing"),
@@ -239,7 +236,6 @@ def row(**changes):
             document(primitives=row(shape="mesh", vertices=[[0, 0, 10**400]], faces=[[0, 1, 2]])),
             r"car_1: a mesh needs vertices",
         ),
-        (document(coverage=[0]), r"layout: coverage is \[0\]; it must be 2 finite numbers"),
     ],
 )
 def test_text_that_is_no_layout(tmp_path, text, message):

@@ -16,13 +16,13 @@ with warnings.catch_warnings():
     import peer_open3d
 
 
-@pytest.mark.parametrize("name", list(SCENES))
-def test_triangles_agree_on_every_ray(name: str) -> None:
+@pytest.mark.parametrize(("name", "triangles"), [*((name, True) for name in SCENES), ("small", False)])
+def test_shapes_agree_on_every_ray(name: str, triangles: bool) -> None:
     scene, pattern = SCENES[name](), hdl64()
     rival = peer_open3d.bench_peer(1)
     rival.build(scene)
     rival.prepare(pattern)
-    caster, sensor = Raycaster(layout_of(scene, triangles=True)), sensor_of(pattern)
+    caster, sensor = Raycaster(layout_of(scene, triangles=triangles)), sensor_of(pattern)
     for step in range(4):
         expected = rival.scan(pose(step))
         image = caster.scan(sensor, pose(step), primitive=True)
@@ -30,19 +30,8 @@ def test_triangles_agree_on_every_ray(name: str) -> None:
         near, same = agreement(expected, (image.depth, image.label, image.primitive))
         assert near >= 0.9999
         assert same >= 0.9999
+        if not triangles:  # whose edges are a little elsewhere
+            continue
         np.testing.assert_array_equal(image.depth > 0, expected[0] > 0)
         hit = image.primitive == expected[2]
         np.testing.assert_array_equal(image.label[hit], expected[1][hit])
-
-
-@pytest.mark.parametrize("name", ["small"])
-def test_boxes_agree_as_boxes(name: str) -> None:
-    scene, pattern = SCENES[name](), hdl64()
-    rival = peer_open3d.bench_peer(1)
-    rival.build(scene)
-    rival.prepare(pattern)
-    caster, sensor = Raycaster(layout_of(scene, triangles=False)), sensor_of(pattern)
-    for step in range(4):
-        image = caster.scan(sensor, pose(step), primitive=True)
-        assert image.primitive is not None
-        assert min(agreement(rival.scan(pose(step)), (image.depth, image.label, image.primitive))) >= 0.9999

@@ -176,10 +176,6 @@ def test_a_flash_does_not_move():
     np.testing.assert_array_equal(SENSOR.poses_in_motion(), still)
 
 
-def test_columns_fire_one_after_the_other():
-    np.testing.assert_allclose(SENSOR.column_times(), np.arange(64) * 0.1 / 64)
-
-
 def test_motion_that_cannot_be():
     with pytest.raises(LayoutError, match=r"velocity\[1\] is nan; it must be finite"):
         SENSOR.poses_in_motion(velocity=(0.0, np.nan, 0.0))
@@ -323,7 +319,7 @@ def send(pipe: Connection, work: Callable[[int | None], np.ndarray], threads: in
 
 @pytest.mark.skipif("fork" not in multiprocessing.get_all_start_methods(), reason="this system has no fork")
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")  # Python from 3.12 on warns of what is tried here
-@pytest.mark.parametrize("threads", [1, 2, None])
+@pytest.mark.parametrize("threads", [2, None])
 @pytest.mark.parametrize("work", [scan, scan_batch, cast, observed, projected])
 def test_a_forked_child_does_what_its_parent_did(work: Callable[[int | None], np.ndarray], threads: int | None):
     for before in (threads, 2):

@@ -203,10 +203,10 @@ def test_a_sensor_file_carries_the_model(model, tmp_path):
 @pytest.mark.parametrize(
     ("fields", "message"),
     [
-        ([], r"\[\] is no JSON object"),
+        ([], r"\[\] is not a JSON object"),
         ({"colour": 1}, "unknown field 'colour'"),
         ({"unit": 1e30}, "unit is 1e.30; it must be a whole number"),
-        ({"intensity_curve": 3}, "3 is no JSON object"),
+        ({"intensity_curve": 3}, "3 is not a JSON object"),
         ({"intensity_curve": {"responses": [1]}}, "'readings' is missing"),
         ({"intensity_curve": {"responses": [1], "readings": [["a"]]}}, r"readings of the intensity curve is \['a'\]"),
         (

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from lidardraft import Layout, Primitive, Raycaster, Scan, Sensor, layout_from_text, surround
 from lidardraft.errors import LidarDraftError
-from lidardraft.formats.nuscenes_tables import write_nuscenes
+from lidardraft.formats.nuscenes import write_nuscenes
 from lidardraft.formats.semantickitti import write_sequences
 from lidardraft.scene.effects import sub_rays
 from lidardraft.scene.pose import upright
@@ -394,7 +394,7 @@ def test_rates_that_cannot_be_are_one_line(more: dict[str, object], said: str) -
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("[]", "is no JSON object"),
+        ("[]", "is not a JSON object"),
         ('{"schema": "lidardraft.scenario/2"}', "schema is 'lidardraft.scenario/2'"),
         ('{"schema": "lidardraft.scenario/1", "cars": {}}', "unknown field 'cars'"),
         ('{"schema": "lidardraft.scenario/1", "ego": {"lane": {"turn": "back"}}}', "ego: turn is 'back'"),

@@ -151,7 +151,7 @@ def test_a_shard_of_another_shape_is_refused(tmp_path: Path) -> None:
         ("00000.npz", None, "No such file"),
         ("index.json", None, "No such file"),
         ("index.json", lambda _: b"{", "not JSON"),
-        ("index.json", lambda _: b"[]", r"\[\] is no JSON object"),
+        ("index.json", lambda _: b"[]", r"\[\] is not a JSON object"),
     ],
 )
 def test_a_damaged_file_is_refused(
@@ -190,8 +190,8 @@ def test_an_index_of_other_values_is_refused(tmp_path: Path, change: dict[str, o
     ("notes", "message"),
     [
         ("[{}, ", r"00000\.npz: notes\.json: not JSON: "),
-        ("{}", r"00000\.npz: notes\.json: \{\} is no JSON list"),
-        ("[{}, 2]", r"00000\.npz: notes\.json: 2 is no JSON object"),
+        ("{}", r"00000\.npz: notes\.json: \{\} is not a JSON list"),
+        ("[{}, 2]", r"00000\.npz: notes\.json: 2 is not a JSON object"),
         ("[" * 1_000_000, r"00000\.npz: notes\.json: not JSON that can be read"),
     ],
 )

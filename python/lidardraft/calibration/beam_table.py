@@ -137,7 +137,7 @@ def _azimuth_offsets(recordings: Sequence[Recording], rings: np.ndarray, columns
             mine = ahead[recording.ring == ring]
             turned[row] += mine.sum()
             returns[row] += len(mine)
-    if (np.abs(turned) < _ALIKE * returns).any():  # columns that are no firings, or count the other way
+    if (np.abs(turned) < _ALIKE * returns).any():  # columns that are not firings, or count the other way
         return np.zeros(len(rings))
     offsets = np.angle(turned)
     middle = np.angle(np.exp(1j * offsets).mean())
@@ -235,8 +235,8 @@ def _off_plane(points: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.nda
 
 _DOWN = math.radians(-5.0)  # the road is near there, and returns
 _SELDOM = 0.1  # a firing that returns less often is hidden
-_ASIDE = 3  # columns to either side that are looked at with each: one dropped firing is no vehicle
-_WIDE = math.radians(2.0)  # holes narrower than this are no vehicle
+_ASIDE = 3  # columns to either side that are looked at with each: one dropped firing is not a vehicle
+_WIDE = math.radians(2.0)  # holes narrower than this are not a vehicle
 
 
 def fit_blocked(sweeps: Sequence[Sweep], elevations: np.ndarray) -> Blocked:

@@ -124,7 +124,7 @@ def add_weights(parser: Options) -> None:
     )
     text = f"steps of denoising, a call of the network each, two with `paper` (default {STEPS})"
     parser.add_argument("--steps", type=whole_number(1), default=STEPS, metavar="N", help=text)
-    text = f"how many times what a ControlNet says counts; 1 takes one call a step (default {GUIDANCE:g})"
+    text = f"weight of what a ControlNet adds; 1 takes one call of the network a step (default {GUIDANCE:g})"
     parser.add_argument("--guidance", type=positive, default=GUIDANCE, metavar="W", help=text)
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 

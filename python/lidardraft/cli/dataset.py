@@ -68,7 +68,7 @@ def dataset_options(parser: argparse.ArgumentParser) -> None:
 def _share(text: str) -> tuple[int, int]:
     found = re.fullmatch(r"(\d+)/(\d+)", text)
     if not found or not int(found[1]) < int(found[2]):
-        raise argparse.ArgumentTypeError(f"{text!r} is no I/K with I from 0 to K - 1, as in 0/4")
+        raise argparse.ArgumentTypeError(f"{text!r} is not I/K with I from 0 to K - 1, as in 0/4")
     return int(found[1]), int(found[2])
 
 

@@ -166,7 +166,7 @@ def _shown(card: Score) -> str:
 
 
 def _print_tables(arguments: argparse.Namespace) -> None:
-    """Print both tables with a row of ours for each folder of generated scans that is given as NAME=FOLDER."""
+    """Print both tables with a further row for each folder of generated scans that is given as NAME=FOLDER."""
     given = assignments(arguments.generated, "--generated", f"NAME=FOLDER, NAME one of {', '.join(NAMES)}")
     for name in given:
         if name not in NAMES:

@@ -190,7 +190,7 @@ def _name_of_input(arguments: argparse.Namespace) -> str:
 def sensor_of_file(file: str | Path) -> Sensor | None:
     """The sensor of a scan, where its file says it: by NAME.sensor.json beside NAME.bin and NAME.boxes.json, as
     `generate` writes it, by the metadata of an Ouster's capture, or by an ending of its data set."""
-    from lidardraft.formats.ouster_capture import metadata_beside
+    from lidardraft.formats.ouster import metadata_beside
 
     path = Path(file)
     beside = path.with_name(f"{path.name.removesuffix(path.suffix).removesuffix('.boxes')}.sensor.json")
@@ -302,17 +302,13 @@ def _from_text(arguments: argparse.Namespace) -> Layout:
 
 def _from_points(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.cloud.layout import layout_from_cloud
-    from lidardraft.formats.recording import read_labels, read_points, returns
+    from lidardraft.formats.recording import read_returns
 
     if arguments.labels is not None and arguments.segmenter is not None:
         raise FormatError("--labels and --segmenter both say the classes of --points; give one of them")
     path = arguments.points
-    points, fields = read_points(path)
+    points, fields = read_returns(path, arguments.labels)
     height = _sensor_height(arguments, path)
-    if arguments.labels is not None:
-        fields |= read_labels(arguments.labels, len(points), of=path)
-    with named(path):
-        points, fields = returns(points, fields)
     if arguments.segmenter is not None or "label" not in fields:
         fields = {"label": _predicted(path, arguments.segmenter, points, fields.get("intensity"), height)}
     classes = arguments.segmenter or arguments.labels
@@ -336,7 +332,7 @@ def _predicted(
     if weights is not None:
         from lidardraft.networks.weight_header import read_metadata
 
-        read_metadata(weights)  # a broken file is told before torch is loaded
+        read_metadata(weights)  # a broken file is reported before torch is loaded
     try:
         with extra("generate"):
             from lidardraft.perception.segmenter import SURE, Segmenter
@@ -466,8 +462,8 @@ def _depths(path: str) -> np.ndarray:
     if wrong.any():
         row, column = np.argwhere(wrong)[0].tolist()
         raise FormatError(
-            f"{path}: {depth[row, column]} at row {row}, column {column} is no depth [m], which is finite, and 0 where "
-            "unknown"
+            f"{path}: {depth[row, column]} at row {row}, column {column} is not a depth [m], which is finite, and 0 "
+            "where unknown"
         )
     return depth
 

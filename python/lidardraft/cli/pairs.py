@@ -125,7 +125,7 @@ def pairs(arguments: argparse.Namespace) -> None:
     from lidardraft.training.recorded_pairs import ReturnShares
 
     if arguments.segmenter is not None:
-        read_metadata(arguments.segmenter)  # a broken file is told before any work
+        read_metadata(arguments.segmenter)  # a broken file is reported before any work
     folder, files = Path(arguments.output), _recorded_files(arguments)
     sensor = _recorded_by(arguments, files[0].scan)
     source = f"recordings, {sensor.name}"
@@ -235,17 +235,14 @@ def _segmenter(weights: str | None) -> Segmenter:
 def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> LabelledCloud:
     """A scan with its classes: those of --labels, of the file, of one beside it or of the data set, or those of the
     segmenter; what is in boxes has theirs."""
-    from lidardraft.formats.recording import read_labels, read_points, returns
+    from lidardraft.formats.recording import read_returns
     from lidardraft.training.recorded_pairs import LabelledCloud
 
-    scan = file.scan
-    points, fields = read_points(scan)
-    if arguments.labels is not None:
-        labels = Path(arguments.labels)
-        path = labels / f"{scan.stem}.label" if labels.is_dir() else labels
-        fields |= read_labels(path, len(points), of=scan)
+    scan, labels = file.scan, arguments.labels
+    if labels is not None and Path(labels).is_dir():
+        labels = Path(labels, f"{scan.stem}.label")
+    points, fields = read_returns(scan, labels)
     with named(scan):
-        points, fields = returns(points, fields)
         if "intensity" not in fields:
             raise FormatError("there are no intensities, which the generator learns too")
         if "label" not in fields:

@@ -57,7 +57,7 @@ def check_output(arguments: argparse.Namespace) -> None:
 def scans_in(folder: Path) -> list[Path]:
     """The scans of a folder in order, without their endings."""
     if not folder.is_dir():
-        raise FormatError(f"{folder} is no folder of scans")
+        raise FormatError(f"{folder} is not a folder of scans")
     endings = sorted(path.name for path in folder.glob("*.sensor.json"))
     if not endings:
         raise FormatError(f"{folder} holds no scans of `simulate`, `generate` or `observe`: there is no .sensor.json")

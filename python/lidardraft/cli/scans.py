@@ -364,7 +364,7 @@ def _observed(
             options = images if not materials else images | {"materials": materials}
             return observe_cast(depth, label, of_cast, seed=seed, weather=weather, **options)
     if sensor is None:
-        raise FormatError(f"{path} does not say by which sensor it is; give its --sensor")
+        raise FormatError(f"{path} does not name its sensor; give its --sensor")
     cloud = read_carla(path)
     with named(path):
         return observe_points(

@@ -20,7 +20,7 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 
 _PAIRS_SHOWN = 6
-_SHOWN_FOR = 0.5  # s, of scans that are no sequence
+_SHOWN_FOR = 0.5  # s, of scans that are not a sequence
 
 
 def view(arguments: argparse.Namespace) -> None:
@@ -121,7 +121,7 @@ def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
     from lidardraft.view import points_on_road
 
     if path.suffix == ".json" or (not _holds_points(path) and is_shard(path)):
-        raise FormatError(f"{path} is no scan; a page of HTML shows scans alone")
+        raise FormatError(f"{path} is not a scan; a page of HTML shows scans alone")
     if _holds_points(path):
         points, fields, sensor = _read_points(path, arguments.sensor)
         points = np.add(points, (0.0, 0.0, sensor.mount_height))
@@ -146,7 +146,7 @@ def _holds_points(path: Path) -> bool:
 
 def _check_no_sensor(path: Path, name: str | None) -> None:
     if name is not None:
-        raise FormatError(f"{path} says by which sensor it is; --sensor is for .bin and .json files")
+        raise FormatError(f"{path} names its own sensor; --sensor is for .bin and .json files")
 
 
 def _title(path: Path) -> str:
@@ -170,12 +170,9 @@ def _read_scan(path: Path, arguments: argparse.Namespace) -> tuple[RangeImage, l
 
 
 def _read_points(path: Path, name: str | None) -> tuple[np.ndarray, dict[str, np.ndarray], Sensor]:
-    from lidardraft.formats.recording import read_points, returns
+    from lidardraft.formats.recording import read_returns
 
-    points, fields = read_points(path)
-    sensor = sensor_of_scan(path, name)
-    with named(path):
-        return (*returns(points, fields), sensor)
+    return (*read_returns(path), sensor_of_scan(path, name))
 
 
 def _boxes(path: Path, arguments: argparse.Namespace, sensor: Sensor) -> list[Box]:

@@ -8,8 +8,9 @@ from pathlib import Path
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_text
 from lidardraft.formats.boxes import read_boxes
-from lidardraft.formats.kitti_object import CLASS_OF_TYPE, read_label_2
-from lidardraft.formats.nuscenes_tables import read_annotations
+from lidardraft.formats.kitti import numbers_of
+from lidardraft.formats.kitti_object import CLASS_OF_TYPE, boxes_of_lines, read_label_2
+from lidardraft.formats.nuscenes import read_annotations
 from lidardraft.formats.pandaset import read_cuboids
 from lidardraft.scene.box import Box
 from lidardraft.semantics import CLASSES
@@ -19,7 +20,6 @@ _CLASS_OF_NAME = {
     "vehicle": "car",
     **{row.name: row.name for row in CLASSES if row.id},
 }
-_LONGEST = 10_000  # lines
 
 
 def read_box_file(path: str | os.PathLike[str]) -> list[Box]:
@@ -41,20 +41,14 @@ def read_custom_labels(path: str | os.PathLike[str]) -> list[Box]:
     """Boxes of lines `x y z length width height yaw class`: of their centres, as OpenPCDet has them, or, in labels/
     beside a folder semantic_mask/, of their bottoms, as MMDetection3D has them. Raises as `read_box_file`."""
     text, is_bottom = read_text(path), (Path(path).absolute().parent.parent / "semantic_mask").is_dir()
-    boxes = list[Box]()
+
+    def box(number: int, words: list[str]) -> Box:
+        label = _CLASS_OF_NAME.get(words[7].lower()) if len(words) == 8 else None
+        if label is None:
+            raise FormatError(f"{' '.join(words)!r:.80} is not a box: x y z length width height yaw and a class")
+        x, y, z, length, width, height, yaw = numbers_of(words[:7], 7)
+        center = (x, y, z + height / 2 if is_bottom else z)
+        return Box(f"{label}_{number}", label, number, center, (length, width, height), yaw)
+
     with named(path):
-        lines = [line.split() for line in text.splitlines() if line.strip()]
-        if len(lines) > _LONGEST:
-            raise FormatError(f"{len(lines)} lines; up to {_LONGEST} are read")
-        for number, words in enumerate(lines, start=1):
-            with named(f"line {number}"):
-                label = _CLASS_OF_NAME.get(words[7].lower()) if len(words) == 8 else None
-                if label is None:
-                    raise FormatError(f"{' '.join(words)!r:.80} is no box: x y z length width height yaw and a class")
-                try:
-                    x, y, z, length, width, height, yaw = map(float, words[:7])
-                except ValueError:
-                    raise FormatError(f"{' '.join(words[:7])!r:.80} is not seven numbers") from None
-                center = (x, y, z + height / 2 if is_bottom else z)
-                boxes.append(Box(f"{label}_{number}", label, number, center, (length, width, height), yaw))
-    return boxes
+        return boxes_of_lines(text, box)

@@ -35,7 +35,7 @@ def write_boxes(path: str | os.PathLike[str], boxes: Sequence[Box], num_points: 
 def read_boxes(path: str | os.PathLike[str]) -> tuple[list[Box], list[int]]:
     """The sensor-frame boxes and the number of points on each.
 
-    Raises `FormatError` where the file is no such file, `LayoutError` for a box that cannot be; both name it.
+    Raises `FormatError` where the file is not such a file, `LayoutError` for a box that cannot be; both name it.
     """
     text = read_text(path)
     boxes, counts = [], []

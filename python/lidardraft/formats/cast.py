@@ -26,6 +26,6 @@ def read_cast(path: str | os.PathLike[str], sensor: Sensor | None = None) -> tup
         if array_files.holds(archive, "sensor"):
             sensor = Sensor.from_json(array_files.read_text(archive, "sensor"))
         if sensor is None:
-            raise FormatError("it does not say by which sensor it is; give one")
+            raise FormatError("it does not name its sensor; give one")
         names = ("depth", "label", *(name for name in _OPTIONAL if array_files.holds(archive, name)))
         return sensor, {name: array_files.read_numbers(archive, name, sensor.shape) for name in names}

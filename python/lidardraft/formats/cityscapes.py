@@ -48,8 +48,8 @@ def _from_ids(values: np.ndarray) -> np.ndarray:
     if wrong.any():
         row, column = np.argwhere(wrong)[0].tolist()
         raise FormatError(
-            f"{values[row, column]} at row {row}, column {column} is no train id of Cityscapes; they are 0 to 18, and "
-            f"{_VOID} for what has none"
+            f"{values[row, column]} at row {row}, column {column} is not a train id of Cityscapes; they are 0 to 18, "
+            f"and {_VOID} for what has none"
         )
     return CLASS_FROM_TRAIN_ID[values]
 
@@ -62,5 +62,5 @@ def _from_colours(pixels: np.ndarray) -> np.ndarray:
     for row, colours in enumerate(pixels):  # row by row: numbers of a whole picture are larger than it is
         found[row] = ids[colours.astype(np.uint32) @ np.array([65536, 256, 1], dtype=np.uint32)]
         if (unknown := np.flatnonzero(found[row] == _VOID)).size:
-            raise FormatError(f"{tuple(colours[unknown[0]].tolist())} is no colour of a class of Cityscapes")
+            raise FormatError(f"{tuple(colours[unknown[0]].tolist())} is not the colour of a class of Cityscapes")
     return found

@@ -21,7 +21,7 @@ from lidardraft.scene.sensor import Sensor
 FORMATS = {
     "kitti": ("kitti_object", "write_kitti_object", "KITTI's 3D object benchmark"),
     "semantickitti": ("semantickitti", "write_sequences", "SemanticKITTI, a sequence a folder"),
-    "nuscenes": ("nuscenes_tables", "write_nuscenes", "nuScenes with lidarseg"),
+    "nuscenes": ("nuscenes", "write_nuscenes", "nuScenes with lidarseg"),
     "openpcdet": ("openpcdet", "write_openpcdet", "OpenPCDet's custom data sets"),
     "mmdet3d": ("mmdet3d", "write_mmdet3d", "MMDetection3D's custom data sets"),
     "pcd": ("pcd", "write_pcd_folder", "PCD files with ring, time, label and instance"),

@@ -8,6 +8,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_text
+from lidardraft.formats.kitti import calibration_of, numbers_of
 from lidardraft.json_fields import are_numbers, parse_json
 
 _LARGEST = 2**20  # bytes
@@ -44,19 +45,14 @@ def _from_json(text: str) -> np.ndarray:
 
 
 def _from_kitti(text: str) -> np.ndarray:
-    lines = dict(line.split(":", 1) for line in text.splitlines() if ":" in line)
+    lines = calibration_of(text)
     name = next((name for name in _KITTI_NAMES if name in lines), None)
     if name is None:
         raise FormatError(
-            f"no calibration of KITTI: it has no line {', '.join(_KITTI_NAMES[:-1])} or {_KITTI_NAMES[-1]}"
+            f"not a calibration of KITTI: it has no line {', '.join(_KITTI_NAMES[:-1])} or {_KITTI_NAMES[-1]}"
         )
-    try:
-        flat = [float(word) for word in lines[name].split()]
-    except ValueError:
-        flat = []
-    if len(flat) not in (9, 12) or not are_numbers(flat, len(flat)):
-        raise FormatError(f"{name} must hold 9 or 12 finite numbers")
-    return _four(flat)
+    with named(name):
+        return _four(numbers_of(lines[name], 9, 12))
 
 
 def _four(flat: list[float]) -> np.ndarray:

@@ -1,8 +1,9 @@
-"""KITTI scans: .bin files of float32 x y z intensity, in the sensor frame (Geiger et al., IJRR 2013)."""
+"""KITTI: scans, .bin files of float32 x y z intensity in the sensor frame, and calibrations (Geiger, IJRR 2013)."""
 
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -10,9 +11,9 @@ from lidardraft.errors import FormatError
 from lidardraft.files import read_bytes, written_whole
 
 _POINT_BYTES = 16
-_TEXT, _PRINTED = 32, {*range(32, 127), *b"\t\r\n"}  # so many printed characters in a row are no coordinates
+_TEXT, _PRINTED = 32, {*range(32, 127), *b"\t\r\n"}  # so many printed characters in a row are not coordinates
 
-# How files begin that are no scans of KITTI; as numbers these would be kilometres or less than an atom.
+# How files begin that are not scans of KITTI; as numbers these would be kilometres or less than an atom.
 _OTHERS = {
     b"\x89PNG": "PNG",
     b"\xff\xd8\xff": "JPEG",
@@ -44,6 +45,23 @@ def read_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray]:
     scan = np.frombuffer(data, dtype="<f4").reshape(-1, 4).astype(np.float32)
     _check(name, scan)
     return scan[:, :3].copy(), scan[:, 3].copy()
+
+
+def calibration_of(text: str) -> dict[str, list[str]]:
+    """The words of each line `name: words` of a calibration."""
+    lines = (line.partition(":") for line in text.splitlines())
+    return {name: words.split() for name, colon, words in lines if colon}
+
+
+def numbers_of(words: Sequence[str], *counts: int) -> list[float]:
+    """The numbers that words are; raises `FormatError` where they are not so many finite ones."""
+    try:
+        values = [float(word) for word in words]
+    except ValueError:
+        values = []
+    if len(values) not in counts or not np.isfinite(values).all():
+        raise FormatError(f"{' '.join(words)!r:.80} is not {' or '.join(map(str, counts))} finite numbers")
+    return values
 
 
 def looks_like_text(data: bytes) -> bool:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import io
 import math
 import os
+from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
 
@@ -19,7 +20,7 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.files import named, new_folder, read_text, write_text
 from lidardraft.formats.frame import Annotation, Drives, Frame, numbered, write_image_sets
-from lidardraft.formats.kitti import write_bin
+from lidardraft.formats.kitti import calibration_of, numbers_of, write_bin
 from lidardraft.scene.box import Box
 from lidardraft.scene.sensor import Sensor
 
@@ -119,50 +120,46 @@ def read_label_2(path: str | os.PathLike[str], calib: str | os.PathLike[str] | N
     text = read_text(path)
     with named(f"{os.fspath(path)} needs its calibration"):
         lidar_from_camera = _lidar_from_camera(calib or Path(path).absolute().parent.parent / "calib" / Path(path).name)
-    boxes = list[Box]()
+
+    def box(number: int, words: list[str]) -> Box | None:
+        if len(words) not in (15, 16) or words[0] not in (*CLASS_OF_TYPE, "DontCare"):
+            raise FormatError(f"{' '.join(words)!r:.80} is not an object of KITTI: a type and 14 numbers")
+        if words[0] == "DontCare":
+            return None
+        height, width, length, *place, turn = numbers_of(words[8:15], 7)
+        center = lidar_from_camera[:3, :3] @ np.subtract(place, (0.0, height / 2, 0.0)) + lidar_from_camera[:3, 3]
+        ahead = lidar_from_camera[:3, :3] @ (math.cos(turn), 0.0, -math.sin(turn))
+        label, yaw = CLASS_OF_TYPE[words[0]], math.atan2(ahead[1], ahead[0])
+        return Box(f"{label}_{number}", label, number, tuple(center.tolist()), (length, width, height), yaw)
+
     with named(path):
-        lines = [line.split() for line in text.splitlines() if line.strip()]
-        if len(lines) > _LONGEST:
-            raise FormatError(f"{len(lines)} lines; up to {_LONGEST} are read")
-        for number, words in enumerate(lines, start=1):
-            with named(f"line {number}"):
-                if len(words) not in (15, 16) or words[0] not in (*CLASS_OF_TYPE, "DontCare"):
-                    raise FormatError(f"{' '.join(words)!r:.80} is no object of KITTI: a type and 14 numbers")
-                if words[0] != "DontCare":
-                    boxes.append(_box(len(boxes) + 1, words[0], _numbers(words[8:15], 7), lidar_from_camera))
+        return boxes_of_lines(text, box)
+
+
+def boxes_of_lines(text: str, box: Callable[[int, list[str]], Box | None]) -> list[Box]:
+    """What `box` makes of a number and the words of each line that is not empty; boxes are numbered from 1. Raises
+    `FormatError` naming the line that is wrong."""
+    boxes = list[Box]()
+    lines = [line.split() for line in text.splitlines() if line.strip()]
+    if len(lines) > _LONGEST:
+        raise FormatError(f"{len(lines)} lines; up to {_LONGEST} are read")
+    for number, words in enumerate(lines, start=1):
+        with named(f"line {number}"):
+            if (made := box(len(boxes) + 1, words)) is not None:
+                boxes.append(made)
     return boxes
 
 
-def _box(number: int, kind: str, values: np.ndarray, lidar_from_camera: np.ndarray) -> Box:
-    height, width, length, *place, turn = values.tolist()
-    middle = np.array(place) - (0.0, height / 2, 0.0)
-    center = lidar_from_camera[:3, :3] @ middle + lidar_from_camera[:3, 3]
-    ahead = lidar_from_camera[:3, :3] @ (math.cos(turn), 0.0, -math.sin(turn))
-    label = CLASS_OF_TYPE[kind]
-    yaw = math.atan2(ahead[1], ahead[0])
-    return Box(f"{label}_{number}", label, number, tuple(center.tolist()), (length, width, height), yaw)
-
-
 def _lidar_from_camera(path: str | os.PathLike[str]) -> np.ndarray:
-    rows = dict(line.split(":", 1) for line in read_text(path).splitlines() if ":" in line)
+    rows = calibration_of(read_text(path))
     with named(path):
         if missing := [key for key in ("R0_rect", "Tr_velo_to_cam") if key not in rows]:
             raise FormatError(f"there is no line {missing[0]}")
         rectified, camera = np.eye(4), np.eye(4)
-        rectified[:3, :3] = _numbers(rows["R0_rect"].split(), 9).reshape(3, 3)
-        camera[:3] = _numbers(rows["Tr_velo_to_cam"].split(), 12).reshape(3, 4)
+        rectified[:3, :3] = np.reshape(numbers_of(rows["R0_rect"], 9), (3, 3))
+        camera[:3] = np.reshape(numbers_of(rows["Tr_velo_to_cam"], 12), (3, 4))
         try:
             back: np.ndarray = np.linalg.inv(rectified @ camera)
         except np.linalg.LinAlgError:
-            raise FormatError("R0_rect or Tr_velo_to_cam is no rotation") from None
+            raise FormatError("R0_rect or Tr_velo_to_cam is not a rotation") from None
         return back
-
-
-def _numbers(words: list[str], count: int) -> np.ndarray:
-    try:
-        values = np.array([float(word) for word in words])
-    except ValueError:
-        values = np.full(1, np.nan)
-    if len(values) != count or not np.isfinite(values).all():
-        raise FormatError(f"{' '.join(words)!r:.80} is not {count} finite numbers")
-    return values

@@ -68,7 +68,7 @@ CLASSES = {
     "Building": "building",
     "Other Static Object": "other",
 }
-LABELS = np.array([0, *(BY_NAME[name].id for name in CLASSES.values())], dtype=np.uint8)  # ids of ours by theirs
+LABELS = np.array([0, *(BY_NAME[name].id for name in CLASSES.values())], dtype=np.uint8)  # our ids by theirs
 _PANDAR64, _PANDAR_GT = 0, 1  # in columns d and cuboids.sensor_id; -1 is both
 _HALF_SWEEP = 0.05  # s; a sweep ends at its time
 # The Pandar64 in the frame of the poses, in metres and its axes as columns. From here points lie nearest to its beams,

@@ -54,7 +54,7 @@ def parse_pcd(data: bytes) -> PointFile:
     if form == "ascii":
         columns = _columns(text_records(body, record, points))
     elif form == "binary":
-        columns = _columns(_binary(body, record, points))
+        columns = _columns(binary_records(body, record, points))
     elif form == "binary_compressed":
         columns = _compressed(body, record, points)
     else:
@@ -110,6 +110,13 @@ def text_records(text: bytes, record: np.dtype, count: int) -> np.ndarray:
     return table
 
 
+def binary_records(body: bytes, record: np.dtype, count: int) -> np.ndarray:
+    """The records [count] that bytes begin with; raises `FormatError`."""
+    if len(body) < count * record.itemsize:
+        raise FormatError(f"{len(body)} bytes of points; {count} need {count * record.itemsize}")
+    return np.frombuffer(body, dtype=record, count=count)
+
+
 def _record(header: dict[str, list[str]]) -> np.dtype:
     """One point: each field under its number, for names may be the same (padding)."""
     fields, counts = header["FIELDS"], [_number("COUNT", [count]) for count in header["COUNT"]]
@@ -143,7 +150,7 @@ def _header(data: bytes) -> tuple[dict[str, list[str]], bytes]:
     while "DATA" not in header:
         end = data.find(b"\n", start, _LONGEST_HEADER)
         if end < 0:
-            raise FormatError("no line DATA; this is no PCD file")
+            raise FormatError("no line DATA; this is not a PCD file")
         words = data[start:end].decode("latin-1").split()
         if words and not words[0].startswith("#"):
             header[words[0]] = words[1:]
@@ -156,12 +163,6 @@ def _header(data: bytes) -> tuple[dict[str, list[str]], bytes]:
 
 def _columns(table: np.ndarray) -> list[np.ndarray]:
     return [table[field].copy() for field in table.dtype.names or ()]
-
-
-def _binary(body: bytes, record: np.dtype, points: int) -> np.ndarray:
-    if len(body) < points * record.itemsize:
-        raise FormatError(f"{len(body)} bytes of points; {points} need {points * record.itemsize}")
-    return np.frombuffer(body, dtype=record, count=points)
 
 
 def _compressed(body: bytes, record: np.dtype, points: int) -> list[np.ndarray]:

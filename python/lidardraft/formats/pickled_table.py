@@ -122,5 +122,5 @@ def _array(record: _Record) -> np.ndarray:
 
 def _text(value: Any) -> str:
     if not isinstance(value, str):
-        raise FormatError("a name in it is no text")
+        raise FormatError("a name in it is not text")
     return value

@@ -29,7 +29,7 @@ class Picture:
 def read_picture(path: str | os.PathLike[str]) -> Picture:
     """The picture of a file, turned as its EXIF data say.
 
-    Raises `FormatError` on what is no picture, a truncated one, or one of more than `MAX_PIXELS`; its header is read
+    Raises `FormatError` on what is not a picture, a truncated one, or one of more than `MAX_PIXELS`; its header is read
     before memory is taken for it.
     """
     with opened_picture(path) as image:

@@ -10,7 +10,7 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.files import named, new_folder, read_bytes, written_whole
 from lidardraft.formats.frame import Drives, numbered, point_records
-from lidardraft.formats.pcd import text_records
+from lidardraft.formats.pcd import binary_records, text_records
 
 _TYPES = {
     **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
@@ -42,10 +42,7 @@ def parse_ply(data: bytes) -> np.ndarray:
     body = (body + data[_LONGEST_HEADER:]).removeprefix(b"\r").removeprefix(b"\n")
     if form == "ascii":
         return text_records(body, order, count)
-    if len(body) < count * order.itemsize:
-        raise FormatError(f"{len(body)} bytes of vertices; {count} need {count * order.itemsize}")
-    records = np.frombuffer(body, order, count)
-    return records.astype(order.newbyteorder("<"))
+    return binary_records(body, order, count).astype(order.newbyteorder("<"))
 
 
 def _record(lines: list[list[str]], order: str) -> tuple[np.dtype, int]:
@@ -58,7 +55,7 @@ def _record(lines: list[list[str]], order: str) -> tuple[np.dtype, int]:
         if line[0] == "element":
             break
         if len(line) != 3 or line[1] not in _TYPES:
-            raise FormatError(f"{' '.join(line)!r:.80} is no property of a vertex: a type of number and a name")
+            raise FormatError(f"{' '.join(line)!r:.80} is not a property of a vertex: a type of number and a name")
         fields.append((line[2], order + _TYPES[line[1]]))
     names = [name for name, _ in fields]
     if not fields or len(set(names)) != len(names):

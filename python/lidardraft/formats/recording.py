@@ -21,7 +21,7 @@ from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.las import read_las
 from lidardraft.formats.masks import read_masks
 from lidardraft.formats.nuscenes import lidarseg_of, read_lidarseg, read_pcd_bin
-from lidardraft.formats.ouster_capture import read_ouster_capture
+from lidardraft.formats.ouster import read_ouster_capture
 from lidardraft.formats.pandaset import read_sweep
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.ply import read_ply
@@ -30,7 +30,7 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import NUM_CLASSES
 
-_NEAREST = 0.1  # m: what is nearer is no return (zeros stand for those of organised clouds)
+_NEAREST = 0.1  # m: what is nearer is not a return (zeros stand for those of organised clouds)
 _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
 SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pkl.gz", ".pcap")
@@ -64,8 +64,9 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
     A KITTI file has its points laser by laser. A PCD or PLY file has x, y, z and a field `ring` (or `channel`), or is
     organised (its HEIGHT lasers are rows) or in KITTI's order; `intensity` in 0 to 1 or 0 to 255. An .npz file has
     `xyz` [N, 3], and `ring`, `intensity`, `label` (our classes), `instance`, `column` [N] where they are known, or is a
-    range image; that of a scan of ours is read in place of its `.bin`, which does not say which laser took a point.
-    Raises `FormatError` where the file is something else, has no points, or where nothing says which laser took them.
+    range image; that of a scan that lidardraft wrote is read in place of its `.bin`, which does not say which laser
+    took a point. Raises `FormatError` where the file is something else, has no points, or where nothing says which
+    laser took them.
     """
     path = Path(path)
     image = path.with_suffix(".npz")
@@ -109,6 +110,17 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
     raise FormatError(f"{os.fspath(path)}: a recorded scan is one of {', '.join(SCAN_ENDINGS)}")
 
 
+def read_returns(
+    path: str | os.PathLike[str], labels: str | os.PathLike[str] | None = None
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """The returns of such a file with their fields, as `returns` has them; `labels` is a file of others for them."""
+    points, fields = read_points(path)
+    if labels is not None:
+        fields |= read_labels(labels, len(points), of=path)
+    with named(path):
+        return returns(points, fields)
+
+
 def _of_image(name: str, image: RangeImage) -> Recording:
     known = {"ring": image.beams(), "column": np.nonzero(image.valid)[1]}
     if image.intensity is not None:
@@ -125,7 +137,7 @@ def _is_range_image(path: Path) -> bool:
 
 
 def is_points_file(path: str | os.PathLike[str]) -> bool:
-    """Whether an .npz file holds points. Raises `FormatError` where it is no whole one."""
+    """Whether an .npz file holds points. Raises `FormatError` where it is not a whole one."""
     with array_files.opened(path) as archive:
         return array_files.holds(archive, "xyz")
 
@@ -167,17 +179,16 @@ def read_semantic_map(path: str | os.PathLike[str], sensor: Sensor) -> np.ndarra
     Raises `FormatError` where the file is something else or has no labels."""
     if Path(path).suffix in (".png", ".npy"):
         return read_masks(path)
-    points, fields = read_points(path)
+    points, fields = read_returns(path)
     with named(path):
-        points, fields = returns(points, fields)
         if "label" not in fields:
             raise FormatError("it has no labels; a semantic map is made of them")
         return RangeImage.project(points, sensor, label=fields["label"]).label
 
 
 def recording_of(name: str, points: np.ndarray, **fields: np.ndarray) -> Recording:
-    """The recording of `points` [N, 3] and `ring`, `intensity`, `label`, `column` [N]; what is no return or not finite
-    is left out. Raises `FormatError` as `read_recording` does."""
+    """The recording of `points` [N, 3] and `ring`, `intensity`, `label`, `column` [N]; what is not a return or not
+    finite is left out. Raises `FormatError` as `read_recording` does."""
     points, fields = returns(points, fields)
     ring = fields.pop("ring", None)
     ring = rings_of_order(points) if ring is None else ring.astype(np.int64)

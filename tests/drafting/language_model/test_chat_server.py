@@ -140,7 +140,7 @@ def test_a_wait_that_is_longer_than_the_limit_is_told_at_once(server: ReplayServ
         (Answer(b'data: {"a": 1}\n\n', headers=(("Content-Type", "text/event-stream"),)), "(text/event-stream)"),
         (Answer(b'{"choices": [{"mess', headers=()), "an answer (of no type) that is not JSON: Unterminated string"),
         (Answer(b"[" * 100_000), "nested too deeply"),
-        (Answer([1]), "[1] is no JSON object"),
+        (Answer([1]), "[1] is not a JSON object"),
         (Answer(b"\xff\xfe\x00"), "that is not JSON"),
         (Answer(b" " * (MAX_BYTES + 1)), f"an answer of more than {MAX_BYTES} bytes"),
         (openai(None, refusal="I'm sorry, I can't assist with that."), "the model refuses: I'm sorry, I can't"),
