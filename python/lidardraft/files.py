@@ -10,7 +10,7 @@ import stat
 import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from lidardraft.errors import FormatError, LidarDraftError
@@ -52,11 +52,11 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
     try:
         yield temporary
         temporary.replace(target)
-    except OSError as error:
-        temporary.unlink(missing_ok=True)
-        raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
-    except BaseException:
-        temporary.unlink(missing_ok=True)
+    except BaseException as error:
+        with suppress(OSError):  # on a disk that is read only, even where nothing is there
+            temporary.unlink()
+        if isinstance(error, OSError):
+            raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
         raise
 
 
@@ -96,11 +96,12 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
         temporary.mkdir()
         yield temporary
         temporary.replace(target)  # fails where another process has filled the folder meanwhile
-    except OSError as error:
+    except BaseException as error:
         shutil.rmtree(temporary, ignore_errors=True)
-        raise FormatError(f"{path} cannot be written: {error.strerror or error}") from None
-    except BaseException:
-        shutil.rmtree(temporary, ignore_errors=True)
+        if isinstance(error, OSError):
+            raise FormatError(f"{path} cannot be written: {error.strerror or error}") from None
+        if isinstance(error, FormatError):  # it may name a temporary file
+            raise FormatError(str(error).replace(str(temporary), os.fspath(path))) from None
         raise
 
 

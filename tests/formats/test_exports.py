@@ -5,6 +5,7 @@ import itertools
 import json
 import math
 import os
+import resource
 import subprocess
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -382,6 +383,15 @@ def test_a_data_set_is_there_whole_or_not_at_all(write: Callable, frames: list[F
 
     with pytest.raises(KeyboardInterrupt):
         write(tmp_path / "out", [interrupted()])
+    assert not list(tmp_path.iterdir())
+
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, before[1]))  # as on a full disk
+    try:
+        with pytest.raises(FormatError, match=r"/out(/[^.].*)? cannot be written"):
+            write(tmp_path / "out", [frames])
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
     assert not list(tmp_path.iterdir())
 
     def overtaken() -> Iterator[Frame]:

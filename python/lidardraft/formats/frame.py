@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import io
 import itertools
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -146,6 +147,13 @@ def point_records(frame: Frame) -> np.ndarray:
     for field in ("intensity", "ring", "time", "label", "instance"):
         records[field] = getattr(frame, field)
     return records
+
+
+def npy(array: np.ndarray) -> bytes:
+    """The content of a .npy file."""
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
 
 
 def write_image_sets(folder: Path, names: list[str]) -> None:
