@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import time
+import warnings
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -125,6 +126,7 @@ def _augmented(folder: Path, seed: int) -> tuple[float, float]:
 
 def main() -> None:
     """Print a line for each data set, and how many scans a second are augmented."""
+    warnings.simplefilter("ignore")  # of things without a box around recorded cars
     folder = Path(os.environ["LIDARDRAFT_DATA"])
     found: dict[str, list[Comparison]] = {}
     for name, scan in scans(folder):
