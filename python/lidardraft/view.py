@@ -445,7 +445,9 @@ def save_mp4(path: str | os.PathLike[str], pictures: Iterable[np.ndarray], secon
     first = next(frames)
     height, width = (extent // 2 * 2 for extent in first.shape[:2])  # colours are stored for four pixels at once
     with written_whole(path) as temporary, av.open(os.fspath(temporary), "w", format="mp4") as film:
-        stream = film.add_stream("libx264", rate=Fraction(1 / seconds).limit_denominator(1000), options={"crf": _FILM_LOSS})
+        stream = film.add_stream(
+            "libx264", rate=Fraction(1 / seconds).limit_denominator(1000), options={"crf": _FILM_LOSS}
+        )
         stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
         for picture in itertools.chain([first], frames):
             film.mux(stream.encode(av.VideoFrame.from_ndarray(np.ascontiguousarray(picture[:height, :width]))))

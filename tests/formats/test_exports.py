@@ -209,6 +209,7 @@ def test_nuscenes_tables(frames: list[Frame], tmp_path: Path) -> None:
     assert found[-1] == scene["last_sample_token"]
     assert len(found) == scene["nbr_samples"] == 3
     assert {row["nbr_annotations"] for row in tables["instance"].values()} == {3}
+    assert np.diff([row["timestamp"] for row in tables["sample"].values()]).tolist() == [100_000] * 2
     for sweep, frame in zip(nuscenes(tmp_path / "out"), frames, strict=True):
         np.testing.assert_array_equal(sweep.fields["from_lowest"], 31 - frame.ring.astype(int))
 

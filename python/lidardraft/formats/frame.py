@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import write_text
+from lidardraft.files import new_folder, write_text
 from lidardraft.scene.box import Box
 from lidardraft.scene.pose import in_upright_frame, upright
 from lidardraft.scene.sensor import Sensor
@@ -138,6 +138,16 @@ def numbered(drives: Drives) -> Iterator[tuple[str, Frame]]:
         yield f"{number:06d}", frame
     if number < 0:
         raise FormatError(NO_SCANS)
+
+
+def write_each(
+    output: str | os.PathLike[str], drives: Drives, ending: str, write: Callable[[Path, np.ndarray], None]
+) -> None:
+    """Write a new folder with a file for each frame, of its `point_records`. Raises `FormatError` where it is there
+    already or cannot be written."""
+    with new_folder(output) as folder:
+        for name, frame in numbered(drives):
+            write(folder / f"{name}{ending}", point_records(frame))
 
 
 def point_records(frame: Frame) -> np.ndarray:

@@ -20,13 +20,42 @@ from lidardraft.semantics import BY_NAME
 
 _POINT_BYTES = 20
 _MOST_RINGS = 512
-# Our class of each number of lidarseg, 0 to 31.
-LIDARSEG = (
-    *("none", "other", "person", "person", "person", "person", "person", "person", "person"),  # noise; animal; people
-    *("fence", "other", "other", "other", "other"),  # barrier; debris, pushable, cone, bicycle rack
-    *("bicycle", "bus", "bus", "car", "truck", "car", "car", "motorcycle", "truck", "truck"),
-    *("road", "terrain", "sidewalk", "terrain", "building", "other", "vegetation", "none"),  # the last: the vehicle
-)
+# The categories in the order of lidarseg's numbers, 0 to 31, and our class of each.
+CATEGORIES = {
+    "noise": "none",
+    "animal": "other",
+    "human.pedestrian.adult": "person",
+    "human.pedestrian.child": "person",
+    "human.pedestrian.construction_worker": "person",
+    "human.pedestrian.personal_mobility": "person",
+    "human.pedestrian.police_officer": "person",
+    "human.pedestrian.stroller": "person",
+    "human.pedestrian.wheelchair": "person",
+    "movable_object.barrier": "fence",
+    "movable_object.debris": "other",
+    "movable_object.pushable_pullable": "other",
+    "movable_object.trafficcone": "other",
+    "static_object.bicycle_rack": "other",
+    "vehicle.bicycle": "bicycle",
+    "vehicle.bus.bendy": "bus",
+    "vehicle.bus.rigid": "bus",
+    "vehicle.car": "car",
+    "vehicle.construction": "truck",
+    "vehicle.emergency.ambulance": "car",
+    "vehicle.emergency.police": "car",
+    "vehicle.motorcycle": "motorcycle",
+    "vehicle.trailer": "truck",
+    "vehicle.truck": "truck",
+    "flat.driveable_surface": "road",
+    "flat.other": "terrain",
+    "flat.sidewalk": "sidewalk",
+    "flat.terrain": "terrain",
+    "static.manmade": "building",
+    "static.other": "other",
+    "static.vegetation": "vegetation",
+    "vehicle.ego": "none",
+}
+_LIDARSEG = np.array([BY_NAME[name].id for name in CATEGORIES.values()], np.uint8)
 
 
 def read_pcd_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -63,9 +92,10 @@ def read_lidarseg(path: str | os.PathLike[str], count: int) -> np.ndarray:
     raw = np.frombuffer(read_bytes(path), dtype=np.uint8)
     if len(raw) != count:
         raise FormatError(f"{os.fspath(path)} has {len(raw)} labels; the sweep has {count} points")
-    if raw.max(initial=0) >= len(LIDARSEG):
-        raise FormatError(f"{os.fspath(path)} has class {raw.max()}; lidarseg has 0 to {len(LIDARSEG) - 1}")
-    return np.array([BY_NAME[name].id for name in LIDARSEG], dtype=np.uint8)[raw]
+    if raw.max(initial=0) >= len(_LIDARSEG):
+        raise FormatError(f"{os.fspath(path)} has class {raw.max()}; lidarseg has 0 to {len(_LIDARSEG) - 1}")
+    labels: np.ndarray = _LIDARSEG[raw]
+    return labels
 
 
 def labelled_sweeps(root: str | os.PathLike[str]) -> list[tuple[Path, Path]]:

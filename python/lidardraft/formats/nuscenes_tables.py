@@ -22,47 +22,12 @@ from scipy.spatial.transform import Rotation
 from lidardraft.errors import FormatError
 from lidardraft.files import expecting, named, new_folder
 from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, timed
-from lidardraft.formats.nuscenes import LIDARSEG, read_table, table_folder, write_pcd_bin
+from lidardraft.formats.nuscenes import CATEGORIES, read_table, table_folder, write_pcd_bin
 from lidardraft.scene.box import Box
 from lidardraft.scene.pose import inverse
 from lidardraft.semantics import CLASSES
 
 VERSION = "v1.0-trainval"
-# In the order of lidarseg's indices; those without points are there as readers count them.
-CATEGORIES = (
-    "noise",
-    "animal",
-    "human.pedestrian.adult",
-    "human.pedestrian.child",
-    "human.pedestrian.construction_worker",
-    "human.pedestrian.personal_mobility",
-    "human.pedestrian.police_officer",
-    "human.pedestrian.stroller",
-    "human.pedestrian.wheelchair",
-    "movable_object.barrier",
-    "movable_object.debris",
-    "movable_object.pushable_pullable",
-    "movable_object.trafficcone",
-    "static_object.bicycle_rack",
-    "vehicle.bicycle",
-    "vehicle.bus.bendy",
-    "vehicle.bus.rigid",
-    "vehicle.car",
-    "vehicle.construction",
-    "vehicle.emergency.ambulance",
-    "vehicle.emergency.police",
-    "vehicle.motorcycle",
-    "vehicle.trailer",
-    "vehicle.truck",
-    "flat.driveable_surface",
-    "flat.other",
-    "flat.sidewalk",
-    "flat.terrain",
-    "static.manmade",
-    "static.other",
-    "static.vegetation",
-    "vehicle.ego",
-)
 CATEGORY_OF_CLASS = {
     "none": "noise",
     "road": "flat.driveable_surface",
@@ -80,7 +45,7 @@ CATEGORY_OF_CLASS = {
     "bicycle": "vehicle.bicycle",
     "other": "static.other",
 }
-_INDEX = np.array([CATEGORIES.index(CATEGORY_OF_CLASS[row.name]) for row in CLASSES], np.uint8)
+_INDEX = np.array([list(CATEGORIES).index(CATEGORY_OF_CLASS[row.name]) for row in CLASSES], np.uint8)
 _CYCLES = ("bicycle", "motorcycle")
 _ATTRIBUTES = ("cycle.with_rider", "cycle.without_rider")
 _VISIBLE = (("4", "v80-100", 0.8), ("3", "v60-80", 0.6), ("2", "v40-60", 0.4), ("1", "v0-40", 0.0))
@@ -127,7 +92,7 @@ def read_annotations(sweep: str | os.PathLike[str]) -> list[Box]:
     theirs_from_ours = np.eye(4)
     theirs_from_ours[:3, :3] = _EGO_FROM_LIDAR.T
     ours_from_world = inverse(ego @ sensor @ theirs_from_ours)
-    labels = dict(zip(CATEGORIES, LIDARSEG, strict=True)) | {"human.pedestrian.stroller": "other"}
+    labels = CATEGORIES | {"human.pedestrian.stroller": "other"}
     instances, categories, attributes = (
         {row["token"]: row for row in read_table(tables / f"{name}.json", ("token",))}
         for name in ("instance", "category", "attribute")

@@ -11,7 +11,7 @@ import os
 import numpy as np
 
 from lidardraft.files import new_folder, write_text
-from lidardraft.formats.frame import Annotation, Drives, numbered, npy, write_image_sets
+from lidardraft.formats.frame import Annotation, Drives, npy, numbered, write_image_sets
 
 
 def write_openpcdet(output: str | os.PathLike[str], drives: Drives) -> None:
