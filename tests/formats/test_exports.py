@@ -73,12 +73,7 @@ def frames() -> list[Frame]:
     return found
 
 
-def points_within(points: np.ndarray, center: np.ndarray, size: np.ndarray, yaw: float) -> np.ndarray:
-    x, y, z = (points - center).T
-    along, across = math.cos(yaw) * x + math.sin(yaw) * y, math.cos(yaw) * y - math.sin(yaw) * x
-    return (np.abs(np.stack([along, across, z], axis=1)) <= np.array(size) / 2 + 0.12).all(axis=1)
-
-
+_MARGIN = 0.12  # m around boxes: noise
 KITTI = {"car": "Car", "truck": "Truck", "rider": "Cyclist"}
 UNBOXED = ("semantickitti", "pcd", "ply", "las")
 WITH_UNSEEN = ("nuscenes", "mcap", "webdataset")  # formats that keep objects without a point
@@ -112,7 +107,8 @@ def agrees(name: str, frame: Frame, points: np.ndarray, boxes: list[Box], expect
         np.testing.assert_allclose(box.center, each.box.center, atol=2e-3)
         np.testing.assert_allclose(box.size, each.box.size, atol=1e-3)
         assert abs(math.remainder(box.yaw - each.box.yaw, math.tau)) < 1e-3
-        inside = points_within(points, box.center, box.size, box.yaw)
+        placed = replace(each.box, center=tuple(box.center), size=tuple(box.size), yaw=float(box.yaw))
+        inside = placed.contains(points, _MARGIN)
         mine = np.isin(frame.instance, (4, 5) if each.ridden else (each.box.instance,))
         assert mine.sum() == each.num_points
         assert inside[mine].mean() > 0.97 if each.num_points else each.box.label == "person"
@@ -153,7 +149,7 @@ def test_kitti_object_hides_nothing(frames: list[Frame], tmp_path: Path) -> None
             assert (truncated, occluded) == (0.0, (each.occlusion >= 0.1) + (each.occlusion >= 0.5))
             assert abs(math.remainder(alpha - turn + math.atan2(x, z), math.tau)) < 1e-3
             assert bottom - top > 25  # pixels: what the benchmark counts
-            mine = points_within(frame.points, np.array(each.box.center), np.array(each.box.size), each.box.yaw)
+            mine = each.box.contains(frame.points, _MARGIN)
             assert ((u > left - 3) & (u < right + 3) & (v > top - 3) & (v < bottom + 3))[mine].all()
         ours = read_label_2(folder / "label_2" / f"{name}.txt", folder / "calib" / f"{name}.txt")
         for box, each in zip(ours, frame.seen(), strict=True):
