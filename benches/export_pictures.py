@@ -50,7 +50,9 @@ def main() -> None:
         for name, read in READERS.items():
             writer_of(name)(Path(folder, name), [[frame]])
             pictures.append(picture(name, next(iter(read(Path(folder, name)))), sensor.mount_height))
-    save_png(sys.argv[1] if len(sys.argv) > 1 else "docs/formats.png", sheet(pictures, columns=5))
+    output = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/formats.png")
+    output.parent.mkdir(parents=True, exist_ok=True)
+    save_png(output, sheet(pictures, columns=5))
 
 
 if __name__ == "__main__":
