@@ -31,6 +31,7 @@ else:
 
 MAX_BYTES = 2**32  # larger than any weight file that fits into memory beside what is made of it
 MAX_WHOLE, MAX_TEXT = 2**27, 2**26  # of a file that is read at once, a scan or a model, and of one of text, as JSON is
+LOCK = ".lock"  # the file of a folder that its writer holds
 _KINDS = {
     stat.S_IFDIR: "a directory",
     stat.S_IFIFO: "a FIFO",
@@ -221,7 +222,7 @@ def expecting(what: str) -> Iterator[None]:
 
 
 @contextmanager
-def locked_folder(folder: Path, lock: str = ".lock") -> Iterator[None]:
+def locked_folder(folder: Path, lock: str = LOCK) -> Iterator[None]:
     """Hold a lock of an existing folder while the block runs; the file of its name stays in it.
 
     Raises `FormatError` naming the process that holds the lock.

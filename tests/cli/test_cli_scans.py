@@ -338,7 +338,7 @@ def test_scans_are_replaced_only_where_that_is_said(refused: Callable[..., str])
     assert "--overwrite" in message
     assert cli.main([*SIMULATE, "--seed", "9", "--overwrite"]) == 0
     names = {path.name for path in Path("out").iterdir()}
-    assert names == {*(f"000000{end}" for end in SCAN_ENDINGS), "notes.txt", "000007.bin", ".lock"}
+    assert names == {*(f"000000{end}" for end in SCAN_ENDINGS), "notes.txt", "000007.bin"}
     assert Path("out/000000.bin").read_bytes() != before
 
 
@@ -392,7 +392,7 @@ def test_a_sequence_is_a_folder_of_frames_with_tracks_and_a_film(capsys: pytest.
     assert np.loadtxt("kitti/sequences/00/times.txt") == pytest.approx([0.0, 0.2, 0.4, 0.6])
     one_scan = ["simulate", "--layout", "layout.json", "--sensor", "small.json", "--no-picture", "-o", "one"]
     assert cli.main([*one_scan, "--overwrite"]) == 0  # and nothing is left of the four
-    of_others = {"view.gif", ".lock"}
+    of_others = {"view.gif"}
     assert {path.name for path in Path("one").iterdir()} - of_others == {n for n in names if n.startswith("000000.")}
 
 
