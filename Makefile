@@ -57,6 +57,8 @@ report-outputs: install ## sequences, generated frames, edits; exports in foreig
 	"$(BIN)/python" benches/report_sequences.py
 	"$(BIN)/python" benches/report_generated.py
 	"$(BIN)/python" benches/edit_recordings.py
+	"$(BIN)/python" benches/dataset_workers.py
+	"$(BIN)/python" benches/export_pictures.py out/formats.png
 	"$(BIN)/python" -m pytest -q -m "" tests/formats/test_exports.py tests/cli/test_cli_dataset.py
 
 report-inputs: install ## how well sentences, scripts, pictures, clouds and sketches become layouts, and bad files end

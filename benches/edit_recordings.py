@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import os
 import time
+import warnings
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
@@ -22,7 +23,7 @@ from lidardraft.formats.kitti_object import read_label_2
 from lidardraft.formats.pandaset import LABELS
 from lidardraft.formats.semantickitti import read_label
 from lidardraft.simulation.object_sampling import ObjectSampling
-from lidardraft.simulation.recorded_scan import INSERTED, RecordedScan, inside
+from lidardraft.simulation.recorded_scan import INSERTED, RecordedScan
 from lidardraft.simulation.scan_edits import Insert, Remove, edit_scan
 from lidardraft.simulation.solid_object import SolidObject
 
@@ -77,7 +78,7 @@ def _pandaset(path: Path) -> RecordedScan:
 
 def compared(scan: RecordedScan, box: Box, seed: int) -> Comparison | None:
     """A car beside one of its size in its place; nothing where it has few returns."""
-    mine = scan.returned & ~scan.is_ground & inside(box, scan.points, _MARGIN)
+    mine = scan.returned & ~scan.is_ground & box.contains(scan.points, _MARGIN)
     if mine.sum() < _FEWEST:
         return None
     bare, id = edit_scan(scan, [Remove(box.id)], seed=seed), f"new_{seed}"  # which decides its paint
@@ -125,6 +126,7 @@ def _augmented(folder: Path, seed: int) -> tuple[float, float]:
 
 def main() -> None:
     """Print a line for each data set, and how many scans a second are augmented."""
+    warnings.simplefilter("ignore")  # of things without a box around recorded cars
     folder = Path(os.environ["LIDARDRAFT_DATA"])
     found: dict[str, list[Comparison]] = {}
     for name, scan in scans(folder):

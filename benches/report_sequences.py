@@ -50,11 +50,12 @@ def frames_a_second(frames: int) -> None:
     """Of the crossroads."""
     simulator = SequenceSimulator(CROSSROADS, SENSOR, frames=frames)
     simulator.frame(0)
-    begun = time.perf_counter()
+    begun, used = time.perf_counter(), time.process_time()
     for number in range(frames):
         simulator.frame(number)
-    rate = frames / (time.perf_counter() - begun)
-    print(f"frames a second, 64 x 2048, {len(simulator.tracks.actors)} bodies move: {rate:.1f}")
+    rate, of_cores = frames / (time.perf_counter() - begun), frames / (time.process_time() - used)
+    said = f"frames a second, 64 x 2048, {len(simulator.tracks.actors)} bodies move: {rate:.1f}"
+    print(f"{said}; {of_cores:.1f} a second of processor time")
 
 
 def shutter(columns: int = 64) -> None:

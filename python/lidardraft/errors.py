@@ -100,6 +100,6 @@ def extra(name: str) -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
-        if error.name not in ("torch", "transformers", "laspy", "foxglove", "ray", "ouster"):
+        if error.name not in ("torch", "transformers", "laspy", "foxglove", "ray", "ouster", "av"):
             raise
         raise MissingExtraError(f"{error.name} is not installed; run: pip install 'lidardraft[{name}]'") from None

@@ -10,7 +10,7 @@ import stat
 import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from lidardraft.errors import FormatError, LidarDraftError
@@ -31,6 +31,7 @@ else:
 
 MAX_BYTES = 2**32  # larger than any weight file that fits into memory beside what is made of it
 MAX_WHOLE, MAX_TEXT = 2**27, 2**26  # of a file that is read at once, a scan or a model, and of one of text, as JSON is
+LOCK = ".lock"  # the file of a folder that its writer holds
 _KINDS = {
     stat.S_IFDIR: "a directory",
     stat.S_IFIFO: "a FIFO",
@@ -55,7 +56,8 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
     except OSError as error:
         raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
     finally:  # where it was renamed, there is nothing of that name
-        temporary.unlink(missing_ok=True)
+        with suppress(OSError):  # on a disk that is read-only, even where nothing is there
+            temporary.unlink()
 
 
 @contextmanager
@@ -96,6 +98,8 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
         temporary.replace(target)  # fails where another process has filled the folder meanwhile
     except OSError as error:
         raise FormatError(f"{path} cannot be written: {error.strerror or error}") from None
+    except FormatError as error:  # it may name a temporary file
+        raise FormatError(str(error).replace(str(temporary), os.fspath(path))) from None
     finally:
         shutil.rmtree(temporary, ignore_errors=True)
 
@@ -216,7 +220,7 @@ def expecting(what: str) -> Iterator[None]:
 
 
 @contextmanager
-def locked_folder(folder: Path, lock: str = ".lock") -> Iterator[None]:
+def locked_folder(folder: Path, lock: str = LOCK) -> Iterator[None]:
     """Hold a lock of an existing folder while the block runs; the file of its name stays in it.
 
     Raises `FormatError` naming the process that holds the lock.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import itertools
 import json
 import math
 import os
@@ -12,13 +13,14 @@ import zlib
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw
 
 from lidardraft.drawing import Colour, Drawing, Eye, corners_of, font
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, extra
 from lidardraft.files import written_whole
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
@@ -56,7 +58,8 @@ _REACH = 50.0  # m, what a view from above shows ahead and behind
 _SHOWN, _SHOWN_WITHIN, _SEEN = 10, 30.0, 5  # boxes that an eye shows: so many, within m, with so many returns
 _LONGEST_TITLE = 120
 _FURTHEST = 1000.0  # m of a page: what is further is not a return
-_FILM_COLOURS = 64  # of all frames
+_FILM_COLOURS = 64  # of all frames of a GIF
+_FILM_LOSS = "26"  # of H.264, 0 to 51; points are still told apart
 _EYE = np.array(  # 16 m behind and 11 m over the ego vehicle, looking 24 degrees down
     [[0.9135, 0, 0.4067, -16.0], [0, 1, 0, 0], [-0.4067, 0, 0.9135, 11.0], [0, 0, 0, 1]]
 )
@@ -431,3 +434,21 @@ def save_gif(path: str | os.PathLike[str], pictures: Iterable[np.ndarray], secon
     with written_whole(path) as temporary:
         shown = max(20, round(1000 * seconds))  # many viewers show what is shorter slowly
         first.save(temporary, "GIF", save_all=True, append_images=rest, duration=shown, loop=0)
+
+
+def save_mp4(path: str | os.PathLike[str], pictures: Iterable[np.ndarray], seconds: float) -> None:
+    """Write pictures uint8 [H, W, 3] as a film (H.264) that shows each for so many seconds; a last odd row or column is
+    left out. Raises `MissingExtraError` where PyAV is not installed."""
+    with extra("video"):
+        import av
+    frames = iter(pictures)
+    first = next(frames)
+    height, width = (extent // 2 * 2 for extent in first.shape[:2])  # colours are stored for four pixels at once
+    with written_whole(path) as temporary, av.open(os.fspath(temporary), "w", format="mp4") as film:
+        stream = film.add_stream(
+            "libx264", rate=Fraction(1 / seconds).limit_denominator(1000), options={"crf": _FILM_LOSS}
+        )
+        stream.width, stream.height, stream.pix_fmt = width, height, "yuv420p"
+        for picture in itertools.chain([first], frames):
+            film.mux(stream.encode(av.VideoFrame.from_ndarray(np.ascontiguousarray(picture[:height, :width]))))
+        film.mux(stream.encode())

@@ -234,8 +234,8 @@ def test_files_of_a_recipe_lie_beside_it_or_at_their_whole_path() -> None:
         text = RECIPE[: RECIPE.index("[[weather]]")].replace("*.layout.json", layout)
         inside.write_text(text.replace("speed = [0,", 'weights = "mine.safetensors"\nspeed = [0,'))
         loaded = Recipe.load(inside)
-        assert [Path(file).name for file in loaded.scenes[2].values] == ["a.layout.json"]
-        assert loaded.scenes[0].weights == "a[1]/mine.safetensors"
+        assert [Path(file).name for file in loaded.scenes[2].of.values] == ["a.layout.json"]
+        assert loaded.scenes[0].of.weights == "a[1]/mine.safetensors"
 
 
 def test_two_writers_of_one_folder(

@@ -22,6 +22,7 @@ from lidardraft import (
 )
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli import main as cli
+from lidardraft.files import locked_folder
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import read_boxes
 from lidardraft.formats.carla import carla_sensor
@@ -325,6 +326,13 @@ def test_scans_are_replaced_only_where_that_is_said(refused: Callable[..., str])
     assert Path("out/000000.bin").read_bytes() != before
 
 
+def test_a_folder_has_one_writer(refused: Callable[..., str]) -> None:
+    Path("out").mkdir()
+    with locked_folder(Path("out")):
+        assert "out is being written by process" in refused(*SIMULATE)
+        assert "out is being written by process" in refused(*SIMULATE, "--overwrite")
+
+
 @pytest.mark.parametrize("command", ["simulate", "generate"])
 def test_what_fails_replaces_nothing(refused: Callable[..., str], command: str) -> None:
     assert cli.main(SIMULATE) == 0
@@ -356,6 +364,14 @@ def test_a_sequence_is_a_folder_of_frames_with_tracks_and_a_film(capsys: pytest.
     assert cli.main(["view", "one"]) == 0
     with Image.open("one/view.gif") as film:
         assert (film.n_frames, film.info["duration"]) == (4, 200)
+        above_and_seat = np.asarray(film.convert("RGB"), np.float32)
+    av = pytest.importorskip("av")
+    assert cli.main(["view", "one", "-o", "film.mp4"]) == 0
+    with av.open("film.mp4") as film:
+        assert film.streams.video[0].average_rate == 5
+        shown = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
+    assert len(shown) == 4
+    assert np.abs(shown[0] - above_and_seat).mean() < 8  # of 255
     assert cli.main(["export", "one", "--format", "semantickitti", "-o", "kitti"]) == 0
     assert np.loadtxt("kitti/sequences/00/times.txt") == pytest.approx([0.0, 0.2, 0.4, 0.6])
     one_scan = ["simulate", "--layout", "layout.json", "--sensor", "small.json", "--no-picture", "-o", "one"]

@@ -71,8 +71,8 @@ def test_bad_input_is_one_line(image: RangeImage, refused: Callable[..., str]) -
     image.save("image.npz")
     Path("film").mkdir()
     Path("film/000000.sensor.json").touch()
-    for name in ("film.mp4", "film.html"):
-        assert f"{name} would hold a film; its name must end in .gif" in refused("view", "film", "-o", name)
+    for name in ("film.avi", "film.html"):
+        assert f"{name} would hold a film; its name must end in .gif or .mp4" in refused("view", "film", "-o", name)
     assert "--boxes are for one file" in refused("view", "film", "--boxes", "a.boxes.json")
     assert "its name must end in .png or .html" in refused("view", "image.npz", "-o", "a.jpg")
     assert "--sensor is for" in refused("view", "image.npz", "--sensor", "hdl64e")

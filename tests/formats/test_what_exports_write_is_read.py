@@ -21,6 +21,7 @@ from lidardraft.formats.mmdet3d import write_mmdet3d
 from lidardraft.formats.nuscenes import write_nuscenes
 from lidardraft.formats.openpcdet import write_openpcdet
 from lidardraft.formats.ouster import read_ouster_metadata
+from lidardraft.formats.pcd import write_pcd_folder
 from lidardraft.formats.ply import write_ply_folder
 from lidardraft.formats.recording import read_labels, read_points
 from lidardraft.formats.semantickitti import write_sequences
@@ -55,6 +56,7 @@ WRITTEN = {
     "nuscenes": (write_nuscenes, "samples/LIDAR_TOP/*.pcd.bin", "samples/LIDAR_TOP/*.pcd.bin", True),
     "openpcdet": (write_openpcdet, "points/000000.npy", "labels/000000.txt", False),
     "mmdet3d": (write_mmdet3d, "points/000000.bin", "labels/000000.txt", True),
+    "pcd": (write_pcd_folder, "000000.pcd", None, True),
     "ply": (write_ply_folder, "000000.ply", None, True),
     "las": (write_las, "000000.las", None, True),
     "webdataset": (write_webdataset, "000000.points.npy", "000000.json", True),

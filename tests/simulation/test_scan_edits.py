@@ -16,7 +16,7 @@ from lidardraft.formats.recording import read_points
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.object_sampling import ObjectSampling
-from lidardraft.simulation.recorded_scan import FILLED, INSERTED, RECORDED, RecordedScan, ground_of, inside
+from lidardraft.simulation.recorded_scan import FILLED, INSERTED, RECORDED, RecordedScan, ground_of
 from lidardraft.simulation.scan_edits import Insert, Move, Remove, Replace, edit_scan
 from lidardraft.simulation.solid_object import WORDS, SolidObject
 
@@ -64,7 +64,7 @@ def test_an_inserted_object_hides_what_is_behind_it_and_nothing_else(scan: Recor
     assert rows(scan.points[aside]) <= kept
     mine = edited.made_up == INSERTED
     assert mine.sum() > 0.6 * behind.sum()
-    assert inside(box, edited.points[mine], 0.5).mean() > 0.95
+    assert box.contains(edited.points[mine], 0.5).mean() > 0.95
 
 
 def test_an_inserted_car_is_seen_as_a_simulated_one() -> None:
@@ -86,9 +86,9 @@ def test_a_removed_object_leaves_what_stands_behind_it(scan: RecordedScan, label
     assert [box.id for box in edited.boxes] == ["bus_1"]
     box = scan.box("car_1")
     left = edited.points[edited.returned & ~edited.is_ground]
-    assert inside(box, left, 0.1).sum() == 0
+    assert box.contains(left, 0.1).sum() == 0
     filled = np.flatnonzero(edited.made_up == FILLED)
-    assert len(filled) > 0.8 * inside(box, scan.points[scan.returned]).sum()
+    assert len(filled) > 0.8 * box.contains(scan.points[scan.returned]).sum()
     truth = Raycaster(Layout((ROAD, WALL))).cast(np.array([0, 0, SENSOR.mount_height]), edited.directions[filled])
     near = np.abs(edited.distance[filled] - truth.distance) < np.maximum(0.3, 0.05 * truth.distance)
     assert near.mean() > 0.9
@@ -221,8 +221,8 @@ def test_sampling_fills_up_a_sample_with_objects_that_stand_free(sample: dict[st
     ]
     for number, box in enumerate(solids):
         corners = np.concatenate([other.corners() for other in solids[:number]] or [np.zeros((0, 3))])
-        assert not inside(box, corners, -0.35).any()
-    seen = [int(inside(box, found["points"][:, :3], 0.1).sum()) for box in solids[2:]]
+        assert not box.contains(corners, -0.35).any()
+    seen = [int(box.contains(found["points"][:, :3], 0.1).sum()) for box in solids[2:]]
     assert np.mean(np.array(seen) > 5) > 0.7
     again = ObjectSampling(counts, SENSOR, models=3, seed=1)(sample)
     assert np.array_equal(again["points"], found["points"])
@@ -267,7 +267,7 @@ def test_a_recorded_car_and_one_in_its_place() -> None:
     scan = RecordedScan.from_points(points, SENSOR, boxes=boxes, intensity=intensity)
     assert 0.05 < (~scan.returned).mean() < 0.5  # rays without a return, found in the gaps of the rings
     assert scan.ground_height(10, 0) == pytest.approx(-1.75, abs=0.05)
-    mine = scan.returned & ~scan.is_ground & inside(boxes[0], scan.points, 0.15)
+    mine = scan.returned & ~scan.is_ground & boxes[0].contains(scan.points, 0.15)
     with warnings.catch_warnings():
         warnings.simplefilter("error")  # nothing is left where the new one stands
         bare = edit_scan(scan, [Remove("car_1")])

@@ -45,7 +45,7 @@ def _workers(arguments: argparse.Namespace, num: int, run: int) -> Callable[...,
         return map
     from lidardraft.streets.worker_processes import in_processes
 
-    return partial(in_processes, count=jobs)
+    return partial(in_processes, count=jobs, ahead=1)
 
 
 def dataset_options(parser: argparse.ArgumentParser) -> None:

@@ -6,6 +6,7 @@ import argparse
 import itertools
 import os
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, TypeVar
@@ -13,6 +14,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 from lidardraft.cli.arguments import check_empty, whole_number
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError
+from lidardraft.files import LOCK, locked_folder
 
 if TYPE_CHECKING:
     from lidardraft.cli.arguments import Options
@@ -77,14 +79,21 @@ class ScanFolder(Generic[T]):
 
     def write(self, num: int, *, jobs: int = 1, run: int = 1) -> Iterator[int]:
         """Write scans 0 to `num` - 1, by `jobs` processes, each of which makes `run` scans in a row; counts them as
-        they are there. Scans of an earlier call go when the first one is."""
+        they are there. Scans of an earlier call go when the first one is. Raises `FormatError` where another process
+        writes to the folder."""
         first = self.make(0)
-        _clear(self.path)
-        made = itertools.chain([self._saved(0, first)], self._rest(num, jobs, run))
-        for count, notes in enumerate(made):
-            for note in notes:
-                say(note)
-            yield count
+        self.path.mkdir(parents=True, exist_ok=True)
+        with locked_folder(self.path):
+            try:
+                _clear(self.path)
+                made = itertools.chain([self._saved(0, first)], self._rest(num, jobs, run))
+                for count, notes in enumerate(made):
+                    for note in notes:
+                        say(note)
+                    yield count
+            finally:
+                with suppress(OSError):  # Windows keeps what is open
+                    (self.path / LOCK).unlink()
 
     def _rest(self, num: int, jobs: int, run: int) -> Iterator[list[str]]:
         """The notes on each scan but the first, which are written in their order or, by several processes, in any."""
@@ -108,11 +117,9 @@ class ScanFolder(Generic[T]):
 
 
 def _clear(folder: Path) -> None:
-    """Make the folder, without the scans of an earlier call, numbers with a sensor beside them, and their tracks. The
-    rest stays."""
+    """Remove the scans of an earlier call, numbers with a sensor beside them, and their tracks. The rest stays."""
     from lidardraft.scan import SCAN_ENDINGS, TRACK_FILES
 
-    folder.mkdir(parents=True, exist_ok=True)
     names = [path.name.removesuffix(".sensor.json") for path in folder.glob("*.sensor.json")]
     numbers = [name for name in names if name.isdigit()]
     files = [f"{name}{ending}" for name in numbers for ending in SCAN_ENDINGS]

@@ -46,20 +46,21 @@ def view(arguments: argparse.Namespace) -> None:
 
 
 def _film(folder: Path, arguments: argparse.Namespace) -> None:
-    """A GIF of the scans of a folder, from above and from the driver's seat, as fast as they were taken."""
+    """A film of the scans of a folder, from above and from the driver's seat, as fast as they were taken."""
     from lidardraft.scan import Scan
-    from lidardraft.view import save_gif
+    from lidardraft.view import save_gif, save_mp4
 
     if arguments.sensor is not None or arguments.classes or arguments.large or arguments.boxes is not None:
         raise FormatError(f"{folder} is a folder; --sensor, --classes, --large and --boxes are for one file")
     names = scans_in(folder)
     output = Path(arguments.output or folder / "view.gif")
-    if output.suffix != ".gif":
-        raise FormatError(f"{output} would hold a film; its name must end in .gif")
+    save = {".gif": save_gif, ".mp4": save_mp4}.get(output.suffix)
+    if save is None:
+        raise FormatError(f"{output} would hold a film; its name must end in .gif or .mp4")
     first, second = (Scan.load(name).time for name in (names[0], names[min(1, len(names) - 1)]))
     seconds = second - first if first is not None and second is not None and second > first else _SHOWN_FOR
     with progress(len(names), "scan") as bar:
-        save_gif(output, (_framed(name, bar) for name in names), seconds)
+        save(output, (_framed(name, bar) for name in names), seconds)
     print(output)
 
 
@@ -86,7 +87,8 @@ def view_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--large", action="store_true", help="one large and smooth view of a scan alone")
     text = "boxes around the objects of a scan: .boxes.json, KITTI's label_2, ... (default: the .boxes.json beside it)"
     parser.add_argument("--boxes", metavar="FILE", help=text)
-    text = "where the picture goes (default FILE.view.png; of a folder view.gif in it); .html makes a page of a scan"
+    text = "where the picture goes (default FILE.view.png); .html makes a page of a scan; of a folder, a film: .gif "
+    text += "(default view.gif in it) or .mp4"
     parser.add_argument("-o", "--output", metavar="PICTURE", help=text)
 
 

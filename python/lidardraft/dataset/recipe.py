@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from glob import glob
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
@@ -65,7 +65,6 @@ class Scene:
     """
 
     source: str
-    share: float
     values: Values
     numbers: dict[str, Values]
     words: dict[str, Values] = dataclasses.field(default_factory=dict)
@@ -74,26 +73,12 @@ class Scene:
     edits: tuple[Edit, ...] = ()
 
 
-@dataclass(frozen=True, kw_only=True)
-class SensorChoice:
-    """A sensor, and how high it is mounted."""
+@dataclass(frozen=True)
+class Choice(Generic[T]):
+    """One of several, taken as often as its share says."""
 
-    sensor: Sensor
-    share: float = 1.0
-    mount_height: Values = None
-
-    def drawn(self, rng: np.random.Generator) -> Sensor:
-        """The sensor at one of the heights."""
-        height = drawn(self.mount_height, rng)
-        return self.sensor if height is None else dataclasses.replace(self.sensor, mount_height=float(height))
-
-
-@dataclass(frozen=True, kw_only=True)
-class WeatherChoice:
-    """What the numbers of a `Weather` are drawn from."""
-
-    share: float = 1.0
-    values: dict[str, Values] = dataclasses.field(default_factory=dict)
+    share: float
+    of: T
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -107,9 +92,9 @@ class Recipe:
     format: str
     seed: int
     poses: int
-    scenes: tuple[Scene, ...]
-    sensors: tuple[SensorChoice, ...]
-    weather: tuple[WeatherChoice, ...]
+    scenes: tuple[Choice[Scene], ...]
+    sensors: tuple[Choice[tuple[Sensor, Values]], ...]  # with the heights of their mounts
+    weather: tuple[Choice[dict[str, Values]], ...]  # the numbers of a `Weather`
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], scans: int | None = None) -> Recipe:
@@ -128,10 +113,12 @@ class Recipe:
 
         Raises `LidarDraftError` naming the scene that cannot be.
         """
-        scene, rng = self._draws(number)
-        place = self.scenes.index(scene) + 1
-        sensor = _chosen(self.sensors, rng).drawn(rng)
-        air = all_drawn(_chosen(self.weather, rng).values, rng)
+        choice, rng = self._draws(number)
+        place, scene = self.scenes.index(choice) + 1, choice.of
+        sensor, heights = _chosen(self.sensors, rng).of
+        if (height := drawn(heights, rng)) is not None:
+            sensor = dataclasses.replace(sensor, mount_height=float(height))
+        air = all_drawn(_chosen(self.weather, rng).of, rng)
         with named(f"{self.name}: scan {number}, scene {place}"):
             make = self._of_street if scene.source == "street" else self._of_layout
             scan = make(scene, number, sensor, Weather(**air), rng)
@@ -139,11 +126,11 @@ class Recipe:
         layout = dataclasses.replace(scan.layout, provenance=scan.layout.provenance | {"recipe": told})
         return dataclasses.replace(scan, layout=layout)
 
-    def _draws(self, number: int) -> tuple[Scene, np.random.Generator]:
+    def _draws(self, number: int) -> tuple[Choice[Scene], np.random.Generator]:
         """The scene of a scan, and what else is drawn for it, which all scans of a street have in common."""
         first = number - number % self.poses
         scene = _chosen(self.scenes, np.random.default_rng([self.seed, first, _DRAWS]))
-        return scene, np.random.default_rng([self.seed, first if scene.source == "street" else number, _DRAWS, 1])
+        return scene, np.random.default_rng([self.seed, first if scene.of.source == "street" else number, _DRAWS, 1])
 
     def _of_street(self, scene: Scene, number: int, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> Scan:
         district, more = drawn(scene.values, rng), all_drawn(scene.numbers, rng)
@@ -166,7 +153,7 @@ class Recipe:
         """Raise `LidarDraftError` where one of the first sentences of a scene, with any of its words, cannot be."""
         from lidardraft.drafting.text.layout import layout_from_text
 
-        for place, scene in enumerate(self.scenes, 1):
+        for place, scene in enumerate((choice.of for choice in self.scenes), 1):
             if scene.source != "text":
                 continue
             words = {name: every(values) for name, values in scene.words.items()}
@@ -211,9 +198,9 @@ def _edited(layout: Layout, change: Edit, rng: np.random.Generator) -> Layout:
     return edit.move(layout, change.pattern, (values["ahead"], values["left"], 0.0), turn=values["turn"])
 
 
-def _chosen(choices: Sequence[T], rng: np.random.Generator) -> T:
+def _chosen(choices: Sequence[Choice[T]], rng: np.random.Generator) -> Choice[T]:
     """One of the choices, by their shares."""
-    shares = np.cumsum([choice.share for choice in choices])  # type: ignore[attr-defined]
+    shares = np.cumsum([choice.share for choice in choices])
     return choices[int(np.searchsorted(shares / shares[-1], rng.random(), side="right"))]
 
 
@@ -226,19 +213,21 @@ def _pipeline(weights: str) -> Pipeline:
 
 def _recipe(path: Path, fields: dict[str, Any]) -> Recipe:
     table, folder = Table(fields), path.parent
-    scenes = [_scene(each, folder) for each in table.tables("scene")]
-    sensors = [_sensor(each, folder) for each in table.tables("sensor")] or [SensorChoice(sensor=PRESETS["hdl64e"])]
-    weather = [_weather(each) for each in table.tables("weather")] or [WeatherChoice()]
+    scenes = [Choice(each.share(), _scene(each, folder)) for each in table.tables("scene")]
+    sensors = [Choice(each.share(), _sensor(each, folder)) for each in table.tables("sensor")]
+    sensors = sensors or [Choice(1.0, (PRESETS["hdl64e"], None))]
+    weather = [Choice(each.share(), _weather(each)) for each in table.tables("weather")] or [Choice(1.0, {})]
     if not scenes:
         raise FormatError("scene is missing; a recipe has at least one [[scene]]")
-    for key, choices in (("scene", scenes), ("sensor", sensors), ("weather", weather)):
-        if not any(choice.share for choice in choices):
+    shares = {"scene": scenes, "sensor": sensors, "weather": weather}
+    for key, choices in shares.items():
+        if not any(choice.share for choice in choices):  # type: ignore[attr-defined]
             raise FormatError(f"{key}: every share is 0; one must be more")
-    if any(scene.weights for scene in scenes) and any(choice.values for choice in weather):
+    if any(choice.of.weights for choice in scenes) and any(choice.of for choice in weather):
         raise FormatError("weather goes without scenes with weights, which have seen none")
     recipe = Recipe(
         name=os.fspath(path),
-        text=_text(fields, scenes, sensors),
+        text=_text(fields, [choice.of for choice in scenes], [choice.of[0] for choice in sensors]),
         scans=table.whole("scans", 0, 1),
         shard_size=table.whole("shard_size", 64, 1),
         format=table.name("format", [*FORMATS, SCANS], "webdataset"),
@@ -252,11 +241,11 @@ def _recipe(path: Path, fields: dict[str, Any]) -> Recipe:
     return recipe
 
 
-def _text(fields: dict[str, Any], scenes: list[Scene], sensors: list[SensorChoice]) -> str:
+def _text(fields: dict[str, Any], scenes: list[Scene], sensors: list[Sensor]) -> str:
     """What decides each scan, in a line: the recipe but for their number, with checksums of the files in it."""
     files = [read_bytes(file) for scene in scenes if scene.source == "layout" for file in scene.values]
     files += ["\n".join(every(scene.values)).encode() for scene in scenes if scene.source == "text"]
-    files += [choice.sensor.to_json().encode() for choice in sensors]
+    files += [sensor.to_json().encode() for sensor in sensors]
     said = {name: value for name, value in fields.items() if name != "scans"}
     return json.dumps(said | {"checksums": list(map(zlib.crc32, files))}, sort_keys=True, default=str)
 
@@ -265,11 +254,11 @@ def _scene(table: Table, folder: Path) -> Scene:
     sources = [name for name in ("text", "text_file", "layout", "street") if name in table]
     if len(sources) != 1:
         raise FormatError(f"{table.place}one of text, text_file, layout and street is needed; there are {len(sources)}")
-    source, share, values, words = sources[0], table.share(), None, {}
+    source, values, words = sources[0], None, {}
     if source == "street":
         values = table.names(source, list(DISTRICTS))
         more = {field.name: 1.0 for field in dataclasses.fields(StreetMix) if field.name not in DISTRICTS}
-        scene = Scene(source=source, share=share, values=values, numbers=_numbers(table, more, 0.0))
+        scene = Scene(source=source, values=values, numbers=_numbers(table, more, 0.0))
         table.end()
         return scene
     if source == "layout":
@@ -285,7 +274,6 @@ def _scene(table: Table, folder: Path) -> Scene:
     usual = "bare" if weights or source == "layout" else "street"
     scene = Scene(
         source="layout" if source == "layout" else "text",
-        share=share,
         values=values,
         numbers=_numbers(table, {"speed": 0.0}),
         words=words,
@@ -336,18 +324,17 @@ def _edit(table: Table) -> Edit:
     return change
 
 
-def _sensor(table: Table, folder: Path) -> SensorChoice:
-    name, share = table.text("name"), table.share()
+def _sensor(table: Table, folder: Path) -> tuple[Sensor, Values]:
+    name = table.text("name")
     with named(f"{table.place}name"):
         sensor = Sensor.load(folder / name) if name.endswith(".json") else Sensor.preset(name)
-    height = table.numbers("mount_height", 0.0, 0.1, 100.0) if "mount_height" in table else None
+    heights = table.numbers("mount_height", 0.0, 0.1, 100.0) if "mount_height" in table else None
     table.end()
-    return SensorChoice(sensor=sensor, share=share, mount_height=height)
+    return sensor, heights
 
 
-def _weather(table: Table) -> WeatherChoice:
+def _weather(table: Table) -> dict[str, Values]:
     limits = {"rain": (0.0, 200.0), "snow": (0.0, 200.0), "visibility": (1.0, 1e6), "wetness": (0.0, 1.0)}
     values = {name: table.numbers(name, 0.0, *ends) for name, ends in limits.items() if name in table}
-    choice = WeatherChoice(share=table.share(), values=values)
     table.end()
-    return choice
+    return values

@@ -20,7 +20,6 @@ from lidardraft.formats import kitti360, pandaset
 from lidardraft.formats.kitti_object import read_label_2
 from lidardraft.formats.nuscenes import labelled_sweeps
 from lidardraft.scene.box import Box
-from lidardraft.scene.pose import in_upright_frame
 from lidardraft.semantics import BY_NAME
 
 SENSORS = {  # presets
@@ -32,6 +31,7 @@ SENSORS = {  # presets
 }
 _SEMANTICKITTI = {"train": ("00", "01", "02", "03", "04", "05", "06", "07", "09", "10"), "val": ("08",)}
 _SEMANTICKITTI["all"] = tuple(sorted((*_SEMANTICKITTI["train"], *_SEMANTICKITTI["val"])))
+_GROUND = 0.1  # m over the bottom of a box: what lies lower is road
 _SPLITS = {"semantickitti": _SEMANTICKITTI, "kitti360": kitti360.SPLITS}  # of the others: all
 
 
@@ -45,7 +45,7 @@ class RecordedFile:
     def mark_boxes(self, points: np.ndarray, label: np.ndarray, instance: np.ndarray) -> None:
         """Give the points [N, 3] in boxes, but those of the ground, the class and the instance of the box."""
         for box in self.boxes() if self.boxes else ():
-            inside = _inside(box, points)
+            inside = box.contains(points) & (points[:, 2] > box.center[2] - box.size[2] / 2 + _GROUND)
             label[inside], instance[inside] = BY_NAME[box.label].id, box.instance
 
 
@@ -84,12 +84,3 @@ def dataset_files(name: str, root: str | os.PathLike[str], split: str = "all") -
 
 def _beside(scan: Path, folder: str) -> Path:
     return scan.parents[1] / folder / f"{scan.stem}.txt"
-
-
-_GROUND = 0.1  # m over the bottom of a box: what lies lower is road
-
-
-def _inside(box: Box, points: np.ndarray) -> np.ndarray:
-    """Which points are in a box, and not within 0.1 m of its bottom, bool [N]."""
-    away, half = in_upright_frame(points, box.center, box.yaw), np.array(box.size) / 2
-    return np.asarray((np.abs(away) <= half).all(axis=1) & (away[:, 2] > _GROUND - half[2]))

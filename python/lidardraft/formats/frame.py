@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import io
 import itertools
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -12,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import write_text
+from lidardraft.files import new_folder, write_text
 from lidardraft.scene.box import Box
 from lidardraft.scene.pose import in_upright_frame, upright
 from lidardraft.scene.sensor import Sensor
@@ -139,6 +140,16 @@ def numbered(drives: Drives) -> Iterator[tuple[str, Frame]]:
         raise FormatError(NO_SCANS)
 
 
+def write_each(
+    output: str | os.PathLike[str], drives: Drives, ending: str, write: Callable[[Path, np.ndarray], None]
+) -> None:
+    """Write a new folder with a file for each frame, of its `point_records`. Raises `FormatError` where it is there
+    already or cannot be written."""
+    with new_folder(output) as folder:
+        for name, frame in numbered(drives):
+            write(folder / f"{name}{ending}", point_records(frame))
+
+
 def point_records(frame: Frame) -> np.ndarray:
     """The points as records [N] of x y z intensity ring time label instance, packed."""
     records = np.empty(len(frame.points), _RECORD)
@@ -146,6 +157,13 @@ def point_records(frame: Frame) -> np.ndarray:
     for field in ("intensity", "ring", "time", "label", "instance"):
         records[field] = getattr(frame, field)
     return records
+
+
+def npy(array: np.ndarray) -> bytes:
+    """The content of a .npy file."""
+    buffer = io.BytesIO()
+    np.save(buffer, array)
+    return buffer.getvalue()
 
 
 def write_image_sets(folder: Path, names: list[str]) -> None:

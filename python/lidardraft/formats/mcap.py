@@ -5,6 +5,7 @@ Frames are `map`, `base_link`, the vehicle on the road, and `lidar`. A file is a
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Iterable
 from typing import Any
@@ -27,11 +28,15 @@ def write_mcap(output: str | os.PathLike[str], drives: Drives) -> None:
     be written, `MissingExtraError` where foxglove-sdk is not installed."""
     with extra("export"):
         import foxglove
+    logging.getLogger("foxglove").addHandler(logging.NullHandler())  # its warnings are those of the error below
     with new_folder(output) as folder:
         for number, drive in enumerate(drives):
             context = foxglove.Context()
-            with foxglove.open_mcap(folder / f"{number:06d}.mcap", context=context):
-                _log_drive(drive, context)
+            try:
+                with foxglove.open_mcap(folder / f"{number:06d}.mcap", context=context):
+                    _log_drive(drive, context)
+            except RuntimeError as error:
+                raise FormatError(f"{os.fspath(output)} cannot be written, as on a full disk: {error}") from None
         if not any(folder.iterdir()):
             raise FormatError(NO_SCANS)
 

@@ -11,7 +11,7 @@ import os
 import numpy as np
 
 from lidardraft.files import new_folder, write_text
-from lidardraft.formats.frame import Annotation, Drives, numbered, write_image_sets
+from lidardraft.formats.frame import Annotation, Drives, npy, numbered, write_image_sets
 
 
 def write_openpcdet(output: str | os.PathLike[str], drives: Drives) -> None:
@@ -23,7 +23,7 @@ def write_openpcdet(output: str | os.PathLike[str], drives: Drives) -> None:
         names = []
         for name, frame in numbered(drives):
             names.append(name)
-            np.save(folder / "points" / f"{name}.npy", np.column_stack([frame.points, frame.intensity]))
+            (folder / "points" / f"{name}.npy").write_bytes(npy(np.column_stack([frame.points, frame.intensity])))
             write_text(folder / "labels" / f"{name}.txt", "".join(map(_line, frame.seen())))
         write_image_sets(folder, names)
 

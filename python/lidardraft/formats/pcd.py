@@ -15,8 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import MAX_WHOLE, expecting, named, new_folder, read_bytes, written_whole
-from lidardraft.formats.frame import Drives, numbered, point_records
+from lidardraft.files import MAX_WHOLE, expecting, named, read_bytes, written_whole
+from lidardraft.formats.frame import Drives, write_each
 
 _KEYS = ("FIELDS", "SIZE", "TYPE", "COUNT", "POINTS", "DATA")
 _TYPES = {
@@ -90,11 +90,8 @@ def write_pcd(path: str | os.PathLike[str], records: np.ndarray) -> None:
 
 
 def write_pcd_folder(output: str | os.PathLike[str], drives: Drives) -> None:
-    """Write a file for each frame, with x y z intensity ring time label instance. Raises `FormatError` where `output`
-    is there already or cannot be written."""
-    with new_folder(output) as folder:
-        for name, frame in numbered(drives):
-            write_pcd(folder / f"{name}.pcd", point_records(frame))
+    """As `write_each`."""
+    write_each(output, drives, ".pcd", write_pcd)
 
 
 def text_records(text: bytes, record: np.dtype, count: int) -> np.ndarray:

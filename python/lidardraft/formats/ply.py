@@ -8,8 +8,8 @@ import re
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import named, new_folder, read_bytes, written_whole
-from lidardraft.formats.frame import Drives, numbered, point_records
+from lidardraft.files import named, read_bytes, written_whole
+from lidardraft.formats.frame import Drives, write_each
 from lidardraft.formats.pcd import binary_records, text_records
 
 _TYPES = {
@@ -73,8 +73,5 @@ def write_ply(path: str | os.PathLike[str], records: np.ndarray) -> None:
 
 
 def write_ply_folder(output: str | os.PathLike[str], drives: Drives) -> None:
-    """Write a file for each frame, with x y z intensity ring time label instance. Raises `FormatError` where `output`
-    is there already or cannot be written."""
-    with new_folder(output) as folder:
-        for name, frame in numbered(drives):
-            write_ply(folder / f"{name}.ply", point_records(frame))
+    """As `write_each`."""
+    write_each(output, drives, ".ply", write_ply)

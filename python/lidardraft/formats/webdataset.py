@@ -19,7 +19,7 @@ import numpy as np
 
 from lidardraft.files import new_folder, written_whole
 from lidardraft.formats.boxes import fields_of
-from lidardraft.formats.frame import Drives, Frame, numbered
+from lidardraft.formats.frame import Drives, Frame, npy, numbered
 
 SHARD = 256  # frames of a shard
 
@@ -49,16 +49,10 @@ def write_shard(path: Path, frames: Iterable[tuple[str, Frame]]) -> int:
 
 
 def _files(frame: Frame) -> Iterator[tuple[str, bytes]]:
-    yield "points.npy", _npy(np.column_stack([frame.points, frame.intensity]))
+    yield "points.npy", npy(np.column_stack([frame.points, frame.intensity]))
     for field in ("ring", "time", "label", "instance"):
-        yield f"{field}.npy", _npy(getattr(frame, field))
+        yield f"{field}.npy", npy(getattr(frame, field))
     boxes = [fields_of(a.box) | {"num_points": a.num_points} for a in frame.annotations]
     sensor = json.loads(frame.sensor.to_json())
     said = {"boxes": boxes, "pose": frame.pose.tolist(), "sensor": sensor}
     yield "json", json.dumps(said | {"provenance": json.loads(frame.world or "{}")}).encode()
-
-
-def _npy(array: np.ndarray) -> bytes:
-    buffer = io.BytesIO()
-    np.save(buffer, array)
-    return buffer.getvalue()

@@ -10,6 +10,7 @@ import numpy as np
 
 from lidardraft.errors import LayoutError, one_of
 from lidardraft.json_fields import are_numbers, is_number
+from lidardraft.scene.pose import in_upright_frame
 from lidardraft.semantics import BY_NAME
 
 THINNEST = 1e-6  # m, the least extent of a shape; rays miss shapes a millionth as thick
@@ -59,6 +60,11 @@ class Box:
         """The box `height` [m] further up, as from the sensor's frame to the road."""
         x, y, z = self.center
         return replace(self, center=(x, y, z + height))
+
+    def contains(self, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
+        """Which points [N, 3] are in the box, or within `margin` [m] of its sides, bool [N]."""
+        away = np.abs(in_upright_frame(points, self.center, self.yaw))
+        return np.asarray((away <= np.array(self.size) / 2 + margin).all(axis=1))
 
     def corners(self) -> np.ndarray:
         """f64 [8, 3]: four below, then the four above them, each from the left rear clockwise, seen from above."""

@@ -19,7 +19,6 @@ from lidardraft.formats.recording import returns, rings_of_order
 from lidardraft.formats.semantickitti import write_label
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
-from lidardraft.scene.pose import in_upright_frame
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, GROUND
@@ -157,7 +156,7 @@ class RecordedScan:
     def returns_per_box(self) -> list[int]:
         """How many returns lie in each of `boxes`."""
         found = self.points[self.returned]
-        return [int(inside(box, found).sum()) for box in self.boxes]
+        return [int(box.contains(found).sum()) for box in self.boxes]
 
     def layout(self, where: np.ndarray) -> Layout:
         """What the returns `where` bool [R] is True are of, in the sensor's frame; nothing where no ground is known.
@@ -185,12 +184,6 @@ class RecordedScan:
             write_boxes(f"{stem}.boxes.json", self.boxes, self.returns_per_box())
             np.savez_compressed(f"{stem}.npz", xyz=kept.pop("points"), **kept)
             Path(f"{stem}.sensor.json").write_text(self.sensor.to_json())
-
-
-def inside(box: Box, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
-    """Which points [N, 3] are in a box that is `margin` [m] wider on each side, bool [N]."""
-    away = np.abs(in_upright_frame(points, box.center, box.yaw))
-    return np.asarray((away <= np.array(box.size) / 2 + margin).all(axis=1))
 
 
 def ground_of(points: np.ndarray) -> np.ndarray:

@@ -26,7 +26,7 @@ from lidardraft.scene.surfaces import Surfaces
 from lidardraft.semantics import BY_NAME, CLASSES
 from lidardraft.simulation.coarse_object import generator_of
 from lidardraft.simulation.ray_receiver import RayReceiver
-from lidardraft.simulation.recorded_scan import FILLED, INSERTED, RAY_FIELDS, RECORDED, RecordedScan, inside
+from lidardraft.simulation.recorded_scan import FILLED, INSERTED, RAY_FIELDS, RECORDED, RecordedScan
 from lidardraft.simulation.solid_object import SolidObject
 
 _MARGIN = 0.15  # m around a box: mirrors, and boxes that annotators drew tight
@@ -130,7 +130,7 @@ def _with_object(
     box = Box(id, solid.label, number, center, solid.size, float(yaw))
     check_room(scan, box)
     standing = scan.points[scan.returned & ~scan.is_ground]
-    if (count := int(inside(box, standing, -_MARGIN).sum())) > _MOST_INSIDE:
+    if (count := int(box.contains(standing, -_MARGIN).sum())) > _MOST_INSIDE:
         warnings.warn(f"{id} stands among {count} returns of something without a box", stacklevel=5)
     return inserted(scan, [(solid, box)], seed)
 
@@ -191,7 +191,7 @@ def _without_object(scan: RecordedScan, box: Box, seed: int) -> RecordedScan:
     if not scan.has_classes:  # by height alone, what is low on the object is ground
         ground &= scan.points[near, 2] < scan.ground_height(*box.center[:2]) + _CLEARANCE
     own = (scan.made_up[near] == INSERTED) & (scan.instance[near] == box.instance) & (box.instance > 0)
-    own |= inside(box, scan.points[near], _MARGIN)  # the noise of weak echoes goes further
+    own |= box.contains(scan.points[near], _MARGIN)  # the noise of weak echoes goes further
     mine = near[scan.returned[near] & ~ground & own]
     lost = near[~scan.returned[near]]
     length, width, height = (extent + 2 * _MARGIN for extent in box.size)

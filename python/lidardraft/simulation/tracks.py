@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -137,45 +137,27 @@ def _collisions(
     """The pairs that run into each other, with the time [s]; those that touch at the start are left out."""
     times = np.arange(0.0, duration + 1e-9, _CHECKED)
     at = {name: track.at(times) for name, track in tracks.items() if name == "ego" or track.moves()}
-    first: dict[tuple[str, str], int] = {}
-    for pair, k in itertools.chain(_contacts(at, bodies), _contacts_with_standing(at, bodies)):
-        first.setdefault(pair, k)
-    return [(pair, float(times[k])) for pair, k in first.items() if k]
-
-
-def _contacts(at: Mapping[str, np.ndarray], bodies: Mapping[str, Body]) -> Iterator[tuple[tuple[str, str], int]]:
-    """Of what moves: which two touch, and in which of the places [T, 4] where they are."""
-    for one, other in itertools.combinations(at, 2):
+    standing = [body for name, body in bodies.items() if name not in at]
+    found = list[tuple[tuple[str, str], float]]()
+    for one, other in itertools.chain(
+        itertools.combinations(at, 2), ((name, body.name) for name in at for body in standing)
+    ):
+        there = at[other] if other in at else np.array([bodies[other].place])
         reach = sum(math.hypot(*bodies[name].size[:2]) for name in (one, other)) / 2
-        for k in np.flatnonzero(np.hypot(*(at[one] - at[other])[:, :2].T) < reach).tolist():
-            if _touch(_solid(bodies[one], at[one][k]), _solid(bodies[other], at[other][k])):
-                yield (one, other), k
-
-
-def _contacts_with_standing(
-    at: Mapping[str, np.ndarray], bodies: Mapping[str, Body]
-) -> Iterator[tuple[tuple[str, str], int]]:
-    """As `_contacts`, of what moves with what stands."""
-    standing = [(body.name, solid) for body in bodies.values() if body.name not in at for solid in body.solids]
-    centers = np.array([solid[:2] for _, solid in standing]).reshape(-1, 2)
-    radii = np.array([solid.radius for _, solid in standing])
-    for name, places in at.items():
-        reach = math.hypot(*bodies[name].size[:2]) / 2 + radii
-        for k, place in enumerate(places):
-            solid = _solid(bodies[name], place)
-            for j in np.flatnonzero(np.hypot(*(centers - place[:2]).T) < reach).tolist():
-                if _touch(solid, standing[j][1]):
-                    yield (name, standing[j][0]), k
+        for k in np.flatnonzero(np.hypot(*(at[one] - there)[:, :2].T) < reach).tolist():
+            solids = (_solid(bodies[other], there[k]),) if other in at else bodies[other].solids
+            mine = _solid(bodies[one], at[one][k])
+            if any(penetration(mine, solid) > OVERLAP_TOLERANCE for solid in solids):
+                if k:
+                    found.append(((one, other), float(times[k])))
+                break
+    return found
 
 
 def _solid(body: Body, place: np.ndarray) -> Solid:
     x, y, z, yaw = place.tolist()
     bottom = z if body is _EGO_BODY else z - body.size[2] / 2
     return Solid.box(x, y, yaw, body.size[:2], bottom, bottom + body.size[2])
-
-
-def _touch(one: Solid, other: Solid) -> bool:
-    return penetration(one, other) > OVERLAP_TOLERANCE
 
 
 def _check_on_road(tracks: Mapping[str, Track], bodies: Mapping[str, Body], named: set[str], ground: Ground) -> None:

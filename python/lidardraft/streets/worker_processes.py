@@ -88,8 +88,9 @@ def worker_processes(count: int, array_bytes: int) -> Iterator[list[WorkerProces
             worker.shutdown()
 
 
-def in_processes(make: Callable[[Item], T], items: Iterable[Item], count: int) -> Iterator[T]:
-    """`make(item)` of each item as it is done, by `count` processes, which get `make` once.
+def in_processes(make: Callable[[Item], T], items: Iterable[Item], count: int, ahead: int = _AHEAD) -> Iterator[T]:
+    """`make(item)` of each item as it is done, by `count` processes, which get `make` once, and `ahead` items at a
+    time: with few that take long, a second one would wait behind the first while another process has nothing to do.
 
     Raises as `make` does, and `LidarDraftError` where a process was killed.
     """
@@ -97,7 +98,7 @@ def in_processes(make: Callable[[Item], T], items: Iterable[Item], count: int) -
         for begun in [process.submit(_begin, make) for process in processes]:
             begun.result()
         left, at_work = iter(items), dict[Future[tuple[list[np.ndarray], T]], WorkerProcess]()
-        idle = processes * _AHEAD
+        idle = processes * ahead
         while True:
             for process, item in zip(idle, left, strict=False):
                 at_work[process.submit(_make, item)] = process
