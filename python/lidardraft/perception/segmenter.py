@@ -28,6 +28,8 @@ FEATURES = 10  # log depth, x, y, height twice, intensity and whether it is know
 SURE = 0.5  # how probable a predicted class must be to stand for a label
 _SIDEWAYS = 2  # which of them is y
 _WINDOW = 2  # columns and rows around a point's pixel where its label may come from
+_AROUND = ((1, 1), (2, 3))  # axes of [K, H, W], and how far along each a pixel's neighbours have a say
+_LIKE = 0.5, 0.01  # m, and of the range: from about so near by returns are of the same class
 _CELL = (1, 2)  # pixels that the network sees as one: thin objects are one column wide, but rarely two rows high
 _WRAPS = True  # the grid has all azimuths, whatever part of them the sensor sees
 
@@ -73,7 +75,7 @@ class SphericalGrid:
         Points that are hidden behind another of their pixel would else take the label of what hides them.
         """
         depth = np.linalg.norm(points, axis=1)
-        image = np.where(index < 0, np.inf, depth[index]) if len(points) else np.full(index.shape, np.inf)
+        image = np.where(index < 0, np.inf, depth[index])
         row, column = np.divmod(pixels, self.columns)
         best, result = np.full(len(points), np.inf), pixels.copy()
         steps = [(r, c) for r in range(-_WINDOW, _WINDOW + 1) for c in range(-_WINDOW, _WINDOW + 1)]
@@ -158,7 +160,8 @@ class Segmenter(Network):
         """Class ids u8 [N] of sensor-frame points [N, 3] with intensities [N] in [0, 1], where these are known, and how
         probable each is, f32 [N].
 
-        The scan and its mirror image are labelled, and their probabilities averaged. `mount_height` [m] is that of the
+        The scan and its mirror image are labelled, and their probabilities averaged, then those of near returns
+        (a bilateral filter, as the votes of RangeNet++'s nearest neighbours are). `mount_height` [m] is that of the
         sensor over the road. Raises `LayoutError` where the arrays do not fit.
         """
         points = np.asarray(points, dtype=np.float32)
@@ -166,6 +169,8 @@ class Segmenter(Network):
             raise LayoutError(f"points are {points.shape}; they must be finite and [N, 3]")
         if intensity is not None and intensity.shape != points.shape[:1]:
             raise LayoutError(f"intensity is {intensity.shape} for {len(points)} points; it must be [N]")
+        if len(points) == 0:
+            return np.zeros(0, np.uint8), np.zeros(0, np.float32)
         grid = self.config.grid
         pixels = grid.pixels(points)
         index = grid.nearest(points, pixels)
@@ -173,9 +178,10 @@ class Segmenter(Network):
         x = torch.stack([x, mirrored(x)]).to(self.head.weight.device)
         with reduced_precision(x.device):
             seen, in_mirror = self(x).float().softmax(1)
-        probability, winners = (seen + in_mirror.flip(-1)).max(0)
+        xyz = torch.from_numpy(np.where(index < 0, 0, points[index].transpose(2, 0, 1))).to(x.device)
+        probability, winners = averaged((seen + in_mirror.flip(-1)) / 2, xyz).max(0)
         source = grid.back_project(points, pixels, index)
-        label, sure = (winners + 1).to(torch.uint8).cpu().numpy(), (probability / 2).cpu().numpy()
+        label, sure = (winners + 1).to(torch.uint8).cpu().numpy(), probability.cpu().numpy()
         return label.ravel()[source], sure.ravel()[source]
 
     def label_points(
@@ -214,6 +220,23 @@ def features(points: np.ndarray, intensity: np.ndarray | None, mount_height: flo
     out[7] = 1
     out[8], out[9] = _normals(xyz, valid, depth)
     return out * valid
+
+
+def averaged(probability: Tensor, xyz: Tensor) -> Tensor:
+    """Probabilities [K, H, W], each the mean of those of the pixels around, weighted by how near their returns lie to
+    its own, xyz [3, H, W].
+
+    Where nothing returned xyz is 0, which is far from all that has.
+    """
+    scale = 2 * (_LIKE[0] + _LIKE[1] * xyz.norm(dim=0)) ** 2
+    for axis, reach in _AROUND:
+        total, weights = probability.clone(), torch.ones_like(scale)
+        for step in (*range(-reach, 0), *range(1, reach + 1)):
+            weight = torch.exp(-(xyz.roll(step, axis) - xyz).square().sum(0) / scale)
+            total += weight * probability.roll(step, axis)
+            weights += weight
+        probability = total / weights
+    return probability
 
 
 def mirrored(x: Tensor) -> Tensor:
