@@ -3,16 +3,16 @@
     python benches/segment_streets.py WEIGHTS [--pairs FOLDER] [--data FOLDER] [--json FILE]
 
 The recorded scans lie under LIDARDRAFT_DATA (or --data): SemanticKITTI's sequence 00 (frames 0 to 20 as range images of
-64 x 1024 points, and frame 0 with all its points), nuScenes' and PandaSet's. KITTI and nuScenes judge; nothing is
-fitted to them. `--pairs` adds held-out streets. What the segmenter says is turned into SemanticKITTI's classes so:
+64 x 1024 points, and frame 0 with all its points), nuScenes', ika's and PandaSet's. KITTI and nuScenes judge; nothing
+is fitted to them. `--pairs` adds held-out streets. What the segmenter says is turned into SemanticKITTI's classes so:
 
 - wall is fence ("separators, like fences, small walls"), bus and train are other-vehicle; traffic-light and other are
   unlabelled, which is wrong wherever the truth is a class;
 - a rider is a motorcyclist where most returns of two-wheelers within 1 m are of motorcycles, else a bicyclist; what is
   ridden belongs to the rider, as it does in SemanticKITTI;
 - streets have no parking and no other-ground: both score 0, and count in the mean over all 19;
-- what a data set does not tell apart is merged before it is scored: in nuScenes' images terrain and trunks are
-  vegetation, riders and what they ride bicycles; in PandaSet trunks are vegetation, and poles and walls have no class.
+- what a data set does not tell apart is merged before it is scored: in nuScenes' and ika's images terrain and trunks
+  are vegetation, riders and what they ride bicycles; in PandaSet trunks are vegetation, poles and walls have no class.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from lidardraft.networks import weight_file
 from lidardraft.perception.segmenter import Segmenter
 from lidardraft.semantics import CLASSES
 from lidardraft.training.sources import PairFolder
-from recordings import nuscenes_images, pandar64
+from recordings import nuscenes_images, pandar64, vlp32c
 
 # semantic-kitti.yaml (Behley et al., ICCV 2019): the classes of the benchmark, and the raw ids of each.
 NAMES = (
@@ -56,6 +56,7 @@ NOT_IN_STREETS = ("parking", "other-ground")
 _RIDDEN = 1.0  # m from riders to the returns of what they ride
 _KITTI_MOUNT = 1.73  # m, Geiger et al., IJRR 2013
 _NUSCENES_MOUNT = 1.84  # m, Caesar et al., CVPR 2020
+_IKA_MOUNT = 1.8  # m, that of the preset
 _PANDASET_MOUNTS = {"001": 2.03, "002": 2.27}  # m, from the median height of near returns of the road
 _TWO_WHEELERS = dict.fromkeys(("motorcycle", "bicyclist", "motorcyclist"), "bicycle")
 _IN_NUSCENES = {"terrain": "vegetation", "trunk": "vegetation", "other-vehicle": "truck", "fence": "building"}
@@ -192,6 +193,8 @@ def main() -> int:
         images = sweeps(nuscenes_images(data))
         merged = _IN_NUSCENES | _TWO_WHEELERS
         sets["nuScenes, HDL-32E, range images"] = measure(segmenter, images, _NUSCENES_MOUNT, merged)
+        ahead = [sweep for half in vlp32c(data, 1800).labelled.values() for sweep in half]
+        sets["ika, VLP-32C, 48 degrees ahead"] = measure(segmenter, sweeps(ahead), _IKA_MOUNT, merged)
         for place, found in pandar64(data, 1800).labelled.items():
             mount = _PANDASET_MOUNTS[place.split()[-1]]
             sets[f"{place}, Pandar64"] = measure(segmenter, sweeps(found), mount, _IN_PANDASET)

@@ -229,11 +229,14 @@ def test_the_table_has_a_row_for_each_arm(monkeypatch: pytest.MonkeyPatch, capsy
     number = r" +(?:\d+\.\d{3}|nan)"
     rows = re.findall(rf"^(\S.*?){number}{number} +\d\.\d{{3}} +\d+\.\d{{3}} +\d\.\d{{3}}$", shown, re.MULTILINE)
     assert rows == ["other streets", "no condition", *ARMS]
+    argv = ["evaluate", "table", "--real", "work/scans/other-streets", "--generated"]
+    assert cli.main([*argv, "full=work/scans/paper", "bird-eye=work/scans/top-view-not-cast"]) == 0
+    assert capsys.readouterr().out.count("these 1 scans") == 2
     base = weight_file.load("work/base/weights.safetensors", Denoiser)
     steps = {}
-    for run in Path("work").iterdir():
-        arm = weight_file.load(run / "weights.safetensors", Denoiser)
-        steps[run.name] = weight_file.read_card(run / "weights.safetensors")["step"]
+    for weights in Path("work").glob("*/weights.safetensors"):
+        arm = weight_file.load(weights, Denoiser)
+        steps[weights.parent.name] = weight_file.read_card(weights)["step"]
         if arm.controlnet is not None:
             pairs = zip(arm.network.parameters(), base.network.parameters(), strict=True)
             assert all(torch.equal(one, other) for one, other in pairs)

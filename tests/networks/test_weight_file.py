@@ -116,9 +116,9 @@ def test_each_network_reads_its_own_weights(path: Path, tmp_path: Path) -> None:
     assert again.config == segmenter.config
     assert all(torch.equal(again.state_dict()[name], weight) for name, weight in segmenter.state_dict().items())
     assert weight_file.read_card(tmp_path / "segmenter.safetensors") == {"score": 1}
-    with pytest.raises(CheckpointError, match=r"'lidardraft.segmenter/1'; it must be 'lidardraft.denoiser/2'"):
+    with pytest.raises(CheckpointError, match=r"'lidardraft.segmenter/2'; it must be 'lidardraft.denoiser/2'"):
         weight_file.load(tmp_path / "segmenter.safetensors", Denoiser)
-    with pytest.raises(CheckpointError, match=r"'lidardraft.denoiser/2'; it must be 'lidardraft.segmenter/1'"):
+    with pytest.raises(CheckpointError, match=r"'lidardraft.denoiser/2'; it must be 'lidardraft.segmenter/2'"):
         weight_file.load(path, Segmenter)
 
 

@@ -5,7 +5,15 @@ from safetensors.torch import save_file
 
 from lidardraft.errors import CheckpointError, LayoutError, LidarDraftError, SensorError
 from lidardraft.networks import weight_file
-from lidardraft.perception.segmenter import FEATURES, Segmenter, SegmenterConfig, SphericalGrid, features
+from lidardraft.perception.segmenter import (
+    FEATURES,
+    Segmenter,
+    SegmenterConfig,
+    SphericalGrid,
+    averaged,
+    features,
+    ground_heights,
+)
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import PRESETS, Sensor
@@ -87,6 +95,40 @@ def test_a_wall_stands_upright():
     np.testing.assert_allclose(image[8][known], 0, atol=1e-3)
     assert not image[5].any()
     assert not image[6].any()
+
+
+def test_the_ground_may_be_tilted_and_crowned_and_hidden_in_part():
+    random = np.random.default_rng(0)
+    x, y = random.uniform(-40, 40, (2, 20_000))
+    ground = -1.7 + 0.02 * x - 0.015 * y - 5e-4 * y**2
+    height = np.where(random.random(20_000) < 0.5, random.uniform(0, 4, 20_000), 0)  # half of it are cars and walls
+    height[y > 8] += 0.15  # a kerb
+    found = ground_heights(np.stack([x, y, ground + height], axis=1).astype(np.float32), 1.6)
+    np.testing.assert_allclose((found - ground)[np.abs(y) < 8], 0, atol=0.1)
+    beside, on = (np.median((ground - found)[(y > low) & (y < low + 4)]) for low in (8, 4))
+    assert beside + 0.15 - on > 0.1  # and the kerb is still there
+
+
+def test_near_returns_have_a_say_and_far_ones_none():
+    xyz = torch.zeros(3, 5, 9)
+    xyz[0, :, 1:] = 10.0  # a wall, which does not return in the first column
+    xyz[1, :, 1:] = torch.arange(8) * 0.1
+    xyz[0, 2, 6] = 5.0  # and what stands before it
+    probability = torch.zeros(2, 5, 9)
+    probability[0] = 0.9
+    probability[:, 2, 3] = torch.tensor([0.1, 0.9])
+    probability[:, 2, 6] = torch.tensor([0.2, 0.8])
+    probability[1] = 1 - probability[0]
+    found = averaged(probability, xyz)
+    assert found[0, 2, 3] > 0.7
+    torch.testing.assert_close(found[0, 2, 6], torch.tensor(0.2))
+    torch.testing.assert_close(found.sum(0), torch.ones(5, 9))
+    torch.testing.assert_close(found[0, 2, 0], torch.tensor(0.9))
+
+
+def test_no_point_has_no_class(segmenter):
+    label, probability = segmenter.predict(np.zeros((0, 3)), None, 1.73)
+    assert label.shape == probability.shape == (0,)
 
 
 def test_the_scale_of_intensities_does_not_matter():

@@ -200,9 +200,9 @@ def _near_bend(sweeps: Sequence[Sweep]) -> float:
     """Median of how far returns of the ground near by lie off the middle of their neighbours in the row [m]."""
     found = []
     for sweep in sweeps:
-        bends, here = _bends(sweep)
+        bend, inside = surfaces.bends(sweep.depth)
         ground = np.isin(groups_of(sweep, labelled=False), (LANE, GROUND))[:, 1:-1]
-        found.append(bends[ground & (here > 0) & (here < _NEAR_GROUND)])
+        found.append(bend[inside & ground & (sweep.depth[:, 1:-1] < _NEAR_GROUND)])
     return _quantile(np.concatenate(found), 0.5)
 
 
@@ -210,20 +210,13 @@ def _far_bend(sweeps: Sequence[Sweep]) -> float:
     """Lower quartile of the same for all returns further off, where few surfaces are smooth."""
     found = []
     for sweep in sweeps:
-        bends, here = _bends(sweep)
-        found.append(bends[(here > _FAR_BENDS[0]) & (here < _FAR_BENDS[1])])
+        (bend, inside), here = surfaces.bends(sweep.depth), sweep.depth[:, 1:-1]
+        found.append(bend[inside & (here > _FAR_BENDS[0]) & (here < _FAR_BENDS[1])])
     return _quantile(np.concatenate(found), 0.25)
 
 
-def _bends(sweep: Sweep) -> tuple[np.ndarray, np.ndarray]:
-    """How far returns [H, W - 2] lie off the middle of their neighbours, NaN where one is missing; and their ranges."""
-    before, here, after = sweep.depth[:, :-2], sweep.depth[:, 1:-1], sweep.depth[:, 2:]
-    return np.where((before > 0) & (after > 0), np.abs(here - (before + after) / 2), np.nan), here
-
-
-def _quantile(bends: np.ndarray, share: float) -> float:
-    known = bends[~np.isnan(bends)]
-    return float(np.quantile(known, share)) if len(known) >= 500 else math.nan
+def _quantile(bend: np.ndarray, share: float) -> float:
+    return float(np.quantile(bend, share)) if len(bend) >= 500 else math.nan
 
 
 def _reading_step(sweeps: Sequence[Sweep]) -> float:

@@ -234,17 +234,17 @@ def ablation(arguments: argparse.Namespace) -> None:
     learned = arguments.base or f"{base.steps} steps"
     print(f"{num} street{'s' * (num > 1)}, {sensor.name}; base {learned}, each arm {control.steps} steps")
     print(f"{'':28}{'objects':>9}{'drop':>9}{'BEV JSD':>9}{'MMD 1e-4':>10}{'heeded':>9}", flush=True)
-    _row("other streets", pairs, others)
+    _row(arguments, "other streets", pairs, others)
     cast = [pair.condition_image for pair in pairs]
     seen_from_above = [top_view(pair.layout, sensor, pair.pose) for pair in pairs]
     unconditional = begin.base() if begin else _trained_arm(arguments, base, source, "base")
-    _row("no condition", pairs, _sampled(unconditional, cast))
+    _row(arguments, "no condition", pairs, _sampled(unconditional, cast))
     for name, arm in recipes.ARMS.items():
         learned_from, images = (from_above, seen_from_above) if arm.from_above else (source, cast)
         begin = copy.deepcopy(unconditional)  # it is frozen under a ControlNet
         denoiser = _trained_arm(arguments, arm.stage(control), learned_from, name, begin)
         heeded = loss_by_other_layouts(denoiser, [pair.scan for pair in pairs], images)
-        _row(name, pairs, _sampled(denoiser, images), heeded)
+        _row(arguments, name, pairs, _sampled(denoiser, images), heeded)
 
 
 def _trained_arm(
@@ -258,9 +258,13 @@ def _trained_arm(
     from lidardraft.networks import weight_file
     from lidardraft.training.denoising import train_denoiser
 
-    run = Path(arguments.work) / name.replace(",", "").replace(" ", "-").lower()
+    run = Path(arguments.work, _slug(name))
     _show(train_denoiser(config, source, run, begin=begin, device=arguments.device), config.steps, name)
     return weight_file.load(run / "weights.safetensors", Denoiser).to(arguments.device)
+
+
+def _slug(name: str) -> str:
+    return name.replace(",", "").replace(" ", "-").lower()
 
 
 def _sampled(denoiser: Denoiser, images: list[RangeImage]) -> list[RangeImage]:
@@ -270,12 +274,21 @@ def _sampled(denoiser: Denoiser, images: list[RangeImage]) -> list[RangeImage]:
         return sample_scans(denoiser, images, on_scan=bar.update)
 
 
-def _row(name: str, pairs: list[StreetPair], scans: list[RangeImage], heeded: float = 1.0) -> None:
+def _row(
+    arguments: argparse.Namespace, name: str, pairs: list[StreetPair], scans: list[RangeImage], heeded: float = 1.0
+) -> None:
+    """Print a row, and write its scans for `lidardraft evaluate table`."""
     from lidardraft.evaluation import score
+    from lidardraft.formats.kitti import write_bin
     from lidardraft.metrics.bev import bev_mmd
 
     scores = score(name, pairs, scans)
     mmd = bev_mmd((pair.scan.points() for pair in pairs), (scan.points() for scan in scans))
+    folder = Path(arguments.work, "scans", _slug(name))
+    folder.mkdir(parents=True, exist_ok=True)
+    for number, scan in enumerate(scans):
+        assert scan.intensity is not None
+        write_bin(folder / f"{number:06d}.bin", scan.points(), scan.intensity[scan.valid])
     shown = f"{scores.objects:9.3f}{scores.drop:9.3f}{scores.bev:9.3f}{1e4 * mmd:10.3f}{heeded:9.3f}"
     print(f"{name:28}{shown}", flush=True)
 
@@ -300,7 +313,7 @@ def ablation_options(parser: argparse.ArgumentParser) -> None:
     text = "unseen streets to score on (default 50)"
     parser.add_argument("-n", "--num", type=whole_number(1), default=50, metavar="N", help=text)
     add_seed(parser)
-    text = "where runs are kept (default out/ablation)"
+    text = "where runs are kept, and the scans of each row in scans/ROW (default out/ablation)"
     parser.add_argument("--work", default="out/ablation", metavar="FOLDER", help=text)
     add_training_device(parser)
 

@@ -54,10 +54,14 @@ def range_bends(sweep: Sweep) -> np.ndarray:
 
     On smooth surfaces that is the noise of the range; in foliage and at edges it is their depth.
     """
-    depth = sweep.depth
-    before, after = _column(depth, -1), _column(depth, 1)
-    all_three = (depth > 0) & (before > 0) & (after > 0)
-    return np.histogram(np.abs(depth - (before + after) / 2)[all_three], STEP_EDGES)[0].astype(np.float64)
+    bend, inside = bends(sweep.depth)
+    return np.histogram(bend[inside], STEP_EDGES)[0].astype(np.float64)
+
+
+def bends(depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How far each return lies off the middle of its neighbours in the row [H, W - 2]; where there are all three."""
+    before, here, after = depth[:, :-2], depth[:, 1:-1], depth[:, 2:]
+    return np.abs(here - (before + after) / 2), (before > 0) & (here > 0) & (after > 0)
 
 
 def _column(depth: np.ndarray, offset: int) -> np.ndarray:

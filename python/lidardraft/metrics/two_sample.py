@@ -19,6 +19,7 @@ import numpy as np
 from lidardraft.errors import LidarDraftError
 from lidardraft.metrics.profiles import road_level
 from lidardraft.metrics.returns import runs
+from lidardraft.metrics.surfaces import bends
 from lidardraft.metrics.sweep import Sweep
 
 FAMILIES = ("content", "drop", "noise", "shape", "intensity")
@@ -121,7 +122,7 @@ def _drop(part: _Part) -> Iterator[tuple[str, float]]:
 
 
 def _noise(part: _Part) -> Iterator[tuple[str, float]]:
-    bend, inside = _bends(part.depth)
+    bend, inside = bends(part.depth)
     for percent in (10, 25, 50):
         yield f"bend {percent} %", _log_quantile(bend[inside], percent)
     yield "bend near", _log_quantile(bend[inside & (part.depth[:, 1:-1] < _NEAR)], 50)
@@ -140,11 +141,11 @@ def _shape(part: _Part) -> Iterator[tuple[str, float]]:
     step = np.abs(np.diff(depth, axis=1))[valid[:, 1:] & valid[:, :-1]]
     for percent in (10, 25, 50, 75, 90):
         yield f"step {percent} %", _log_quantile(step, percent)
-    bend, inside = _bends(depth)
+    bend, inside = bends(depth)
     for percent in (75, 90):
         yield f"bend {percent} %", _log_quantile(bend[inside], percent)
     yield "bend far", _log_quantile(bend[inside & (depth[:, 1:-1] > _FAR)], 50)
-    across, between = _bends(depth.T)
+    across, between = bends(depth.T)
     for percent in (10, 50, 90):
         yield f"bend across lasers {percent} %", _log_quantile(across[between], percent)
     yield "smooth", _share(inside & (bend < _SMOOTH), inside)
@@ -171,12 +172,6 @@ def _intensity(part: _Part) -> Iterator[tuple[str, float]]:
     yield "with the laser above", _correlation(read[1:][across], read[:-1][across])
     means = [float(row[there].mean()) for row, there in zip(read, valid, strict=True) if there.sum() >= _FEWEST]
     yield "laser to laser", float(np.std(means)) if means else np.nan
-
-
-def _bends(depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far each return lies off the middle of its neighbours in the row [H, W - 2]; where there are all three."""
-    before, here, after = depth[:, :-2], depth[:, 1:-1], depth[:, 2:]
-    return np.abs(here - (before + after) / 2), (before > 0) & (here > 0) & (after > 0)
 
 
 def _share(part: np.ndarray, whole: np.ndarray) -> float:

@@ -24,10 +24,21 @@ from lidardraft.networks.weight_file import Network
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.semantics import NUM_CLASSES
 
-FEATURES = 10  # log depth, x, y, height twice, intensity and whether it is known, validity, normal upwards and towards
+# Log depth, x, y, height over the ground twice, intensity and whether it is known, validity, normal up and to the ray.
+FEATURES = 10
 SURE = 0.5  # how probable a predicted class must be to stand for a label
 _SIDEWAYS = 2  # which of them is y
 _WINDOW = 2  # columns and rows around a point's pixel where its label may come from
+_AROUND = ((1, 1), (2, 3))  # axes of [K, H, W], and how far along each a pixel's neighbours have a say
+_LIKE = 0.5, 0.01  # m, and of the range: from about so near by returns are of the same class
+# Rows, and columns, before and after a pixel, of the pairs that a normal is taken of; a grid may have rows of no beam.
+_PAIRS = ((1, 1), (1, 2), (2, 1), (2, 2)), ((1, 1), (2, 2), (3, 3))
+_STEEP = 0.1  # of the range, and m: by which two returns of a surface differ at most, a pixel apart
+_FITTED = 8192  # points that the ground is fitted to, at most
+_SPREADS = (1.0, 0.7, 0.5, 0.35, 0.25, 0.2)  # m over the ground, to which points count as ground, step by step
+_DENSE = 30.0  # m, from which on points are as many as they are
+_REACH = 50.0  # m, beyond which the ground goes on level
+_HELD = np.diag([1e-3, 30, 30, 30, 30, 30])  # how firmly the ground stays the plane under the sensor
 _CELL = (1, 2)  # pixels that the network sees as one: thin objects are one column wide, but rarely two rows high
 _WRAPS = True  # the grid has all azimuths, whatever part of them the sensor sees
 
@@ -73,7 +84,7 @@ class SphericalGrid:
         Points that are hidden behind another of their pixel would else take the label of what hides them.
         """
         depth = np.linalg.norm(points, axis=1)
-        image = np.where(index < 0, np.inf, depth[index]) if len(points) else np.full(index.shape, np.inf)
+        image = np.where(index < 0, np.inf, depth[index])
         row, column = np.divmod(pixels, self.columns)
         best, result = np.full(len(points), np.inf), pixels.copy()
         steps = [(r, c) for r in range(-_WINDOW, _WINDOW + 1) for c in range(-_WINDOW, _WINDOW + 1)]
@@ -116,7 +127,7 @@ class SegmenterConfig:
 class Segmenter(Network):
     """Labels scans; `forward` works on features, `label_points` and `label` on what sensors give."""
 
-    SCHEMA = "lidardraft.segmenter/1"
+    SCHEMA = "lidardraft.segmenter/2"
 
     def __init__(self, config: SegmenterConfig | None = None) -> None:
         super().__init__()
@@ -158,7 +169,8 @@ class Segmenter(Network):
         """Class ids u8 [N] of sensor-frame points [N, 3] with intensities [N] in [0, 1], where these are known, and how
         probable each is, f32 [N].
 
-        The scan and its mirror image are labelled, and their probabilities averaged. `mount_height` [m] is that of the
+        The scan and its mirror image are labelled, and their probabilities averaged, then those of near returns
+        (a bilateral filter, as the votes of RangeNet++'s nearest neighbours are). `mount_height` [m] is that of the
         sensor over the road. Raises `LayoutError` where the arrays do not fit.
         """
         points = np.asarray(points, dtype=np.float32)
@@ -166,6 +178,8 @@ class Segmenter(Network):
             raise LayoutError(f"points are {points.shape}; they must be finite and [N, 3]")
         if intensity is not None and intensity.shape != points.shape[:1]:
             raise LayoutError(f"intensity is {intensity.shape} for {len(points)} points; it must be [N]")
+        if len(points) == 0:
+            return np.zeros(0, np.uint8), np.zeros(0, np.float32)
         grid = self.config.grid
         pixels = grid.pixels(points)
         index = grid.nearest(points, pixels)
@@ -173,9 +187,10 @@ class Segmenter(Network):
         x = torch.stack([x, mirrored(x)]).to(self.head.weight.device)
         with reduced_precision(x.device):
             seen, in_mirror = self(x).float().softmax(1)
-        probability, winners = (seen + in_mirror.flip(-1)).max(0)
+        xyz = torch.from_numpy(np.where(index < 0, 0, points[index].transpose(2, 0, 1))).to(x.device)
+        probability, winners = averaged((seen + in_mirror.flip(-1)) / 2, xyz).max(0)
         source = grid.back_project(points, pixels, index)
-        label, sure = (winners + 1).to(torch.uint8).cpu().numpy(), (probability / 2).cpu().numpy()
+        label, sure = (winners + 1).to(torch.uint8).cpu().numpy(), probability.cpu().numpy()
         return label.ravel()[source], sure.ravel()[source]
 
     def label_points(
@@ -203,17 +218,34 @@ def features(points: np.ndarray, intensity: np.ndarray | None, mount_height: flo
         return np.zeros((FEATURES, *index.shape), dtype=np.float32)
     xyz = np.where(valid[..., None], points[index], 0).astype(np.float32)
     depth = np.linalg.norm(xyz, axis=-1)
-    height = xyz[..., 2] + np.float32(mount_height)
+    height = (points[:, 2] - ground_heights(points, mount_height)).astype(np.float32)[index]
     out = np.zeros((FEATURES, *index.shape), dtype=np.float32)
     out[0] = np.log2(depth + 1) / 3.5 - 1
     out[1], out[2] = xyz[..., 0] / 40, xyz[..., 1] / 40
-    out[3], out[4] = height / 4, np.tanh(2 * height)  # the second resolves kerbs
+    out[3], out[4] = height / 4, np.tanh(5 * height)  # the second resolves kerbs
     if intensity is not None:
         out[5] = np.sqrt(np.minimum(intensity[index] / max(float(intensity.mean()), 1e-6), 9)) - 1
         out[6] = 1
     out[7] = 1
     out[8], out[9] = _normals(xyz, valid, depth)
     return out * valid
+
+
+def averaged(probability: Tensor, xyz: Tensor) -> Tensor:
+    """Probabilities [K, H, W], each the mean of those of the pixels around, weighted by how near their returns lie to
+    its own, xyz [3, H, W].
+
+    Where nothing returned xyz is 0, which is far from all that has.
+    """
+    scale = 2 * (_LIKE[0] + _LIKE[1] * xyz.norm(dim=0)) ** 2
+    for axis, reach in _AROUND:
+        total, weights = probability.clone(), torch.ones_like(scale)
+        for step in (*range(-reach, 0), *range(1, reach + 1)):
+            weight = torch.exp(-(xyz.roll(step, axis) - xyz).square().sum(0) / scale)
+            total += weight * probability.roll(step, axis)
+            weights += weight
+        probability = total / weights
+    return probability
 
 
 def mirrored(x: Tensor) -> Tensor:
@@ -223,10 +255,35 @@ def mirrored(x: Tensor) -> Tensor:
     return x
 
 
+def ground_heights(points: np.ndarray, mount_height: float) -> np.ndarray:
+    """The height [m] of the ground, f64 [N], at points [N, 3] in the sensor's frame: a paraboloid through low points.
+
+    Sensors stand tilted and roads are crowned: heights over this are alike in all recordings, heights over a level
+    plane are not. Least squares, from that plane on, in which what lies off the ground counts less and less, above it,
+    where objects are, less than below.
+    """
+    some = points[:: len(points) // _FITTED + 1]
+    basis, height = _paraboloid(some), some[:, 2].astype(np.float64)
+    start = np.array([-mount_height, 0, 0, 0, 0, 0])
+    ground = start
+    for spread in _SPREADS:
+        off = height - basis @ ground
+        weight = np.exp(-((off / np.where(off > 0, spread, 2 * spread)) ** 2))
+        weight *= np.minimum(np.hypot(some[:, 0], some[:, 1]), _DENSE)  # far points are few
+        left = (basis * weight[:, None]).T
+        ground = np.linalg.solve(left @ basis + _HELD, left @ height + _HELD @ start)
+    return np.asarray(_paraboloid(points) @ ground)
+
+
+def _paraboloid(points: np.ndarray) -> np.ndarray:
+    x, y = (np.clip(points[:, :2], -_REACH, _REACH) / _REACH).T.astype(np.float64)
+    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
+
+
 def _normals(xyz: np.ndarray, valid: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Of the surface at each pixel: |z| of its normal, and |cosine| to the ray; 0 where unknown."""
-    across, there = _difference(xyz, valid, 1)
-    down, below = _difference(xyz, valid, 0)
+    across, there = _slope(xyz, valid, depth, 1)
+    down, below = _slope(xyz, valid, depth, 0)
     normal = np.cross(across, down)
     length = np.linalg.norm(normal, axis=-1)
     good = there & below & (length > 1e-9)
@@ -235,16 +292,18 @@ def _normals(xyz: np.ndarray, valid: np.ndarray, depth: np.ndarray) -> tuple[np.
     return np.abs(normal[..., 2]) * scale, towards * scale
 
 
-def _difference(xyz: np.ndarray, valid: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
-    """From the return up to two pixels before to the one up to two after, and where both are there."""
-
-    def neighbour(step: int) -> tuple[np.ndarray, np.ndarray]:
-        one, two = np.roll(valid, -step, axis), np.roll(valid, -2 * step, axis)
-        near, far = np.roll(xyz, -step, axis), np.roll(xyz, -2 * step, axis)
-        return np.where(one[..., None], near, far), one | two
-
-    (after, is_after), (before, is_before) = neighbour(1), neighbour(-1)
-    there = is_after & is_before
-    if axis == 0:
-        there[:2] = there[-2:] = False  # rows do not wrap
-    return after - before, there
+def _slope(xyz: np.ndarray, valid: np.ndarray, depth: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
+    """The step from a pixel to the next, by least squares over pairs of returns of like range on either side, and where
+    there is one: wide, or the noise of ranges would be the slope."""
+    total, count = np.zeros_like(xyz), np.zeros(valid.shape, dtype=np.float32)
+    for back, on in _PAIRS[axis]:
+        (before, after), (near, far), (one, other) = (
+            (np.roll(image, back, axis), np.roll(image, -on, axis)) for image in (xyz, depth, valid)
+        )
+        apart = np.float32(back + on)
+        pair = one & other & (np.abs(far - near) < _STEEP * (apart / 2 * depth + 1))
+        if axis == 0:
+            pair[:back] = pair[-on:] = False  # rows do not wrap
+        total += (after - before) * (apart * pair)[..., None]
+        count += apart**2 * pair
+    return total / np.maximum(count, 1)[..., None], count > 0

@@ -24,11 +24,12 @@ class Augmentation:
 
     `mix` is the probability that a sector comes from another scan, `paste` that rare objects come from another scan;
     `tilt` [rad] and `height` [m] are standard deviations of the sensor's pose, `hills` [m] that of each of two waves of
-    25 to 100 m that the ground bends by, `beam` [rad] that of each beam's elevation, `noise` [m] of the ranges; up to
-    about `drop` of the returns go missing at random, and up to `drop_rows` of the beams. Intensities are raised to a
-    power of spread `gamma`, scaled class by class with the spread `surface` and return by return with `speckle`, all in
-    natural logarithms, and are unknown with the probability `no_intensity`: roads of PandaSet (Xiao et al., ITSC 2021)
-    have 0.15 to 1.04 of the mean intensity of their scans (5 to 95 %), far more spread than a world of few materials.
+    25 to 100 m that the ground bends by, `beam` [rad] that of each beam's elevation; the ranges of a scan scatter by up
+    to `noise` [m], another deviation for each scan; up to about `drop` of the returns go missing at random, and up to
+    `drop_rows` of the beams. Intensities are raised to a power of spread `gamma`, scaled class by class with the spread
+    `surface` and return by return with `speckle`, all in natural logarithms, and are unknown with the probability
+    `no_intensity`: roads of PandaSet (Xiao et al., ITSC 2021) have 0.15 to 1.04 of the mean intensity of their scans (5
+    to 95 %), far more spread than a world of few materials.
     """
 
     mix: float = 0.5
@@ -37,7 +38,7 @@ class Augmentation:
     height: float = 0.1
     hills: float = 0.25
     beam: float = 0.0015
-    noise: float = 0.015
+    noise: float = 0.03
     drop: float = 0.3
     drop_rows: float = 0.1
     gamma: float = 0.25
@@ -120,7 +121,7 @@ def _with_other_intensities(
 
 def _displaced(sensor: Sensor, depth: np.ndarray, random: np.random.Generator, how: Augmentation) -> np.ndarray:
     """The points f32 [H, W, 3] of a depth image for beams that point, and a sensor that stands, a little elsewhere."""
-    noise = random.standard_normal(depth.shape, dtype=np.float32) * np.float32(how.noise)
+    noise = random.standard_normal(depth.shape, dtype=np.float32) * np.float32(random.uniform(0, how.noise))
     points = sensor.pattern.points(np.maximum(depth + noise, np.float32(0.1))).astype(np.float32)
     x, y = points[..., 0], points[..., 1]
     pitch, roll = random.normal(0, how.tilt, 2)
