@@ -12,7 +12,6 @@ from lidardraft.drafting.blender.bpy.objects import Objects, SceneObject
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.statements import Surroundings
 from lidardraft.drafting.blender.script.values import (
-    KindOfRecord,
     Methods,
     Namespace,
     Record,
@@ -22,6 +21,7 @@ from lidardraft.drafting.blender.script.values import (
     nothing,
     of_kind,
     reals,
+    type_of,
 )
 
 VERSION = (4, 5, 0)  # of Blender, for scripts that ask
@@ -191,7 +191,7 @@ class Scene:
         data |= {name: OtherBlocks(name, self.script) for name in (*_PASSED_OVER, *_UNKNOWN)}
         data |= {"scenes": Listing("bpy.data.scenes", lambda: [self.current], {}), "filepath": ""}
         kinds = {"Object": SceneObject, "Mesh": Mesh, "Material": Material, "Collection": Collection}
-        types = Namespace("bpy.types", {name: KindOfRecord(kind) for name, kind in kinds.items()})
+        types = Namespace("bpy.types", {name: type_of(kind) for name, kind in kinds.items()})
         app = Namespace("bpy.app", {"version": VERSION, "version_string": "4.5.0", "background": True})
         return {"data": Namespace("bpy.data", data), "context": Context(self), "app": app, "types": types}
 

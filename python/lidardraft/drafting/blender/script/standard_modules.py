@@ -9,13 +9,13 @@ import json
 import math
 import random
 import re
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
+from functools import partial, reduce
 from typing import ClassVar
 
 from lidardraft.drafting.blender.script.builtin_functions import has
 from lidardraft.drafting.blender.script.containers import (
-    DefaultDict,
     Deque,
     Lazy,
     count_into,
@@ -159,68 +159,53 @@ def _chain(script: Script) -> Builtin:
 
 
 def _itertools(script: Script) -> Methods:
+    def lazily(make: Callable[..., Iterator[Value]]) -> Callable[..., Lazy]:
+        return lambda items, *more, **named: Lazy(make(iterate(items, script), *more, **named), script)
+
     def product(*columns: Value, repeat: Value = 1) -> Value:
         lists = [elements(column, script) for column in columns] * whole(repeat, "repeat", 0, _WIDEST)
         return Lazy(itertools.product(*lists), script)
 
     def chosen(choose: Callable[..., Iterator[Value]]) -> Callable[..., Value]:
-        def call_(items: Value, r: Value = None) -> Value:
+        def some(items: Value, r: Value = None) -> Value:
             found = elements(items, script)
             width = whole(len(found) if r is None else r, "the number of elements at a time", 0, _WIDEST)
             return Lazy(choose(found, width), script)
 
-        return call_
+        return some
 
-    def count(start: Value = 0, step: Value = 1) -> Lazy:
-        return Lazy(itertools.count(checked(start) + 0, checked(step) + 0), script)
+    def accumulate(items: Iterator[Value], function: Value = None, *, initial: Value = None) -> Iterator[Value]:
+        add = partial(binary, ast.Add, script=script) if function is None else partial(_called, function, script)
+        return itertools.accumulate(items, add, initial=initial)
 
-    def repeat(value: Value, times: Value = None) -> Lazy:
-        return Lazy(itertools.repeat(value, *([] if times is None else [whole(times, "the times")])), script)
-
-    def islice(items: Value, *bounds: Value) -> Lazy:
+    def islice(items: Iterator[Value], *bounds: Value) -> Iterator[Value]:
         limits = [None if bound is None else whole(bound, "a bound of islice", 0) for bound in bounds]
-        return Lazy(itertools.islice(iterate(items, script), *limits), script)
-
-    def accumulate(items: Value, function: Value = None, *, initial: Value = None) -> Lazy:
-        add = Builtin("add", lambda a, b: binary(ast.Add, a, b, script)) if function is None else function
-        made = itertools.accumulate(
-            iterate(items, script), lambda total, item: call(add, [total, item], {}, script), initial=initial
-        )
-        return Lazy(made, script)
+        return itertools.islice(items, *limits)
 
     return {
         "product": product,
         "combinations": chosen(itertools.combinations),
         "permutations": chosen(itertools.permutations),
-        "count": count,
-        "cycle": lambda items: Lazy(itertools.cycle(iterate(items, script)), script),
-        "repeat": repeat,
-        "islice": islice,
-        "accumulate": accumulate,
-        "pairwise": lambda items: Lazy(itertools.pairwise(iterate(items, script)), script),
+        "count": lambda start=0, step=1: Lazy(itertools.count(checked(start) + 0, checked(step) + 0), script),
+        "repeat": lambda value, *times: Lazy(itertools.repeat(value, *times), script),
+        "cycle": lazily(itertools.cycle),
+        "islice": lazily(islice),
+        "accumulate": lazily(accumulate),
+        "pairwise": lazily(itertools.pairwise),
     }
 
 
 def _functools(script: Script) -> dict[str, Value]:
-    def reduce(function: Value, items: Value, *start: Value) -> Value:
-        found = [*start[:1], *elements(items, script)]
-        if not found:
-            raise RefusalError("reduce of nothing")
-        result = found[0]
-        for item in found[1:]:
-            result = call(function, [result, item], {}, script)
-        return result
+    def reduced(function: Value, items: Value, *start: Value) -> Value:
+        return reduce(partial(_called, function, script), elements(items, script), *start)
 
-    def partial(function: Value, /, *first: Value, **named: Value) -> Builtin:
-        def call_(*arguments: Value, **keywords: Value) -> Value:
-            return call(function, [*first, *arguments], named | keywords, script)
-
-        return Builtin("partial", call_)
+    def bound(function: Value, /, *first: Value, **named: Value) -> Builtin:
+        return Builtin("partial", partial(_called, function, script, *first, **named))
 
     def cached(function: Value) -> Builtin:
         results: dict[Value, Value] = {}
 
-        def call_(*arguments: Value, **keywords: Value) -> Value:
+        def result(*arguments: Value, **keywords: Value) -> Value:
             key = (*arguments, *keywords.items())
             if not all(is_key(each) for each in (*arguments, *keywords.values())):
                 raise RefusalError("a cached function of what cannot be a key")
@@ -228,15 +213,20 @@ def _functools(script: Script) -> dict[str, Value]:
                 results[key] = call(function, list(arguments), keywords, script)
             return results[key]
 
-        return Builtin("a cached function", call_)
+        return Builtin("a cached function", result)
 
     cache = Decorator(cached)
-    return builtins("", {"partial": partial, "reduce": reduce}) | {"cache": cache, "lru_cache": cache}
+    return builtins("", {"partial": bound, "reduce": reduced}) | {"cache": cache, "lru_cache": cache}
+
+
+def _called(function: Value, script: Script, /, *arguments: Value, **keywords: Value) -> Value:
+    return call(function, list(arguments), keywords, script)
 
 
 def _collections(script: Script) -> Methods:
-    def defaultdict(default_factory: Value = None, pairs: Value = (), **keywords: Value) -> DefaultDict:
-        return DefaultDict(default_factory, to_dict(pairs, keywords, script), script)
+    def default_dict(default_factory: Value = None, pairs: Value = (), **keywords: Value) -> dict[Value, Value]:
+        factory = None if default_factory is None else partial(_called, default_factory, script)
+        return defaultdict(factory, to_dict(pairs, keywords, script))
 
     def counter(items: Value = ()) -> Counter[Value]:
         found: Counter[Value] = Counter()
@@ -253,7 +243,7 @@ def _collections(script: Script) -> Methods:
         return ScriptClass(text(typename, "the name"), BaseMarker("NamedTuple"), body)
 
     return {
-        "defaultdict": defaultdict,
+        "defaultdict": default_dict,
         "Counter": counter,
         "deque": lambda items=(): Deque(elements(items, script)),
         "namedtuple": namedtuple,
@@ -287,7 +277,7 @@ def _copy(script: Script) -> Methods:
             return other
         if not isinstance(x, Record) or not has(x, "copy"):
             return x  # a number, a text, a tuple, a function or a class, which nothing changes
-        return x.attribute("copy").call([], {})
+        return x.attribute("copy")()
 
     def deep(x: Value, known: dict[int, Value], level: int) -> Value:
         script.take_step()

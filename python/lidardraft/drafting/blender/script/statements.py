@@ -31,7 +31,7 @@ from lidardraft.drafting.blender.script.expressions import (
 )
 from lidardraft.drafting.blender.script.formatting import to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError
-from lidardraft.drafting.blender.script.operators import in_place
+from lidardraft.drafting.blender.script.operators import binary
 from lidardraft.drafting.blender.script.values import (
     Namespace,
     Outside,
@@ -40,7 +40,6 @@ from lidardraft.drafting.blender.script.values import (
     describe,
     dict_key,
     place,
-    truth,
 )
 
 Going = Generator[Value, None, object]  # its values, and then what ends the statements around it early, or None
@@ -132,11 +131,11 @@ def _annotated(node: ast.AnnAssign, frame: Frame) -> None:
 
 def _augmented(node: ast.AugAssign, frame: Frame) -> None:
     read, write = place_of(node.target, frame)
-    write(in_place(type(node.op), read(), value_of(node.value, frame), frame.script))
+    write(binary(type(node.op), read(), value_of(node.value, frame), frame.script, in_place=True))
 
 
 def _if(node: ast.If, frame: Frame) -> Going:
-    return (yield from block(node.body if truth(value_of(node.test, frame)) else node.orelse, frame))
+    return (yield from block(node.body if value_of(node.test, frame) else node.orelse, frame))
 
 
 def _for(node: ast.For, frame: Frame) -> Going:
@@ -149,7 +148,7 @@ def _for(node: ast.For, frame: Frame) -> Going:
 
 
 def _while(node: ast.While, frame: Frame) -> Going:
-    return _loop(node, iter(lambda: truth(value_of(node.test, frame)), False), frame)
+    return _loop(node, iter(lambda: bool(value_of(node.test, frame)), False), frame)
 
 
 def _loop(node: ast.For | ast.While, rounds: Iterator[object], frame: Frame) -> Going:
@@ -295,7 +294,7 @@ def _guarded(node: ast.Try, frame: Frame) -> Going:
 
 
 def _assert(node: ast.Assert, frame: Frame) -> None:
-    if not truth(value_of(node.test, frame)):
+    if not value_of(node.test, frame):
         raise RaisedError("AssertionError", "what the script asserts is not so", "")
 
 

@@ -3,7 +3,6 @@ and the like. No file is read, what is logged goes nowhere, the clock stands sti
 
 from __future__ import annotations
 
-import ast
 import posixpath
 import re
 from collections.abc import Callable
@@ -24,7 +23,6 @@ from lidardraft.drafting.blender.script.values import (
     describe,
     nothing,
     text,
-    truth,
 )
 
 SCRIPT_FILE = "/script.py"  # the name that a script sees of its own file
@@ -100,7 +98,7 @@ class Annotations(Record):
     def attribute(self, name: str) -> Value:
         return BaseMarker(name) if name == "NamedTuple" else self
 
-    def item(self, _key: Value) -> Value:
+    def __getitem__(self, _key: Value) -> Value:
         return self
 
 
@@ -138,8 +136,7 @@ class FilePath(Record):
     kind = "a path"
 
     def __init__(self, script: Script, *parts: Value) -> None:
-        names = [str(part) if isinstance(part, PurePosixPath) else _name_of(part) for part in parts]
-        self.pure = PurePosixPath(*names)
+        self.pure = PurePosixPath(*map(_name_of, parts))
         self._script = script
 
     def _other(self, *parts: Value) -> FilePath:
@@ -147,14 +144,14 @@ class FilePath(Record):
 
     fields: ClassVar[Methods] = {
         **{name: lambda self, name=name: getattr(self.pure, name) for name in ("name", "stem", "suffix")},
-        "parent": lambda self: self._other(self.pure.parent),
-        "parents": lambda self: [self._other(parent) for parent in self.pure.parents],
+        "parent": lambda self: self._other(str(self.pure.parent)),
+        "parents": lambda self: [self._other(str(parent)) for parent in self.pure.parents],
     }
     methods: ClassVar[Methods] = {
         "joinpath": lambda self, *parts: self._other(self, *parts),
-        "with_suffix": lambda self, suffix: self._other(self.pure.with_suffix(text(suffix, "the suffix"))),
-        "with_name": lambda self, name: self._other(self.pure.with_name(text(name, "the name"))),
-        **dict.fromkeys(("resolve", "absolute"), lambda self: self._other(PurePosixPath("/") / self.pure)),
+        "with_suffix": lambda self, suffix: self._other(str(self.pure.with_suffix(text(suffix, "the suffix")))),
+        "with_name": lambda self, name: self._other(str(self.pure.with_name(text(name, "the name")))),
+        **dict.fromkeys(("resolve", "absolute"), lambda self: self._other("/", self)),
         "expanduser": lambda self: self,
         "as_posix": lambda self: str(self.pure),
         **{
@@ -163,12 +160,10 @@ class FilePath(Record):
         },
     }
 
-    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
-        if operator is not ast.Div or reflected or not isinstance(other, str | FilePath):
-            return super().binary(operator, other, reflected=reflected)
-        return self._other(self, other)
+    def __truediv__(self, other: Value) -> Value:
+        return self._other(self, other) if isinstance(other, str | FilePath) else NotImplemented
 
-    def equals(self, other: Value) -> bool:
+    def __eq__(self, other: object) -> bool:
         return isinstance(other, FilePath) and self.pure == other.pure
 
     def text(self, as_repr: bool) -> str:
@@ -190,11 +185,9 @@ class Moment(Record):
         "date": lambda self: self,
     }
 
-    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
-        if operator is not ast.Sub or not isinstance(other, Moment):
-            return super().binary(operator, other, reflected=reflected)
-        seconds = dict.fromkeys(("seconds", "days", "microseconds"), 0)
-        return Namespace("a duration", {**seconds, "total_seconds": Builtin("total_seconds", lambda: 0.0)})
+    def __sub__(self, other: Value) -> Value:
+        none = {"seconds": 0, "days": 0, "microseconds": 0, "total_seconds": Builtin("total_seconds", lambda: 0.0)}
+        return Namespace("a duration", none) if isinstance(other, Moment) else NotImplemented
 
     def text(self, _as_repr: bool) -> str:
         return str(_FIRST)
@@ -230,7 +223,7 @@ class Parser(Record):
         if not names:
             raise RefusalError("an argument without a name")
         is_option = names[0].startswith("-")
-        if truth(required) or not (is_option or nargs in ("?", "*")):
+        if required or not (is_option or nargs in ("?", "*")):
             raise RefusalError(f"the argument {names[0]!r:.60} has no default; there is nobody to give it")
         if action not in _DEFAULTS:
             raise RefusalError(f"the action {describe(action)} of an argument is not supported")
