@@ -306,8 +306,7 @@ HOSTILE: list[tuple[str, str, int]] = [
      "    l.append(g)", 2),
     ("generator chain", "def f(g):\n    for x in g:\n        yield x\ng=range(10**9)\nfor i in range(140):\n"
      "    g=f(g)\nfor x in g: pass", 2),
-    ("suppress nest", "from contextlib import suppress\ndef f():\n    with suppress(Exception):\n        f()\n"
-     "    f()\nf()", 3),
+    ("sums of weights", "import random\nrandom.choices([1] * 2000, weights=['a' * 100000] * 2000)", 2),
     ("sorted long texts", "a='a'*1900000+'b'\nb='a'*1900000+'c'\nsorted([a,b]*100000)", 3),
     ("max long texts", "a='a'*1900000+'b'\nb='a'*1900000+'c'\nmax([a,b]*100000)", 3),
     ("sets of long texts", "a={'a'*1900000+str(i) for i in range(3)}\nb={'a'*1900000+str(i) for i in range(3)}\n"

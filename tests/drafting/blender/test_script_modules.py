@@ -251,11 +251,7 @@ def test_an_argument_that_needs_the_command_is_refused(call: str, said: str) -> 
 
 def test_the_clock_stands_still() -> None:
     assert reads("import time\nassert time.time() == time.perf_counter()").notes == {"the time is taken as 0": 2}
-    script = (
-        "import datetime as d\nfrom datetime import datetime\nstart = datetime.now()\nx = d.datetime.now() - start\n"
-        "assert x.total_seconds() == 0 and x.seconds == 0 and start.year == 1970\n"
-        "assert f'{start}' == '1970-01-01 00:00:00' and datetime.now().isoformat() == '1970-01-01T00:00:00'"
-    )
+    script = "from datetime import datetime\nx = datetime.now()\nassert x.year == 1970 and x.isoformat()[:4] == '1970'"
     assert list(reads(script).notes) == ["the time is taken as 0"]
 
 

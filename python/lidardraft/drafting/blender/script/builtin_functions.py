@@ -8,9 +8,8 @@ from typing import Any
 from lidardraft.drafting.blender.script.containers import Lazy, Set, iterate, ordered, to_dict
 from lidardraft.drafting.blender.script.definitions import CLASS_NAMES, BoundMethod, Function, Instance, ScriptClass
 from lidardraft.drafting.blender.script.expressions import attribute_of
-from lidardraft.drafting.blender.script.formatting import to_repr, to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.operators import in_order
+from lidardraft.drafting.blender.script.operators import in_order, to_repr, to_text
 from lidardraft.drafting.blender.script.values import (
     Builtin,
     Methods,

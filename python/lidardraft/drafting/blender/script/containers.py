@@ -8,9 +8,8 @@ from collections.abc import Callable, Iterable, Iterator, MutableSet
 from functools import partial, reduce
 from typing import ClassVar
 
-from lidardraft.drafting.blender.script.formatting import brace_format, to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.operators import equal, in_order
+from lidardraft.drafting.blender.script.operators import brace_format, equal, in_order, to_text
 from lidardraft.drafting.blender.script.values import (
     Builtin,
     Methods,

@@ -10,9 +10,8 @@ from typing import Any
 
 from lidardraft.drafting.blender.script.containers import Lazy, Set, iterate, method, to_dict
 from lidardraft.drafting.blender.script.definitions import Frame, Function, Super
-from lidardraft.drafting.blender.script.formatting import format_value, to_repr, to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.operators import binary, compare, unary
+from lidardraft.drafting.blender.script.operators import binary, compare, format_value, to_repr, to_text, unary
 from lidardraft.drafting.blender.script.values import (
     Record,
     Value,

@@ -29,9 +29,8 @@ from lidardraft.drafting.blender.script.expressions import (
     value_of,
     values_of,
 )
-from lidardraft.drafting.blender.script.formatting import to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError
-from lidardraft.drafting.blender.script.operators import binary
+from lidardraft.drafting.blender.script.operators import binary, to_text
 from lidardraft.drafting.blender.script.values import (
     Namespace,
     Outside,
@@ -237,10 +236,6 @@ class Surroundings(Record):
     def leave(self) -> None:
         """End the block."""
 
-    def catches(self, _error: RaisedError) -> bool:
-        """Whether an error ends the block, and nothing more."""
-        return False
-
 
 def _with(node: ast.With, frame: Frame) -> Going:
     entered: list[Surroundings] = []
@@ -252,10 +247,6 @@ def _with(node: ast.With, frame: Frame) -> Going:
         entered.append(value)
     try:
         return (yield from block(node.body, frame))
-    except RaisedError as error:
-        if not any(value.catches(error) for value in entered):
-            raise
-        return None
     finally:
         for value in reversed(entered):
             value.leave()
@@ -281,7 +272,7 @@ def _guarded(node: ast.Try, frame: Frame) -> Going:
         ended = yield from block(node.body, frame)
     except RaisedError as error:
         for handler in node.handlers:
-            if handler.type is None or is_caught(error, _names(handler.type)):
+            if handler.type is None or _is_caught(error, _names(handler.type)):
                 if handler.name is not None:
                     frame.set(handler.name, error.said)
                 outside, script.handled = script.handled, error
@@ -311,7 +302,7 @@ def _raise(node: ast.Raise, frame: Frame) -> None:
     raise RaisedError(names[0], f"the script ends itself here with {names[0]:.60}{shown}", said)
 
 
-def is_caught(error: RaisedError, names: list[str]) -> bool:
+def _is_caught(error: RaisedError, names: list[str]) -> bool:
     """Whether `except` of these classes catches the error; `SystemExit` is no `Exception`."""
     kinds = _ALL[1:] if error.name == "SystemExit" else (_KINDS.get(error.name), *_ALL)
     return not {error.name, *kinds}.isdisjoint(names)
