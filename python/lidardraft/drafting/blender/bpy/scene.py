@@ -262,6 +262,7 @@ class Override(Surroundings):
     kind = "temp_override"
 
     def __init__(self, objects: Objects, named: dict[str, Value]) -> None:
+        super().__init__([])
         self._objects = objects
         self._named = named
         self._before = objects.active, objects.selection

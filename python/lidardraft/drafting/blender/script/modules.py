@@ -32,6 +32,7 @@ from lidardraft.drafting.blender.script.definitions import (
 )
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.operators import binary, to_text
+from lidardraft.drafting.blender.script.statements import Surroundings
 from lidardraft.drafting.blender.script.values import (
     Builtin,
     Methods,
@@ -85,6 +86,7 @@ def modules(script: Script) -> dict[str, Value]:
         "dataclasses": {"dataclass": Decorator(dataclass), "field": Builtin("field", FieldDefault)},
         "enum": {**enum, "auto": Builtin("auto", AutoValue)},
         "abc": {"ABC": BaseMarker("object"), "abstractmethod": Decorator(lambda function: function)},
+        "contextlib": {"suppress": Builtin("suppress", _suppress)},
         "copy": builtins("copy.", _copy(script)),
         "json": builtins("json.", _json(script)),
         **_surroundings(script),
@@ -314,6 +316,13 @@ def _collections(script: Script) -> Methods:
         "namedtuple": namedtuple,
         "OrderedDict": lambda pairs=(), **keywords: to_dict(pairs, keywords, script),
     }
+
+
+def _suppress(*errors: Value) -> Surroundings:
+    names = [each.error for each in errors if isinstance(each, BaseMarker) and each.error is not None]
+    if len(names) != len(errors):
+        raise RefusalError("suppress of what is no class of errors of Python's own")
+    return Surroundings(names)
 
 
 def _copy(script: Script) -> Methods:

@@ -228,7 +228,13 @@ def _yielded(node: ast.Yield | ast.YieldFrom, frame: Frame) -> Iterator[Value]:
 
 
 class Surroundings(Record):
-    """What may stand behind `with`: it changes something for a block, and takes it back."""
+    """What may stand behind `with`: it changes something for a block, and takes it back; `suppressed` errors end the
+    block, and nothing more."""
+
+    kind = "suppress"
+
+    def __init__(self, suppressed: list[str]) -> None:
+        self.suppressed = suppressed
 
     def enter(self) -> None:
         """Begin the block."""
@@ -247,6 +253,10 @@ def _with(node: ast.With, frame: Frame) -> Going:
         entered.append(value)
     try:
         return (yield from block(node.body, frame))
+    except RaisedError as error:
+        if not any(_is_caught(error, value.suppressed) for value in entered):
+            raise
+        return None
     finally:
         for value in reversed(entered):
             value.leave()
