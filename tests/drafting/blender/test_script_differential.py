@@ -68,15 +68,15 @@ TEMPLATES = {
         reduce(lambda_x,y:x+y,L,N) P(N).moved(N,N,by=2).x R(N).moved(N).double O.x O.double K(2).value K.ONE.value
         next(count(N)) Counter(L)[N] partial(max,N)(N) Q(N,y=N).y Q(N,N)[0] math.floor(N/3) int(str(N)) P.of(N).x
         len(V&V) len(V-V) u[N%2][:1].count(N) getattr(O,'x') (lambda_x,y=N:x-y)(N) random.choice([N,N]) v[-1]""",
-    "L": """a b d [N,N] L[N%3:] L[::-1] list(range(N%5)) sorted(L,reverse=not_B) [k_for_k_in_L_if_B] [*L,N] list(g(*L,k=N,z=N))
-        list(map(abs,L)) list(filter(None,L)) [x-y_for_x,y_in_zip(L,L)] [x*k_for_k,x_in_enumerate(L,2)] list(chain(L,L))
+    "L": """a b d [N,N] L[N%3:] L[::-1] list(range(N%5)) sorted(L,reverse=not_B) [k_for_k_in_L_if_B] [*L,N]
+        list(g(*L,k=N,z=N)) list(map(abs,L)) list(filter(None,L)) [x-y_for_x,y_in_zip(L,L)] [x*k_for_k,x_in_enumerate(L,2)] list(chain(L,L))
         list(islice(cycle([1,N]),3)) list(accumulate(L)) [x+y_for_x,y_in_product(L[:2],repeat=2)] list(c.values()) O.y
-        [x-y_for_x,y_in_pairwise(L)] sorted(V) list(reversed(L)) (L+L) (L*(N%3)) copy.deepcopy(L) json.loads(json.dumps(L))
-        [len(w)_for_w_in_T.split('1')] [x_for_y_in_[L,L]_for_x_in_y] list(map(len,[T,T])) list(repeat(N,2)) list(v)
-        [x*y_for_x,y_in_combinations(L[:4],2)] [k.value_for_k_in_K] u[N%2]  [max(k)_for_k_in_permutations(L[:2])]
+        [x-y_for_x,y_in_pairwise(L)] sorted(V) list(reversed(L)) (L+L) (L*(N%3)) copy.deepcopy(L)
+        json.loads(json.dumps(L)) [len(w)_for_w_in_T.split('1')] [x_for_y_in_[L,L]_for_x_in_y] list(map(len,[T,T])) list(repeat(N,2)) list(v)
+        [x*y_for_x,y_in_combinations(L[:4],2)] [k.value_for_k_in_K] u[N%2] [max(k)_for_k_in_permutations(L[:2])]
         list({k:N_for_k_in_L}) list(dict(zip(L,L)).values()) random.sample(L,1) list(O.moved(N,*L[:2]).y)""",
-    "T": """'abc' str(N) repr(L) f'{i:>4}|{{{A}' f'{i!r}|{A}' ('%d_%s'%(N,L)) '{:03d}{}'.format(N,'ab') '-'.join(map(str,L)) T.upper()
-        T.replace('1','xy') T[N%3:] (T+T) (T*(N%3)) T.strip('1') T.zfill(5) T.title() T.center(9,'*') str({1:N,'a':L})
+    "T": """'abc' str(N) repr(L) f'{i:>4}|{{{A}' f'{i!r}|{A}' ('%d_%s'%(N,L)) '{:03d}{}'.format(N,'ab') 
+        '-'.join(map(str,L)) T.upper() T.replace('1','xy') T[N%3:] (T+T) (T*(N%3)) T.strip('1') T.zfill(5) T.title() T.center(9,'*') str({1:N,'a':L})
         str((N,)) str(O) f'{p}{q!r}' str([O]) str(c) f'{i/3:.2f}' T.rjust(4) ('%5.1f'%(N/3)) K(1).name
         str(K.TWO) repr(T) T.splitlines()[0]""",
     "B": """N<N N>=N N==N N!=N N_in_L T_in_T not_B (B_and_B) (B_or_B) N<=N<N L==L P(N)==P(N) O==O N_in_V any(L) O_in_[O]
