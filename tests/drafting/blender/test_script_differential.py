@@ -69,28 +69,30 @@ TEMPLATES = {
         next(count(N)) Counter(L)[N] partial(max,N)(N) Q(N,y=N).y Q(N,N)[0] math.floor(N/3) int(str(N)) P.of(N).x
         len(V&V) len(V-V) u[N%2][:1].count(N) getattr(O,'x') (lambda_x,y=N:x-y)(N) random.choice([N,N]) v[-1]""",
     "L": """a b d [N,N] L[N%3:] L[::-1] list(range(N%5)) sorted(L,reverse=not_B) [k_for_k_in_L_if_B] [*L,N]
-        list(g(*L,k=N,z=N)) list(map(abs,L)) list(filter(None,L)) [x-y_for_x,y_in_zip(L,L)] [x*k_for_k,x_in_enumerate(L,2)] list(chain(L,L))
-        list(islice(cycle([1,N]),3)) list(accumulate(L)) [x+y_for_x,y_in_product(L[:2],repeat=2)] list(c.values()) O.y
-        [x-y_for_x,y_in_pairwise(L)] sorted(V) list(reversed(L)) (L+L) (L*(N%3)) copy.deepcopy(L)
-        json.loads(json.dumps(L)) [len(w)_for_w_in_T.split('1')] [x_for_y_in_[L,L]_for_x_in_y] list(map(len,[T,T])) list(repeat(N,2)) list(v)
+        list(g(*L,k=N,z=N)) list(map(abs,L)) list(filter(None,L)) [x-y_for_x,y_in_zip(L,L)]
+        [x*k_for_k,x_in_enumerate(L,2)] list(chain(L,L)) list(islice(cycle([1,N]),3)) list(accumulate(L))
+        [x+y_for_x,y_in_product(L[:2],repeat=2)] list(c.values()) O.y [x-y_for_x,y_in_pairwise(L)] sorted(V)
+        list(reversed(L)) (L+L) (L*(N%3)) copy.deepcopy(L) json.loads(json.dumps(L)) [len(w)_for_w_in_T.split('1')]
+        [x_for_y_in_[L,L]_for_x_in_y] list(map(len,[T,T])) list(repeat(N,2)) list(v)
         [x*y_for_x,y_in_combinations(L[:4],2)] [k.value_for_k_in_K] u[N%2] [max(k)_for_k_in_permutations(L[:2])]
         list({k:N_for_k_in_L}) list(dict(zip(L,L)).values()) random.sample(L,1) list(O.moved(N,*L[:2]).y)""",
-    "T": """'abc' str(N) repr(L) f'{i:>4}|{{{A}' f'{i!r}|{A}' ('%d_%s'%(N,L)) '{:03d}{}'.format(N,'ab') 
-        '-'.join(map(str,L)) T.upper() T.replace('1','xy') T[N%3:] (T+T) (T*(N%3)) T.strip('1') T.zfill(5) T.title() T.center(9,'*') str({1:N,'a':L})
-        str((N,)) str(O) f'{p}{q!r}' str([O]) str(c) f'{i/3:.2f}' T.rjust(4) ('%5.1f'%(N/3)) K(1).name
-        str(K.TWO) repr(T) T.splitlines()[0]""",
+    "T": """'abc' str(N) repr(L) f'{i:>4}|{{{A}' f'{i!r}|{A}' ('%d_%s'%(N,L)) '{:03d}{}'.format(N,'ab')
+        '-'.join(map(str,L)) T.upper() T.replace('1','xy') T[N%3:] (T+T) (T*(N%3)) T.strip('1') T.zfill(5) T.title()
+        T.center(9,'*') str({1:N,'a':L}) str((N,)) str(O) f'{p}{q!r}' str([O]) str(c) f'{i/3:.2f}' T.rjust(4)
+        ('%5.1f'%(N/3)) K(1).name str(K.TWO) repr(T) T.splitlines()[0]""",
     "B": """N<N N>=N N==N N!=N N_in_L T_in_T not_B (B_and_B) (B_or_B) N<=N<N L==L P(N)==P(N) O==O N_in_V any(L) O_in_[O]
-        all(k<N_for_k_in_L) isinstance(O,R) isinstance(N,int) L T<T Q(N,N)==(N,N) hasattr(O,'z') K(1)_is_K.ONE 'x'_in_c
-        V.issubset(V) V==V (N,N)<(N,N) N_in_range(N) T.startswith('1')""",
+        all(k<N_for_k_in_L) isinstance(O,R) isinstance(N,int) L T<T Q(N,N)==(N,N) hasattr(O,'z') K(1)_is_K.ONE
+        'x'_in_c V.issubset(V) V==V (N,N)<(N,N) N_in_range(N) T.startswith('1')""",
     "V": """s t {N,2} set(L) (V|V) (V&V) (V-V) (V^V) V.union(L) V.difference(L,V) {k%3_for_k_in_L} V.copy()""",
     "O": """p q P(N) R(N) p.moved(N) P.of(N)""",
     "A": "a b d",
     "S": """A[N%3]+=N i+=N j-=N A+=L A*=N%3 A[N%3:]=L i,*A,j=N,*A,4 s|=V t&=V s-=V t^=V c|={'z':N} del_A[N%3] c[T[:1]]=N
-        log.append(T) A=sorted(A) A.append(N) A.extend(L) A.insert(N%3,N) A.pop() A.remove(N) A.reverse() log.append(B)
-        A.sort(key=lambda_k:-k) p.x+=N p.double=N q.y.append(N) s.add(N) s.discard(N) t.update(L,V) u[N%3].append(N)
-        v.appendleft(N) log.append(v.popleft()) c.update(e,w=N) log.append(c.pop('w')) e.setdefault('y',N) log.append(O)
-        i,j=j,i (i,[j,*A])=(N,[N,*L]) log.append([*g(*L)]) x=y=L p=O random.shuffle(A) log.append(P.made) assert_B
-        log.append(round(random.uniform(N,5),6)) log.append(random.choices(L,k=2)) log.append(sorted(c.items()))""",
+        log.append(T) A=sorted(A) A.append(N) A.extend(L) A.insert(N%3,N) A.pop() A.remove(N) A.reverse()
+        log.append(B) A.sort(key=lambda_k:-k) p.x+=N p.double=N q.y.append(N) s.add(N) s.discard(N) t.update(L,V)
+        u[N%3].append(N) v.appendleft(N) log.append(v.popleft()) c.update(e,w=N) log.append(c.pop('w'))
+        e.setdefault('y',N) log.append(O) i,j=j,i (i,[j,*A])=(N,[N,*L]) log.append([*g(*L)]) x=y=L p=O
+        random.shuffle(A) log.append(P.made) assert_B log.append(round(random.uniform(N,5),6))
+        log.append(random.choices(L,k=2)) log.append(sorted(c.items()))""",
 }
 
 
