@@ -172,16 +172,6 @@ def test_the_camera_may_stand_anywhere():
     assert moved.coverage == pytest.approx([edge + math.radians(90) for edge in layout.coverage])
 
 
-def test_the_rest_is_filled_on_request():
-    layout, filled = drafted(), drafted(fill=True)
-    shown = [p for p in layout if p.label not in ("road", "sidewalk", "terrain")]
-    assert [p for p in filled if p in shown] == shown
-    assert any(p.id.startswith("mirrored_car") for p in filled)
-    assert filled.coverage == layout.coverage
-    assert (layout.provenance["filled"], filled.provenance["filled"]) == (False, True)
-    assert findings(filled) == []
-
-
 def test_depth_that_is_known_here_and_there_is_enough():
     """As a LiDAR measures it: one pixel in six."""
     some = np.random.default_rng(0).random(PICTURE.depth.shape) < 1 / 6
@@ -281,5 +271,4 @@ def test_provenance_says_what_was_asked():
         "hfov": pytest.approx(math.radians(80)),
         "sensor_height": 1.65,
         "scale": pytest.approx(1, abs=0.01),
-        "filled": False,
     }

@@ -19,7 +19,6 @@ from lidardraft.drafting.cloud.layout import clusters_of, layout_from_cloud
 from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.drafting.picture.points import PseudoCloud, pseudo_cloud
 from lidardraft.drafting.picture.road import RoadPlane, corrected_depth, find_road_plane
-from lidardraft.drafting.picture.surroundings import mirrored_surroundings
 from lidardraft.errors import LayoutError, check_type
 from lidardraft.files import named
 from lidardraft.formats.intrinsics import read_intrinsics
@@ -57,7 +56,6 @@ def layout_from_image(
     hfov: float | None = None,
     camera_height: float | None = CAMERA_HEIGHT,
     place: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    fill: bool = False,
 ) -> Layout:
     """The layout of what one picture shows.
 
@@ -71,15 +69,15 @@ def layout_from_image(
     `hfov`, the horizontal field of view [rad]; else the focal length that the file says.
     `camera_height` [m] over the road sets the scale; with None depth is taken as metres. The tilt comes from the road.
     `place`: (x, y, yaw) of the camera in the frame of the layout [m, rad].
-    `fill`: what the picture does not show becomes a mirror image of what it shows.
 
-    `coverage` of the layout is what the picture shows. Raises `LayoutError` on values that cannot be or where no ground
-    is visible, `FormatError` on a file that is no picture, `CheckpointError` where a network is not there.
+    `coverage` of the layout is what the picture shows; `surround` puts a street around that. Raises `LayoutError` on
+    values that cannot be or where no ground is visible, `FormatError` on a file that is no picture, `CheckpointError`
+    where a network is not there.
     """
     check_type("image", image, np.ndarray, str, os.PathLike)
     if isinstance(intrinsics, str | os.PathLike):
         intrinsics = read_intrinsics(intrinsics)
-    options = (depth, semantics, instances, masks, intrinsics, hfov, camera_height, place, fill)
+    options = (depth, semantics, instances, masks, intrinsics, hfov, camera_height, place)
     if isinstance(image, np.ndarray):
         return _layout(Picture(image), *options)
     picture = read_picture(image)
@@ -97,7 +95,6 @@ def _layout(
     hfov: float | None,
     camera_height: float | None,
     place: tuple[float, float, float],
-    fill: bool,
 ) -> Layout:
     pixels = picture.pixels
     if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
@@ -122,7 +119,7 @@ def _layout(
     if camera_height is not None:
         stands = float(camera_height)
         cloud = pseudo_cloud(corrected_depth(seen, labels, camera, plane, stands), labels, numbers, camera)
-    layout = _levelled_layout(cloud, plane, stands, _coverage(camera, plane), fill)
+    layout = _levelled_layout(cloud, plane, stands, _coverage(camera, plane))
     provenance = {
         "source": "image",
         "depth": _name(depth),
@@ -130,14 +127,11 @@ def _layout(
         "hfov": 2 * math.atan(camera.width / 2 / camera.fx),
         "sensor_height": stands,
         "scale": stands / plane.height,
-        "filled": fill,
     }
     return _placed(replace(layout, provenance=provenance), place)
 
 
-def _levelled_layout(
-    cloud: PseudoCloud, plane: RoadPlane, stands: float, coverage: tuple[float, float], fill: bool
-) -> Layout:
+def _levelled_layout(cloud: PseudoCloud, plane: RoadPlane, stands: float, coverage: tuple[float, float]) -> Layout:
     points = cloud.points @ plane.level.T * (stands / plane.height)
     kept = np.linalg.norm(points, axis=1) < _FURTHEST
     kept &= np.isin(cloud.labels, GROUND_IDS) | (np.abs(points[:, 2] + stands) > _FOOT)
@@ -146,8 +140,7 @@ def _levelled_layout(
     points, labels, instances = points[kept], labels[kept], instances[kept]
     labels[_over_edges(points, labels, instances, rays)] = 0
     layout = layout_from_cloud(points, labels, instances=instances, weights=rays, sensor_height=stands, source="image")
-    layout = replace(layout, coverage=coverage)
-    return mirrored_surroundings(layout, points, labels, stands) if fill else layout
+    return replace(layout, coverage=coverage)
 
 
 def _thinned(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
