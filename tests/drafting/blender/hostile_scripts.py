@@ -257,6 +257,8 @@ HOSTILE: list[tuple[str, str, int]] = [
      "    l.append(g)", 2),
     ("generator chain", "def f(g):\n    for x in g:\n        yield x\ng=range(10**9)\nfor i in range(140):\n"
      "    g=f(g)\nfor x in g: pass", 2),
+    ("set with a range", "s = {1}\ns |= range(10**12)", 2),
+    ("range with a set", "range(10**12) & {1}", 1),
     ("sums of weights", "import random\nrandom.choices([1] * 2000, weights=['a' * 100000] * 2000)", 2),
     ("sorted long texts", "a='a'*1900000+'b'\nb='a'*1900000+'c'\nsorted([a,b]*100000)", 3),
     ("sets of long texts", "a={'a'*1900000+str(i) for i in range(3)}\nb={'a'*1900000+str(i) for i in range(3)}\n"

@@ -83,6 +83,7 @@ REFUSED: list[tuple[str, str, int]] = [
     ("x = 1\n{1}.add([1])", "a list cannot be a key", 2),
     ("{1}.pop()", "a set has no 'pop' that is supported", 1),
     ("{1} + {2}", "a set . a set is not supported", 1),
+    ("{1} | [2]", "a set . a list is not supported", 1),
     ("len(iter([1]))", "an iterator has no length", 1),
     ("from itertools import islice\nislice([1], -1)", "a bound of islice is -1; it must be 0 or more", 2),
     ("next([1])", "a list is no iterator", 1),

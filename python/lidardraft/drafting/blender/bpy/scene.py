@@ -188,7 +188,7 @@ class Scene:
         """`bpy.data`, `bpy.context` and so on by their names."""
         blocks = (self.objects, self.meshes, self.materials, self.collections)
         data: dict[str, Value] = {each.kind.removeprefix("bpy.data."): each for each in blocks}
-        data |= {name: OtherBlocks(name, self.script) for name in (*_PASSED_OVER, *_UNKNOWN)}
+        data |= {name: _other_blocks(name, self.script) for name in (*_PASSED_OVER, *_UNKNOWN)}
         data |= {"scenes": Listing("bpy.data.scenes", lambda: [self.current], {}), "filepath": ""}
         kinds = {"Object": SceneObject, "Mesh": Mesh, "Material": Material, "Collection": Collection}
         types = Namespace("bpy.types", {name: type_of(kind) for name, kind in kinds.items()})
@@ -196,24 +196,16 @@ class Scene:
         return {"data": Namespace("bpy.data", data), "context": Context(self), "app": app, "types": types}
 
 
-class OtherBlocks(Listed):
+def _other_blocks(name: str, script: Script) -> Listing:
     """Blocks of a kind that is not read: none of them is there, and only those that no shape depends on can be made."""
+    kind = f"bpy.data.{name}"
 
-    def __init__(self, name: str, script: Script) -> None:
-        self.kind = f"bpy.data.{name}"
-        self._name = name
-        self._script = script
+    def new(*_: Value, **__: Value) -> Unread:
+        if name not in _PASSED_OVER:
+            raise RefusalError(f"{kind}.new is not supported")
+        return Unread({"metaballs": "META", "fonts": "FONT"}.get(name, name.removesuffix("s").upper()), script)
 
-    def held(self) -> list[Value]:
-        return []
-
-    def _new(self, *_: Value, **__: Value) -> Unread:
-        if self._name not in _PASSED_OVER:
-            raise RefusalError(f"{self.kind}.new is not supported")
-        kind = {"metaballs": "META", "fonts": "FONT"}.get(self._name, self._name.removesuffix("s").upper())
-        return Unread(kind, self._script)
-
-    methods: ClassVar[Methods] = Listed.methods | {"new": _new, "remove": nothing}
+    return Listing(kind, lambda: [], {"new": new, "remove": nothing})
 
 
 class CurrentScene(Block):

@@ -60,7 +60,6 @@ class Lazy(Record):
         if self._is_running:
             raise RefusalError(f"{self.kind} that goes on with itself")
         script, levels, line = self._script, self._script.levels, self._script.line
-        script.take_cells(1)
         script.go_deeper(line)
         self._is_running = True
         try:
@@ -88,6 +87,7 @@ class Set(Record, MutableSet[Value]):
     """Members, each of them once, in the order in which they came, so that a script gives the same layout again."""
 
     kind = "a set"
+    only_alike = True
 
     def __init__(self, members: Iterable[Value], script: Script) -> None:
         self._members = dict.fromkeys(map(dict_key, members))

@@ -59,8 +59,8 @@ def binary(kind: type[ast.operator], left: Value, right: Value, script: Script, 
 def _is_bounded(kind: type[ast.operator], left: Value, right: Value, script: Script) -> bool:
     """Whether the operator is one of these values, and what it makes of them no larger than they are together; what it
     repeats is counted here. Raises `RefusalError` for what is too large."""
-    if isinstance(left, Record) or isinstance(right, Record):
-        return True
+    if records := [each for each in (left, right) if isinstance(each, Record)]:
+        return type(left) is type(right) or not any(each.only_alike for each in records)
     if is_number(left) and is_number(right):
         grows = kind in (ast.LShift, ast.RShift) or (kind is ast.Pow and abs(left) > 1)
         if grows and isinstance(left, int) and isinstance(right, int) and right > _LONGEST_SHIFT:

@@ -29,6 +29,7 @@ class Record:
 
     kind = "a value"
     is_key = False  # whether it can be a key of a dict: what is the same only as itself
+    only_alike = False  # whether operators take it with its like alone
     fields: ClassVar[Methods] = {}
     setters: ClassVar[Methods] = {}
     methods: ClassVar[Methods] = {}
@@ -270,7 +271,10 @@ def reals(value: Value, count: int, what: str) -> tuple[float, ...]:
 def elements(value: Value, script: Script) -> list[Value]:
     """What a loop over the value goes through, as a list of its own; raises `RefusalError` where it is none."""
     if isinstance(value, Record):
-        script.take_cells(len(found := list(value)))
+        found = []
+        for each in value:
+            script.take_cells(1)
+            found.append(each)
         return found
     if not isinstance(value, _SEQUENCES):
         raise RefusalError(f"{describe(value)} cannot be looped over")
