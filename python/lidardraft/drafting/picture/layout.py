@@ -50,7 +50,6 @@ def layout_from_image(
     *,
     depth: np.ndarray | PathLike | Network = DEPTH,
     semantics: np.ndarray | PathLike | Network = SEMANTICS,
-    instances: np.ndarray | None = None,
     masks: np.ndarray | PathLike | MaskNetwork | None = None,
     intrinsics: object | None = None,
     hfov: float | None = None,
@@ -62,9 +61,8 @@ def layout_from_image(
     `image`: u8 [H, W, 3] or a JPEG, PNG or WebP file.
     `depth`: f [H, W] along the axis of the camera, 0 where unknown; or a network for metric depth: its id, its folder,
     or a `DepthNetwork`. `semantics`: class ids [H, W] of `semantics.CLASSES`, 0 for the sky and what is unknown; or a
-    network, likewise. `instances`: numbers of objects [H, W], counted for each class, 0 where unknown. Or `masks`, each
-    of which takes the class that most of its pixels have: bool [M, H, W], the best first; their numbers [H, W]; or a
-    network for masks, such as SAM.
+    network, likewise. `masks` of objects, each of which takes the class that most of its pixels have: bool [M, H, W],
+    the best first; their numbers [H, W], 0 where unknown; or a network for masks, such as SAM.
     `intrinsics`: K [3, 3] or (fx, fy, cx, cy) in pixels, or a file of them: JSON, or a calibration of KITTI; else
     `hfov`, the horizontal field of view [rad]; else the focal length that the file says.
     `camera_height` [m] over the road sets the scale; with None depth is taken as metres. The tilt comes from the road.
@@ -77,7 +75,7 @@ def layout_from_image(
     check_type("image", image, np.ndarray, str, os.PathLike)
     if isinstance(intrinsics, str | os.PathLike):
         intrinsics = read_intrinsics(intrinsics)
-    options = (depth, semantics, instances, masks, intrinsics, hfov, camera_height, place)
+    options = (depth, semantics, masks, intrinsics, hfov, camera_height, place)
     if isinstance(image, np.ndarray):
         return _layout(Picture(image), *options)
     picture = read_picture(image)
@@ -89,7 +87,6 @@ def _layout(
     picture: Picture,
     depth: Any,
     semantics: Any,
-    instances: Any,
     masks: Any,
     intrinsics: object | None,
     hfov: float | None,
@@ -102,9 +99,9 @@ def _layout(
     height, width = pixels.shape[:2]
     camera = _camera(width, height, intrinsics, hfov, picture.film_focal_length)
     _check_numbers(camera_height, place)
-    _check_objects(instances, masks, (height, width))
+    _check_masks(masks, (height, width))
     # Arrays are checked before any network is loaded, which takes seconds.
-    for name, given in (("depth", depth), ("semantics", semantics), ("instances", instances), ("masks", masks)):
+    for name, given in (("depth", depth), ("semantics", semantics), ("masks", masks)):
         if isinstance(given, np.ndarray) and name != "masks":
             _check_array(name, given, (height, width))
         elif not isinstance(given, np.ndarray | None) and (pixels == pixels[0, 0]).all():
@@ -112,7 +109,7 @@ def _layout(
     scale = min(1.0, _LONGEST_SIDE / max(height, width))
     camera = camera.resized(max(1, round(width * scale)), max(1, round(height * scale)))
     small = np.asarray(Image.fromarray(pixels).resize((camera.width, camera.height), Image.Resampling.BOX))
-    seen, labels, numbers = _seen(small, depth, semantics, instances, masks)
+    seen, labels, numbers = _seen(small, depth, semantics, masks)
     cloud = pseudo_cloud(seen, labels, numbers, camera)
     plane = find_road_plane(cloud.points, cloud.labels)
     stands = plane.height
@@ -206,15 +203,11 @@ def _check_array(name: str, array: np.ndarray, shape: tuple[int, int]) -> None:
     if wrong.any():
         row, column = np.argwhere(wrong)[0].tolist()
         raise LayoutError(f"{name} at row {row}, column {column} is {array[row, column]}; it must be {limit}")
-    if name not in ("instances", "masks") and not array.any():
+    if name != "masks" and not array.any():
         raise LayoutError(f"{name} is 0 everywhere; nothing is known of the picture")
 
 
-def _check_objects(instances: Any, masks: Any, shape: tuple[int, int]) -> None:
-    if instances is not None and masks is not None:
-        raise LayoutError("instances and masks both say the objects; give one of them")
-    if instances is not None and not isinstance(instances, np.ndarray):
-        raise LayoutError(f"instances is {_name(instances)!r}; it must be an array, and networks are given as masks")
+def _check_masks(masks: Any, shape: tuple[int, int]) -> None:
     if not isinstance(masks, np.ndarray):
         return
     if masks.ndim == 3 and (masks.dtype != bool or masks.shape[1:] != shape):
@@ -227,9 +220,7 @@ def _check_objects(instances: Any, masks: Any, shape: tuple[int, int]) -> None:
         raise LayoutError(f"there are {number} masks; up to {_MOST_MASKS} can be given")
 
 
-def _seen(
-    small: np.ndarray, depth: Any, semantics: Any, instances: Any, masks: Any
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _seen(small: np.ndarray, depth: Any, semantics: Any, masks: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Depth, classes and numbers of objects: arrays of the whole picture, or what networks see in the small one."""
     if not isinstance(semantics, np.ndarray):
         semantics = _network("SemanticNetwork", semantics)(small)
@@ -241,7 +232,7 @@ def _seen(
         semantics, instances = number_objects(semantics, few if masks.ndim == 3 else few[0])
     elif masks is not None:
         semantics, instances = _network("MaskNetwork", masks)(small, semantics)
-    elif instances is None:
+    else:
         instances = np.zeros_like(semantics)
     return depth, semantics, _resized(instances, small)
 
