@@ -170,14 +170,6 @@ def test_what_is_wrong_with_a_reply_goes_back_to_the_model(
     assert said in server.requests[1].body["messages"][3]["content"]
 
 
-def test_what_the_model_cannot_mend_is_one_line(server: ReplayServer) -> None:
-    server.answers = [replied(changed(count=40, distance=[0, 10]))] * 3
-    with pytest.raises(
-        LanguageModelError, match=r"small: none of 3 replies can be used; the last one: Only . of 40 vans"
-    ):
-        draft(server)
-
-
 def test_a_text_of_which_nothing_was_understood(server: ReplayServer) -> None:
     server.answers = [replied({"road": {"kind": "straight"}, "groups": [], "not_understood": ["es regnet"]})]
     with pytest.raises(TextError, match=r"nothing of 'Ein Bus .* was understood by small"):
