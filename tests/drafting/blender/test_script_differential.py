@@ -114,7 +114,8 @@ def statement(r: Random, depth: int = 0) -> list[str]:
     heads = ["for i in L[:4]:", "if B:", "for i, k in zip(L, range(N % 4)):"]
     head = filled(r, r.choice(heads), 1)
     ends = r.choice([["else:", "    log.append('else')"], []])
-    caught = ["except (IndexError, KeyError) as error:", "    log.append('missing')", "finally:", "    log.append(i)"]
+    caught = ["except (IndexError, KeyError) as error:", "    log.append('missing')"]
+    caught += ["else:", "    log.append('fine')", "finally:", "    log.append(i)"]
     if r.random() < 0.15:
         return ["with suppress(LookupError, ValueError):", *body]
     return ["try:", *body, *caught] if r.random() < 0.3 else [head, *body, *ends]
