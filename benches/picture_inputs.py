@@ -48,14 +48,12 @@ def _reply_of_the_page() -> SceneSpec:
 
 
 def _photograph() -> np.ndarray:
-    """A rendered picture, what its layout shows, and that layout filled all around."""
+    """A rendered picture, and what its layout shows."""
     sentence = "a street with three parked cars on the left, two cars ahead, a person on the right, trees and houses"
     picture = render(lidardraft.layout_from_text(sentence, seed=3), Pinhole.from_hfov(math.radians(80), 720, 480))
     known = {"depth": picture.depth, "semantics": picture.labels, "hfov": math.radians(80)}
     layout = lidardraft.layout_from_image(picture.pixels, **known)
-    filled = lidardraft.layout_from_image(picture.pixels, **known, fill=True)
-    rows = [[caption(picture.pixels, "picture"), _shown(layout)], [_shown(filled, "layout, filled")]]
-    return stack([stack(row, across=True) for row in rows])
+    return stack([caption(picture.pixels, "picture"), _shown(layout)], across=True)
 
 
 def _shown(layout: Layout, name: str = "layout") -> np.ndarray:

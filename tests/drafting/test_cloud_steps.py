@@ -1,7 +1,6 @@
 """The steps from points to shapes: clusters and boxes, the ground, pieces of foliage and facades."""
 
 import math
-import time
 from dataclasses import replace
 
 import numpy as np
@@ -140,21 +139,6 @@ def test_clusters_are_those_of_all_pairs_at_any_range(seed, furthest):
     _, number = connected_components(apart <= (reaches[:, None] + reaches) / 2, directed=False)
     expected = {frozenset(np.flatnonzero(number == one).tolist()) for one in np.unique(number)}
     assert {frozenset(members.tolist()) for members in clusters_of(points, 0.5, 1)} == expected
-
-
-def test_a_far_point_does_not_have_near_ones_searched_widely():
-    y, z = np.meshgrid(np.arange(0, 20, 0.05), np.arange(0, 10, 0.05))
-    wall = np.column_stack([np.full(y.size, 5.0), y.ravel(), z.ravel()])
-
-    def seconds(points):
-        start = time.process_time()
-        found = clusters_of(points, 0.5, 5)
-        return found, time.process_time() - start
-
-    (alone,), taken = seconds(wall)
-    (beside,), with_far = seconds(np.concatenate([wall, [[900.0, 0.0, 0.0]]]))
-    np.testing.assert_array_equal(alone, beside)
-    assert with_far < 3 * taken + 0.05
 
 
 ROAD, SIDEWALK, CAR = (BY_NAME[name].id for name in ("road", "sidewalk", "car"))

@@ -100,14 +100,12 @@ def test_all_classes_stand_where_they_were():
 
 
 def test_things_that_touch_are_told_apart_by_their_numbers():
-    """By instances, or by masks, which take the class of most of their pixels."""
+    """By masks, which take the class of most of their pixels."""
     cars = [
         shape("box", (14, y, 0.75), (4, 1.8, 1.5), "car", f"car_{k}", instance=k) for k, y in enumerate((1, -0.8), 1)
     ]
     picture = rendered_pictures.render(Layout((*STREET.primitives[:2], *cars)), CAMERA)
     assert len(drafted(picture).boxes()) == 1
-    boxes = drafted(picture, instances=picture.instances).boxes()
-    assert sorted(round(box.center[1], 1) for box in boxes) == [-0.8, 1.0]
     labels = picture.labels.copy()
     labels[:, 330:334][picture.instances[:, 330:334] > 0] = BY_NAME["bus"].id  # a network's error
     masks = np.stack([picture.instances == number for number in (1, 2)])
@@ -153,8 +151,6 @@ def test_intrinsics_may_be_a_file(tmp_path):
         ({"masks": np.ones((1, 400, 640))}, r"masks are float64 \[1, 400, 640\]"),
         ({"masks": np.ones((3, 3), int)}, r"masks has shape \[3, 3\]"),
         ({"masks": np.arange(400 * 640).reshape(400, 640)}, "there are 255999 masks; up to 1000"),
-        ({"masks": PICTURE.instances, "instances": PICTURE.instances}, "instances and masks both say the objects"),
-        ({"instances": "some/network"}, "instances is 'some/network'; it must be an array"),
     ],
 )
 def test_masks_that_cannot_be(options, said):
@@ -170,16 +166,6 @@ def test_the_camera_may_stand_anywhere():
     np.testing.assert_allclose(there.center, (1.5 - car.center[1], -0.4 + car.center[0], car.center[2]))
     assert there.yaw == pytest.approx(car.yaw + math.radians(90))
     assert moved.coverage == pytest.approx([edge + math.radians(90) for edge in layout.coverage])
-
-
-def test_the_rest_is_filled_on_request():
-    layout, filled = drafted(), drafted(fill=True)
-    shown = [p for p in layout if p.label not in ("road", "sidewalk", "terrain")]
-    assert [p for p in filled if p in shown] == shown
-    assert any(p.id.startswith("mirrored_car") for p in filled)
-    assert filled.coverage == layout.coverage
-    assert (layout.provenance["filled"], filled.provenance["filled"]) == (False, True)
-    assert findings(filled) == []
 
 
 def test_depth_that_is_known_here_and_there_is_enough():
@@ -238,7 +224,7 @@ BROKEN = np.where(np.arange(640) == 7, np.nan, PICTURE.depth)
         ({"semantics": 0 * PICTURE.labels}, "semantics is 0 everywhere"),
         ({"semantics": 0 * PICTURE.labels + BY_NAME["building"].id}, "no ground is visible"),
         ({"depth": np.full_like(PICTURE.depth, 9)}, "no plane of the ground"),
-        ({"instances": -1 * PICTURE.instances.astype(int)}, "instances at row .* is -"),
+        ({"masks": -1 * PICTURE.instances.astype(int)}, "masks at row .* is -"),
         ({"hfov": 0.0}, "hfov is 0.0 rad"),
         ({"hfov": math.radians(200)}, r"hfov is 3.49.* rad \(200 degrees\)"),
         ({"intrinsics": np.eye(2)}, "give one of them"),
@@ -281,5 +267,4 @@ def test_provenance_says_what_was_asked():
         "hfov": pytest.approx(math.radians(80)),
         "sensor_height": 1.65,
         "scale": pytest.approx(1, abs=0.01),
-        "filled": False,
     }

@@ -32,9 +32,7 @@ _GOES_WITH = {
     "strict": ("blender",),
     "up": ("obj", "glb"),
     "scale": ("obj",),
-    **dict.fromkeys(
-        ("depth", "semantics", "masks", "intrinsics", "hfov", "camera_height", "metric_depth", "fill"), ("image",)
-    ),
+    **dict.fromkeys(("depth", "semantics", "masks", "intrinsics", "hfov", "camera_height", "metric_depth"), ("image",)),
 }
 _GOES_WITH |= {f"llm_{name}": ("text", "text_file") for name in ("url", "model", "blender", "cache", "timeout")}
 _GOES_WITH["explain"] = ("text", "text_file")
@@ -145,8 +143,7 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
         layout = _READERS[name](arguments)
         if name == "text":
             return layout
-        usual = name in _STREET_AROUND and not arguments.fill
-        whole = _surrounded(arguments, layout, arguments.seed, usual=usual)
+        whole = _surrounded(arguments, layout, arguments.seed, usual=name in _STREET_AROUND)
         if whole is not layout and (note := whole.provenance["surroundings"].get("note")):
             say(note)
         return whole
@@ -409,8 +406,6 @@ def _add_image_options(group: argparse._ArgumentGroup) -> None:
     group.add_argument("--camera-height", type=number, metavar="M", help=text)
     text = "take depth of --image as metres: it sets the scale, and the height of the camera"
     group.add_argument("--metric-depth", action="store_true", default=None, help=text)
-    text = "let a mirror image of --image stand where it shows nothing"
-    group.add_argument("--fill", action="store_true", default=None, help=text)
 
 
 def _from_image(arguments: argparse.Namespace) -> Layout:
@@ -433,7 +428,6 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
             intrinsics=_intrinsics(arguments.intrinsics),
             hfov=None if arguments.hfov is None else math.radians(arguments.hfov),
             camera_height=None if arguments.metric_depth else height,
-            fill=bool(arguments.fill),
         )
     height, scale = layout.provenance["sensor_height"], layout.provenance["scale"]
     say(f"{arguments.image}: depth times {scale:.2f}, so that the camera is {height:g} m over the road")

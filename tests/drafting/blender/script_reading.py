@@ -3,9 +3,8 @@
 import pytest
 
 from lidardraft.drafting.blender.script.limits import Limits, RefusalError, Script
+from lidardraft.drafting.blender.script.modules import modules
 from lidardraft.drafting.blender.script.reading import read
-from lidardraft.drafting.blender.script.standard_modules import standard_modules
-from lidardraft.drafting.blender.script.stub_modules import stub_modules
 
 
 def agrees(script: str) -> Script:
@@ -17,7 +16,7 @@ def agrees(script: str) -> Script:
 def reads(script: str, limits: Limits | None = None) -> Script:
     """The reader carries the script out."""
     reading = Script(limits or Limits())
-    reading.modules = standard_modules(reading) | stub_modules(reading)
+    reading.modules = modules(reading)
     read(script, reading)
     return reading
 

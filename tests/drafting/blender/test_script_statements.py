@@ -25,8 +25,6 @@ AGREED: list[str] = [
     "n = 0\nwhile n < 5:\n    n += 1\nelse:\n    n = 9\nassert n == 9",
     "t = 0\nfor i in range(10):\n    if i == 2:\n        continue\n    if i == 5:\n        break\n"
     "    t += i\nelse:\n    t = -1\nassert t == 8",
-    "a, (b, *c), d = 1, (2, 3, 4), 5\nassert (a, b, c, d) == (1, 2, [3, 4], 5)\n*e, f = [1]\nassert e == [] and f == 1",
-    "x = y = [0, 0]\nx[1] = 5\ny[0:1] = [7, 8]\nassert x == [7, 8, 5]\ndel x[0], x[-1]\nassert x == [8]",
     "def f(x):\n    for i in range(9):\n        while True:\n            if i == x:\n"
     "                return i\n            break\nassert f(3) == 3 and f(99) is None",
     "a = [1, 2]\nfor x in a:\n    if len(a) < 5:\n        a.append(x)\nassert a == [1, 2, 1, 2, 1]",
@@ -39,39 +37,18 @@ AGREED: list[str] = [
     "def f(a, /, b, *, c=3):\n    return a + b + c\nassert f(1, b=2) == 6",
     # decorators may be called with what changes no shape
     DATACLASS + "@dataclass(frozen=True, order=True)\nclass A:\n    x: int\nassert A(1).x == 1",
-    DATACLASS + "@dataclass()\nclass A:\n    x: int = 2\nassert A().x == 2",
-    # errors that are suppressed
-    "from contextlib import suppress\nx = []\nwith suppress(KeyError, ValueError):\n    x.append(1)\n    {}['a']\n"
-    "    x.append(2)\nwith suppress(Exception):\n    raise RuntimeError('a')\nassert x == [1]\n"
-    "def f():\n    with suppress(KeyError):\n        return 5\nassert f() == 5",
     # classes of errors of the scripts own
     "class SceneError(Exception):\n    pass\ntry:\n    raise SceneError('no road')\nexcept SceneError as e:\n"
     "    assert str(e) == 'no road'\nelse:\n    assert False",
-    "class A:\n    n = 3\n    def __init__(self, x, y=2):\n        self.x = x + y\n    def f(self):\n"
-    "        return self.x * self.n\na = A(1)\nassert a.f() == 9 and A.n == 3\nA.n = 4\nassert a.f() == 12",
-    "class A:\n    def f(self):\n        return 1\nclass B(A):\n    def f(self):\n        return super().f() + 1\n"
-    "b = B()\nassert b.f() == 2 and isinstance(b, A) and not isinstance(A(), B) and type(b) is B and B.__name__ == 'B'",
-    "class A:\n    def __init__(self, x):\n        self._x = x\n    @property\n    def x(self):\n"
-    "        return self._x\n"
-    "    @x.setter\n    def x(self, value):\n        self._x = 2 * value\na = A(1)\na.x = 4\nassert a.x == 8",
     "class A:\n    made = []\n    @staticmethod\n    def f(x):\n        return x + 1\n    @classmethod\n"
     "    def g(cls, x):\n        cls.made.append(x)\n        return cls()\nassert A.f(1) == A().f(1) == 2\nA.g(5)\n"
     "assert A.made == [5]",
-    "class A:\n    kind = None\nassert A().kind is None and not hasattr(A(), 'other')",
     "x = 1\nclass A:\n    x = 2\n    def f(self):\n        return x\nassert A().f() == 1",
-    "from dataclasses import dataclass, field\n@dataclass\nclass A:\n    x: float\n    y: int = 2\n"
-    "    z: list = field(default_factory=list)\n    def __post_init__(self):\n        self.z.append(self.x)\n"
-    "a, b = A(1), A(3, y=4)\nassert (a.x, a.y, a.z) == (1, 2, [1]) and (b.y, b.z) == (4, [3])",
-    "from dataclasses import dataclass\n@dataclass(order=True)\nclass A:\n    x: int\n@dataclass\nclass B(A):\n"
-    "    y: int = 1\nassert B(2).x == 2 and B(2).y == 1",
     "from enum import Enum, auto\nclass K(Enum):\n    CAR = 5\n    BUS = auto()\nsizes = {K.CAR: 4, K.BUS: 12}\n"
     "assert sizes[K.CAR] == 4 and K(5) is K.CAR and K.BUS.value == 6 and K['BUS'] is K.BUS and [k.name for k "
     "in K] == ['CAR', 'BUS']",
     "from typing import NamedTuple\nclass P(NamedTuple):\n    x: int\n    y: int = 2\na, b = P(1)\n"
     "assert (a, b) == (1, 2)",
-    "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: int\n    y: tuple = ()\n"
-    "@dataclass(frozen=True)\nclass B(A):\n    pass\n"
-    "assert A(1) == A(1) and A(1) != A(2) and A(1) != B(1) and A(1) in [A(1)] and A(1) != 1",
     "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: int\n"
     "assert {A(1): 5}[A(1)] == 5 and len({A(1), A(1), A(2)}) == 2",
     "from collections import namedtuple\nP = namedtuple('P', 'x y')\n"
@@ -83,9 +60,6 @@ AGREED: list[str] = [
     "assert f'{A()}' == str(A()) == 'Tree_1' and '%s' % A() == 'Tree_1' and repr(A()) == f'{A()!r}' == 'A()'\n"
     "assert str([A()]) == '[A()]'",
     "class A:\n    def __repr__(self):\n        return 'A()'\nclass B(A):\n    pass\nassert str(B()) == 'A()'",
-    "class A:\n    pass\na, b = A(), A()\nassert a == a and a != b and a in [b, a] and len({a: 1, b: 2}) == 2",
-    "def f(n):\n    for i in range(n):\n        if i % 2:\n            yield i\n        else:\n            yield -i\n"
-    "assert list(f(4)) == [0, 1, -2, 3] and sum(f(4)) == 2 and [x for x in f(2)] == [0, 1]",
     "made = []\ndef f():\n    made.append(1)\n    yield 1\n    made.append(2)\n    yield 2\n    made.append(3)\n"
     "g = f()\nassert made == []\nassert next(g) == 1 and made == [1]\nassert list(g) == [2] and made == [1, 2, 3]\n"
     "assert next(g, 'end') == 'end' and list(g) == []",
@@ -94,32 +68,20 @@ AGREED: list[str] = [
     "assert list(f()) == [1, 2, 4, 5, 'last']",
     "def f():\n    for i in range(3):\n        yield i\n    else:\n        yield 'else'\n    return\n"
     "    yield 'never'\nassert tuple(f()) == (0, 1, 2, 'else')",
-    "def f(n):\n    if n:\n        yield n\n        yield from f(n - 1)\n        yield from [n * 10]\n"
-    "assert list(f(3)) == [3, 2, 1, 10, 20, 30]",
     "def count():\n    n = 0\n    while True:\n        yield n\n        n += 1\n"
     "assert list(zip(count(), 'ab')) == [(0, 'a'), (1, 'b')]\nfrom itertools import islice\n"
     "assert list(islice(count(), 2, 5)) == [2, 3, 4]\nfor a in count():\n    if a > 3:\n        break\nassert a == 4",
-    "def f(a):\n    yield from a\nassert list(zip(f([1, 2]), f([3, 4, 5]))) == [(1, 3), (2, 4)]",
-    "class A:\n    def __init__(self):\n        self.x = [1, 2]\n    def each(self, k=2):\n        for x in self.x:\n"
-    "            yield x * k\nassert sorted(A().each(), reverse=True) == [4, 2] and max(A().each(k=5)) == 10",
     "def f():\n    yield 1\n    raise ValueError('x')\ntry:\n    list(f())\n    assert False\nexcept ValueError:\n"
     "    pass\ng = f()\nnext(g)\ntry:\n    next(g)\nexcept ValueError:\n    pass\nassert list(g) == []",
     "def f():\n    yield 1\ntry:\n    g = f()\n    next(g)\n    next(g)\n    assert False\n"
     "except StopIteration:\n    pass",
     # what python catches is caught
-    "try:\n    x = [][3]\nexcept (KeyError, LookupError) as error:\n    x = 2\nassert x == 2",
-    "def f():\n    raise ValueError('no')\ntry:\n    f()\nexcept ValueError:\n    x = 3\nassert x == 3",
     "def f(n):\n    if n == 0:\n        raise KeyError\n    f(n - 1)\nfor k in range(20):\n    try:\n"
     "        f(3)\n    except Exception:\n        pass",
     "try:\n    next(iter([]))\nexcept StopIteration:\n    x = 1\nassert x == 1",
     "def f():\n    try:\n        return 1\n    finally:\n        x = 2\nassert f() == 1",
     "x = []\ntry:\n    try:\n        raise KeyError\n    finally:\n        x.append(1)\nexcept KeyError:\n"
     "    x.append(2)\nassert x == [1, 2]",
-    "try:\n    x = 1 / 0\nexcept ZeroDivisionError as e:\n    x = str(e)\nassert x == 'division by zero'",
-    "try:\n    x = int('a')\nexcept (ValueError, TypeError):\n    x = 1\nassert x == 1",
-    "try:\n    [].pop()\nexcept IndexError:\n    x = 1\nassert x == 1",
-    "try:\n    raise ValueError('too short: %d' % 3)\nexcept ValueError as e:\n    x = f'{e}'\n"
-    "assert x == 'too short: 3'",
     "x = []\ntry:\n    try:\n        {}['a']\n    except KeyError:\n        x.append(1)\n        raise\n"
     "except KeyError:\n    x.append(2)\nassert x == [1, 2]",
     # modules are those of python
@@ -146,10 +108,6 @@ REFUSED: list[tuple[str, str, int]] = [
     ("class A(1):\n    pass", "a class derived from 1 is not supported", 1),
     ("with 1:\n    pass", "`with` of 1 is not supported", 1),
     ("class A:\n    @staticmethod\n    def f():\n        pass\n    @f.setter\n    def f(x): pass", "'setter'", 5),
-    # errors that are suppressed
-    ("from contextlib import suppress\nwith suppress(KeyError):\n    [][1]", "has no place 1", 3),
-    ("from contextlib import suppress\nwith suppress(5):\n    pass", "no class of errors", 2),
-    ("from contextlib import suppress\nwith suppress(Exception):\n    raise SystemExit(2)", "ends itself", 3),
     ("class A:\n    def __getattr__(self, name):\n        return 1", "the name '__getattr__' cannot be set", 2),
     ("class A(dict):\n    pass", "a class derived from a function is not supported", 1),
     ("class A:\n    pass\nA(1)", "the class A takes no arguments", 3),

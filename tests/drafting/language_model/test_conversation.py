@@ -54,16 +54,6 @@ def test_a_reply_that_is_cut_and_can_be_used_is_used(server: ReplayServer, tmp_p
     assert ask(server, tmp_path).result == 7
 
 
-def test_the_same_request_is_answered_without_a_server(server: ReplayServer, tmp_path: Path) -> None:
-    server.answers = [openai("sieben"), openai("7")]
-    first = ask(server, tmp_path)
-    assert ask(server, tmp_path) == first
-    assert len(server.requests) == 2
-    server.answers = [openai("8"), openai("9")]
-    assert ask(server, tmp_path, seed=1).result == 8
-    assert ask(server, tmp_path / "other").result == 9
-
-
 def test_a_kept_reply_that_cannot_be_used_is_asked_for_again(server: ReplayServer, tmp_path: Path) -> None:
     server.answers = [openai("7")]
     (path,) = (ask(server, tmp_path), *tmp_path.glob("*.json"))[1:]

@@ -2,7 +2,6 @@
 
 import dataclasses
 import json
-import random
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -32,7 +31,7 @@ from lidardraft.drafting.solver.scene_spec import (
 )
 from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS
 from lidardraft.drafting.text.layout import spec_from_text
-from lidardraft.errors import LanguageModelError, LayoutError, LidarDraftError, TextError
+from lidardraft.errors import LanguageModelError, LayoutError, TextError
 from lidardraft.scene.check import check
 from lidardraft.semantics import CLASSES
 from replay_server import DIALECTS, Answer, ReplayServer, openai
@@ -146,29 +145,16 @@ def changed(**fields: Any) -> dict[str, Any]:
     ("spec", "said"),
     [
         ({}, "'groups' is missing"),
-        ({"road": {}}, "'groups' is missing"),
         ({**SPEC, "colour": "red"}, "unknown field 'colour'"),
         ({**SPEC, "road": {"kind": "street"}}, "road: kind is 'street'; it must be one of straight"),
-        ({**SPEC, "road": None}, "None is not a JSON object"),
         ({**SPEC, "groups": None}, "groups is None; it must be a list"),
-        ({**SPEC, "groups": ["a van"]}, "'a van' is not a JSON object"),
         ({**SPEC, "groups": [{"kind": "car"}] * 51}, "the spec has 51 groups; it may have 50"),
-        ({**SPEC, "absent": ["rain"]}, "absent: kind is 'rain'"),
         ({**SPEC, "not_understood": [5]}, "not_understood: part is 5; it must be text"),
         ({**SPEC, "not_understood": ["Schnee"]}, "'Schnee' is no part of the text, as 'Schnee' is not in it"),
         (changed(words="zwei rote Lieferwagen"), "is no part of the text, as 'rote' is not in it"),
-        (changed(words=None), "words is None; it must be text"),
-        (changed(at_junction="no"), "at_junction is 'no'"),
         (changed(kind="Van"), "did you mean 'van'?"),
-        (changed(count=0), "count is 0; it must be 1 to 5000"),
-        (changed(count=2.0), "count is 2.0"),
-        (changed(places="front"), "places is 'front'; it must be a list"),
-        (changed(distance=[30, 10]), "distance is [30, 10]"),
-        (changed(distance=[30]), "distance is [30]; it must be a range"),
-        (changed(distance=[float("nan"), 10]), "distance is [nan, 10]"),
         (changed(distance=[500, 600]), "distance is 600 m; it must be 110 m or less"),
         (changed(relation="behind", references=[1]), "references go in a circle: "),
-        (changed(relation="behind", references=[7]), "reference is 7; it must be the number of another group"),
         (changed(size=[30, None, None]), "van: length is 30 m; a car has 2.4 to 6.5 m"),
         (changed(count=40, distance=[0, 10]), "of 40 vans fit in front, 0 to 10 m away, in the ego's direction"),
     ],
@@ -182,14 +168,6 @@ def test_what_is_wrong_with_a_reply_goes_back_to_the_model(
     assert said in first["error"]
     assert second["error"] is None
     assert said in server.requests[1].body["messages"][3]["content"]
-
-
-def test_what_the_model_cannot_mend_is_one_line(server: ReplayServer) -> None:
-    server.answers = [replied(changed(count=40, distance=[0, 10]))] * 3
-    with pytest.raises(
-        LanguageModelError, match=r"small: none of 3 replies can be used; the last one: Only . of 40 vans"
-    ):
-        draft(server)
 
 
 def test_a_text_of_which_nothing_was_understood(server: ReplayServer) -> None:
@@ -417,33 +395,6 @@ def test_it_allows_what_every_sentence_says_and_it_is_read_back() -> None:
         assert SceneSpec.from_dict(fields) == spec
         seen += 1
     assert seen > 50
-
-
-def sample(schema: dict[str, Any], rng: random.Random) -> Any:
-    """A value that the schema allows."""
-    if "anyOf" in schema:
-        return sample(rng.choice(schema["anyOf"]), rng)
-    if "enum" in schema:
-        return rng.choice(schema["enum"])
-    if schema["type"] == "array":
-        return [sample(schema["items"], rng) for _ in range(rng.choice((0, 0, 1, 2, 3)))]
-    if schema["type"] == "object":
-        return {name: sample(each, rng) for name, each in schema["properties"].items()}
-    values = {"null": (None,), "boolean": (True, False), "integer": (-1, 0, 1, 2, 10**30), "string": ("", "a car")}
-    return rng.choice(values.get(schema["type"], (-1.0, 0, 0.5, 2, 30, 1e308, float("inf"), float("nan"))))
-
-
-def test_what_it_allows_is_read_or_refused() -> None:
-    schema, read, refused = scene_spec_schema(), 0, 0
-    for seed in range(1000):
-        fields = sample(schema, random.Random(seed))
-        assert allows(schema, fields)
-        try:
-            SceneSpec.from_json(json.dumps(fields))
-            read += 1
-        except LidarDraftError:
-            refused += 1
-    assert min(read, refused) > 40
 
 
 def test_it_forbids_what_no_spec_says() -> None:

@@ -24,9 +24,8 @@ from lidardraft.drafting.blender.bpy.objects import SceneObject
 from lidardraft.drafting.blender.bpy.operators import Operators
 from lidardraft.drafting.blender.bpy.scene import Scene
 from lidardraft.drafting.blender.script.limits import Limits, RefusalError, Script
+from lidardraft.drafting.blender.script.modules import modules
 from lidardraft.drafting.blender.script.reading import read
-from lidardraft.drafting.blender.script.standard_modules import standard_modules
-from lidardraft.drafting.blender.script.stub_modules import stub_modules
 from lidardraft.drafting.blender.script.values import Namespace
 from lidardraft.errors import FormatError, LayoutError, ScriptError, check_type
 from lidardraft.files import named, read_bytes, regular_size
@@ -92,9 +91,8 @@ def _layout(text: str, classes: Mapping[str, str], strict: bool, limits: Limits,
     check_classes(classes)
     script = Script(limits)
     scene = Scene(script)
-    script.modules = standard_modules(script) | stub_modules(script) | {"bmesh": bmesh_module(scene)}
-    script.modules |= {"bpy": Namespace("bpy", {"ops": Operators(scene), **scene.modules()})}
-    script.modules |= {"mathutils": mathutils_module()}
+    bpy = Namespace("bpy", {"ops": Operators(scene), **scene.modules()})
+    script.modules = {**modules(script), "bmesh": bmesh_module(scene), "bpy": bpy, "mathutils": mathutils_module()}
     try:
         with np.errstate(all="ignore"):  # what is not finite is refused where it is used
             read(text, script)

@@ -19,7 +19,6 @@ from lidardraft.drafting.cloud.layout import clusters_of, layout_from_cloud
 from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.drafting.picture.points import PseudoCloud, pseudo_cloud
 from lidardraft.drafting.picture.road import RoadPlane, corrected_depth, find_road_plane
-from lidardraft.drafting.picture.surroundings import mirrored_surroundings
 from lidardraft.errors import LayoutError, check_type
 from lidardraft.files import named
 from lidardraft.formats.intrinsics import read_intrinsics
@@ -51,35 +50,32 @@ def layout_from_image(
     *,
     depth: np.ndarray | PathLike | Network = DEPTH,
     semantics: np.ndarray | PathLike | Network = SEMANTICS,
-    instances: np.ndarray | None = None,
     masks: np.ndarray | PathLike | MaskNetwork | None = None,
     intrinsics: object | None = None,
     hfov: float | None = None,
     camera_height: float | None = CAMERA_HEIGHT,
     place: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    fill: bool = False,
 ) -> Layout:
     """The layout of what one picture shows.
 
     `image`: u8 [H, W, 3] or a JPEG, PNG or WebP file.
     `depth`: f [H, W] along the axis of the camera, 0 where unknown; or a network for metric depth: its id, its folder,
     or a `DepthNetwork`. `semantics`: class ids [H, W] of `semantics.CLASSES`, 0 for the sky and what is unknown; or a
-    network, likewise. `instances`: numbers of objects [H, W], counted for each class, 0 where unknown. Or `masks`, each
-    of which takes the class that most of its pixels have: bool [M, H, W], the best first; their numbers [H, W]; or a
-    network for masks, such as SAM.
+    network, likewise. `masks` of objects, each of which takes the class that most of its pixels have: bool [M, H, W],
+    the best first; their numbers [H, W], 0 where unknown; or a network for masks, such as SAM.
     `intrinsics`: K [3, 3] or (fx, fy, cx, cy) in pixels, or a file of them: JSON, or a calibration of KITTI; else
     `hfov`, the horizontal field of view [rad]; else the focal length that the file says.
     `camera_height` [m] over the road sets the scale; with None depth is taken as metres. The tilt comes from the road.
     `place`: (x, y, yaw) of the camera in the frame of the layout [m, rad].
-    `fill`: what the picture does not show becomes a mirror image of what it shows.
 
-    `coverage` of the layout is what the picture shows. Raises `LayoutError` on values that cannot be or where no ground
-    is visible, `FormatError` on a file that is no picture, `CheckpointError` where a network is not there.
+    `coverage` of the layout is what the picture shows; `surround` puts a street around that. Raises `LayoutError` on
+    values that cannot be or where no ground is visible, `FormatError` on a file that is no picture, `CheckpointError`
+    where a network is not there.
     """
     check_type("image", image, np.ndarray, str, os.PathLike)
     if isinstance(intrinsics, str | os.PathLike):
         intrinsics = read_intrinsics(intrinsics)
-    options = (depth, semantics, instances, masks, intrinsics, hfov, camera_height, place, fill)
+    options = (depth, semantics, masks, intrinsics, hfov, camera_height, place)
     if isinstance(image, np.ndarray):
         return _layout(Picture(image), *options)
     picture = read_picture(image)
@@ -91,13 +87,11 @@ def _layout(
     picture: Picture,
     depth: Any,
     semantics: Any,
-    instances: Any,
     masks: Any,
     intrinsics: object | None,
     hfov: float | None,
     camera_height: float | None,
     place: tuple[float, float, float],
-    fill: bool,
 ) -> Layout:
     pixels = picture.pixels
     if pixels.dtype != np.uint8 or pixels.ndim != 3 or pixels.shape[2] != 3 or not pixels.size:
@@ -105,9 +99,9 @@ def _layout(
     height, width = pixels.shape[:2]
     camera = _camera(width, height, intrinsics, hfov, picture.film_focal_length)
     _check_numbers(camera_height, place)
-    _check_objects(instances, masks, (height, width))
+    _check_masks(masks, (height, width))
     # Arrays are checked before any network is loaded, which takes seconds.
-    for name, given in (("depth", depth), ("semantics", semantics), ("instances", instances), ("masks", masks)):
+    for name, given in (("depth", depth), ("semantics", semantics), ("masks", masks)):
         if isinstance(given, np.ndarray) and name != "masks":
             _check_array(name, given, (height, width))
         elif not isinstance(given, np.ndarray | None) and (pixels == pixels[0, 0]).all():
@@ -115,14 +109,14 @@ def _layout(
     scale = min(1.0, _LONGEST_SIDE / max(height, width))
     camera = camera.resized(max(1, round(width * scale)), max(1, round(height * scale)))
     small = np.asarray(Image.fromarray(pixels).resize((camera.width, camera.height), Image.Resampling.BOX))
-    seen, labels, numbers = _seen(small, depth, semantics, instances, masks)
+    seen, labels, numbers = _seen(small, depth, semantics, masks)
     cloud = pseudo_cloud(seen, labels, numbers, camera)
     plane = find_road_plane(cloud.points, cloud.labels)
     stands = plane.height
     if camera_height is not None:
         stands = float(camera_height)
         cloud = pseudo_cloud(corrected_depth(seen, labels, camera, plane, stands), labels, numbers, camera)
-    layout = _levelled_layout(cloud, plane, stands, _coverage(camera, plane), fill)
+    layout = _levelled_layout(cloud, plane, stands, _coverage(camera, plane))
     provenance = {
         "source": "image",
         "depth": _name(depth),
@@ -130,14 +124,11 @@ def _layout(
         "hfov": 2 * math.atan(camera.width / 2 / camera.fx),
         "sensor_height": stands,
         "scale": stands / plane.height,
-        "filled": fill,
     }
     return _placed(replace(layout, provenance=provenance), place)
 
 
-def _levelled_layout(
-    cloud: PseudoCloud, plane: RoadPlane, stands: float, coverage: tuple[float, float], fill: bool
-) -> Layout:
+def _levelled_layout(cloud: PseudoCloud, plane: RoadPlane, stands: float, coverage: tuple[float, float]) -> Layout:
     points = cloud.points @ plane.level.T * (stands / plane.height)
     kept = np.linalg.norm(points, axis=1) < _FURTHEST
     kept &= np.isin(cloud.labels, GROUND_IDS) | (np.abs(points[:, 2] + stands) > _FOOT)
@@ -146,8 +137,7 @@ def _levelled_layout(
     points, labels, instances = points[kept], labels[kept], instances[kept]
     labels[_over_edges(points, labels, instances, rays)] = 0
     layout = layout_from_cloud(points, labels, instances=instances, weights=rays, sensor_height=stands, source="image")
-    layout = replace(layout, coverage=coverage)
-    return mirrored_surroundings(layout, points, labels, stands) if fill else layout
+    return replace(layout, coverage=coverage)
 
 
 def _thinned(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -213,15 +203,11 @@ def _check_array(name: str, array: np.ndarray, shape: tuple[int, int]) -> None:
     if wrong.any():
         row, column = np.argwhere(wrong)[0].tolist()
         raise LayoutError(f"{name} at row {row}, column {column} is {array[row, column]}; it must be {limit}")
-    if name not in ("instances", "masks") and not array.any():
+    if name != "masks" and not array.any():
         raise LayoutError(f"{name} is 0 everywhere; nothing is known of the picture")
 
 
-def _check_objects(instances: Any, masks: Any, shape: tuple[int, int]) -> None:
-    if instances is not None and masks is not None:
-        raise LayoutError("instances and masks both say the objects; give one of them")
-    if instances is not None and not isinstance(instances, np.ndarray):
-        raise LayoutError(f"instances is {_name(instances)!r}; it must be an array, and networks are given as masks")
+def _check_masks(masks: Any, shape: tuple[int, int]) -> None:
     if not isinstance(masks, np.ndarray):
         return
     if masks.ndim == 3 and (masks.dtype != bool or masks.shape[1:] != shape):
@@ -234,9 +220,7 @@ def _check_objects(instances: Any, masks: Any, shape: tuple[int, int]) -> None:
         raise LayoutError(f"there are {number} masks; up to {_MOST_MASKS} can be given")
 
 
-def _seen(
-    small: np.ndarray, depth: Any, semantics: Any, instances: Any, masks: Any
-) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+def _seen(small: np.ndarray, depth: Any, semantics: Any, masks: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Depth, classes and numbers of objects: arrays of the whole picture, or what networks see in the small one."""
     if not isinstance(semantics, np.ndarray):
         semantics = _network("SemanticNetwork", semantics)(small)
@@ -248,7 +232,7 @@ def _seen(
         semantics, instances = number_objects(semantics, few if masks.ndim == 3 else few[0])
     elif masks is not None:
         semantics, instances = _network("MaskNetwork", masks)(small, semantics)
-    elif instances is None:
+    else:
         instances = np.zeros_like(semantics)
     return depth, semantics, _resized(instances, small)
 

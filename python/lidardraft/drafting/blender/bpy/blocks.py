@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import ClassVar
 
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
@@ -23,16 +23,19 @@ class Unread(Record):
     def set_attribute(self, _name: str, _value: Value) -> None:
         pass
 
-    def item(self, _key: Value) -> Value:
+    def __getitem__(self, _key: Value) -> Value:
         return self
 
-    def set_item(self, _key: Value, _value: Value) -> None:
+    def __setitem__(self, _key: Value, _value: Value) -> None:
         pass
 
-    def elements(self) -> list[Value]:
-        return []
+    def __iter__(self) -> Iterator[Value]:
+        return iter(())
 
-    def call(self, _arguments: list[Value], _keywords: dict[str, Value]) -> Value:
+    def __len__(self) -> int:
+        return 0
+
+    def __call__(self, /, *_arguments: Value, **_keywords: Value) -> Value:
         return self
 
 
@@ -43,17 +46,17 @@ class Listed(Record):
         """Its values; whoever asks does not change them."""
         raise NotImplementedError
 
-    def elements(self) -> list[Value]:
-        return list(self.held())
+    def __iter__(self) -> Iterator[Value]:
+        return iter([*self.held()])
 
-    def length(self) -> int:
+    def __len__(self) -> int:
         return len(self.held())
 
     def named(self, name: Value) -> Value:
         """The one of that name, or None."""
         return next((each for each in self.held() if getattr(each, "name", None) == name), None)
 
-    def item(self, key: Value) -> Value:
+    def __getitem__(self, key: Value) -> Value:
         if not isinstance(key, str):
             found = self.held()
             return found[key if isinstance(key, slice) else place(key, len(found), self.kind)]
@@ -61,11 +64,11 @@ class Listed(Record):
             raise RaisedError("KeyError", f"{self.kind} has no {describe(key)}")
         return one
 
-    def contains(self, value: Value) -> bool:
+    def __contains__(self, value: Value) -> bool:
         return self.named(value) is not None if isinstance(value, str) else value in self.held()
 
-    def truth(self) -> bool:
-        return self.length() > 0
+    def __bool__(self) -> bool:
+        return len(self) > 0
 
     def _items(self) -> list[tuple[str, Value]]:
         return [(each.name, each) for each in self.held() if hasattr(each, "name")]
@@ -77,7 +80,7 @@ class Listed(Record):
     methods: ClassVar[Methods] = {
         "get": _get,
         "keys": lambda self: [name for name, _ in self._items()],
-        "values": lambda self: self.elements(),
+        "values": lambda self: list(self),
         "items": _items,
     }
 
@@ -147,7 +150,7 @@ class Blocks(Listed):
     def held(self) -> list[Value]:
         return list(self.by_name.values())
 
-    def length(self) -> int:
+    def __len__(self) -> int:
         return len(self.by_name)
 
     methods: ClassVar[Methods] = Listed.methods | {
@@ -167,17 +170,17 @@ class Block(Record):
         self.script = owner.script
         self.properties: dict[str, Value] = {}
 
-    def item(self, key: Value) -> Value:
-        if not self.contains(key):
+    def __getitem__(self, key: Value) -> Value:
+        if key not in self:
             raise RaisedError("KeyError", f"{self.kind} {self.name!r:.60} has no property {describe(key)}")
         return self.properties[key]
 
-    def set_item(self, key: Value, value: Value) -> None:
+    def __setitem__(self, key: Value, value: Value) -> None:
         if value is not None and not isinstance(value, int | float | str | list | tuple):
             raise RefusalError(f"a property of {describe(value)} is not supported")
         self.properties[text(key, "the name of a property")] = value
 
-    def contains(self, value: Value) -> bool:
+    def __contains__(self, value: Value) -> bool:
         return isinstance(value, str) and value in self.properties
 
     def _get(self, name: Value, default: Value = None) -> Value:

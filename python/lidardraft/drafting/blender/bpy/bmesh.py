@@ -14,7 +14,6 @@ from lidardraft.drafting.blender.bpy.meshes import SHAPES, Mesh, MeshShape, Vert
 from lidardraft.drafting.blender.bpy.scene import Scene
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.values import (
-    KindOfRecord,
     Methods,
     Namespace,
     Record,
@@ -25,6 +24,7 @@ from lidardraft.drafting.blender.script.values import (
     nothing,
     of_kind,
     reals,
+    type_of,
 )
 
 _CELLS = 8  # that a vertex or a face costs
@@ -227,7 +227,7 @@ def bmesh_module(scene: Scene) -> Namespace:
         "update_edit_mesh": lambda mesh, **_: of_kind(mesh, Mesh, "the mesh") and None,
     }
     parts = {
-        "types": Namespace("bmesh.types", {name: KindOfRecord(kind) for name, kind in kinds.items()}),
+        "types": Namespace("bmesh.types", {name: type_of(kind) for name, kind in kinds.items()}),
         "ops": Namespace("bmesh.ops", builtins("bmesh.ops.", operators)),
     }
     return Namespace("bmesh", parts | builtins("bmesh.", functions))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import ast
 import math
 import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from functools import partialmethod
 from typing import ClassVar
 
 import numpy as np
@@ -28,7 +28,7 @@ from lidardraft.drafting.blender.script.values import (
 
 IDENTITY = np.eye(4)
 IDENTITY.flags.writeable = False
-_OPERATORS = {ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv}
+Combine = Callable[[Value, Value], Value]
 
 
 def rotation_matrix(angles: Sequence[float]) -> np.ndarray:
@@ -151,7 +151,7 @@ class Vector(Record):
     @classmethod
     def from_value(cls, value: Value = (0.0, 0.0, 0.0)) -> Vector:
         """The vector of a list, a tuple or another vector."""
-        numbers = value.elements() if isinstance(value, Record) else value
+        numbers = list(value) if isinstance(value, Record) else value
         if not isinstance(numbers, list | tuple) or not 2 <= len(numbers) <= 4:
             raise RefusalError(f"a vector of {describe(value)}; it must be 2 to 4 numbers")
         return cls(reals(value, len(numbers), "a vector"))
@@ -160,8 +160,11 @@ class Vector(Record):
         """Other numbers of the same kind."""
         return type(self)(numbers)
 
-    def elements(self) -> list[Value]:
-        return list(self.numbers)
+    def __iter__(self) -> Iterator[Value]:
+        return iter(self.numbers)
+
+    def __len__(self) -> int:
+        return len(self.numbers)
 
     def _places(self, name: str) -> list[int]:
         """The places of the axes in a name ("x", "xz"); none, where it names others."""
@@ -185,36 +188,46 @@ class Vector(Record):
             numbers[each] = number
         self.change(numbers)
 
-    def item(self, key: Value) -> Value:
+    def __getitem__(self, key: Value) -> Value:
         numbers = self.numbers
         return tuple(numbers[key]) if isinstance(key, slice) else numbers[place(key, len(numbers), self.kind)]
 
-    def set_item(self, key: Value, value: Value) -> None:
+    def __setitem__(self, key: Value, value: Value) -> None:
         if isinstance(key, slice):
             self._put(range(len(self.numbers))[key], value)
         else:
             self._put([place(key, len(self.numbers), self.kind)], (value,))
 
-    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
-        combine = _OPERATORS.get(operator)
-        additive = operator in (ast.Add, ast.Sub)
-        if combine is None or additive == is_number(other) or (reflected and operator is ast.Div):
-            return super().binary(operator, other, reflected=reflected)
-        others = [real(other, "the factor")] * len(self.numbers) if is_number(other) else self._same(other)
+    def _combined(self, combine: Combine, other: Value, *, additive: bool, reflected: bool = False) -> Value:
+        """The numbers, each combined with that of another vector where it is `additive`, or else with a factor."""
+        if additive == is_number(other):
+            return NotImplemented
+        others = self._same(other) if additive else [real(other, "the factor")] * len(self.numbers)
         pairs = zip(others, self.numbers, strict=True) if reflected else zip(self.numbers, others, strict=True)
         try:
             return Vector([real(combine(a, b), "a coordinate") for a, b in pairs])
         except ZeroDivisionError:
             raise RefusalError("a vector divided by zero") from None
 
-    def in_place(self, operator: type[ast.operator], other: Value) -> Value:
-        self.change(self.binary(operator, other).numbers)
+    def _changed(self, combine: Combine, other: Value) -> Vector:
+        self.change(combine(self, other).numbers)
         return self
 
-    def negative(self) -> Value:
+    __add__ = partialmethod(_combined, operator.add, additive=True)
+    __radd__ = partialmethod(_combined, operator.add, additive=True, reflected=True)
+    __sub__ = partialmethod(_combined, operator.sub, additive=True)
+    __rsub__ = partialmethod(_combined, operator.sub, additive=True, reflected=True)
+    __mul__ = __rmul__ = partialmethod(_combined, operator.mul, additive=False)
+    __truediv__ = partialmethod(_combined, operator.truediv, additive=False)
+    __iadd__ = partialmethod(_changed, operator.add)
+    __isub__ = partialmethod(_changed, operator.sub)
+    __imul__ = partialmethod(_changed, operator.mul)
+    __itruediv__ = partialmethod(_changed, operator.truediv)
+
+    def __neg__(self) -> Vector:
         return self.like([-number for number in self.numbers])
 
-    def equals(self, other: Value) -> bool:
+    def __eq__(self, other: object) -> bool:
         return isinstance(other, Vector) and other.numbers == self.numbers
 
     def _same(self, other: Value) -> tuple[float, ...]:
@@ -322,9 +335,12 @@ class Quaternion(Vector):
             return cls(reals(value, 4, "the quaternion"))
         return cls(quaternion_of(about_axis(np.array(reals(value, 3, "the axis")), real(angle, "the angle"))))
 
-    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
-        if operator is not ast.MatMult or reflected or not isinstance(other, Vector):
-            raise RefusalError("of quaternions, only products by @ are supported")
+    def _refused(self, _other: Value) -> Vector:
+        raise RefusalError("of quaternions, only products by @ are supported")
+
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = __truediv__ = _refused
+
+    def __matmul__(self, other: Value) -> Value:
         if isinstance(other, Quaternion):
             return Quaternion(quaternion_of(of_quaternion(self.numbers) @ of_quaternion(other.numbers)))
         return Vector((of_quaternion(self.numbers) @ reals(other, 3, "the vector")).tolist())
@@ -387,22 +403,25 @@ class Matrix(Record):
     def _translate(self, value: Value) -> None:
         self._translation().change(reals(value, 3, "the translation"))
 
-    def elements(self) -> list[Value]:
-        return [self._row(row) for row in range(len(self.array))]
+    def __iter__(self) -> Iterator[Value]:
+        return (self._row(row) for row in range(len(self.array)))
 
-    def item(self, key: Value) -> Value:
+    def __len__(self) -> int:
+        return len(self.array)
+
+    def __getitem__(self, key: Value) -> Vector:
         return self._row(place(key, len(self.array), self.kind))
 
-    def set_item(self, key: Value, value: Value) -> None:
-        self.item(key).change(reals(value, len(self.array), "a row of a matrix"))
+    def __setitem__(self, key: Value, value: Value) -> None:
+        self[key].change(reals(value, len(self.array), "a row of a matrix"))
 
-    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
-        if operator is not ast.MatMult or reflected or not isinstance(other, Vector | Matrix):
-            return super().binary(operator, other, reflected=reflected)
+    def __matmul__(self, other: Value) -> Value:
         if isinstance(other, Matrix):
             if other.array.shape != self.array.shape:
                 raise RefusalError("matrices of different sizes")
             return Matrix(self.array @ other.array)
+        if not isinstance(other, Vector):
+            return NotImplemented
         numbers = other.numbers
         if len(numbers) == 3 and len(self.array) == 4:
             return Vector((self.array[:3, :3] @ numbers + self.array[:3, 3]).tolist())
@@ -410,8 +429,8 @@ class Matrix(Record):
             raise RefusalError("a matrix and a vector of different sizes")
         return Vector((self.array @ numbers).tolist())
 
-    def in_place(self, operator: type[ast.operator], other: Value) -> Value:
-        product = self.binary(operator, other)
+    def __imatmul__(self, other: Value) -> Value:
+        product = self @ other
         if not isinstance(product, Matrix):
             return product
         self.change(product.array)

@@ -4,7 +4,7 @@ what shape of a layout each one is."""
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import groupby
 from typing import ClassVar
@@ -22,6 +22,7 @@ from lidardraft.drafting.blender.script.values import (
     is_number,
     nothing,
     of_kind,
+    place,
     real,
     reals,
     whole,
@@ -288,9 +289,8 @@ class MaterialList(Listed):
     def held(self) -> list[Material | None]:
         return self.materials
 
-    def set_item(self, key: Value, value: Value) -> None:
-        self.item(whole(key, "the place of a material"))
-        self.materials[key] = _material(value)
+    def __setitem__(self, key: Value, value: Value) -> None:
+        self.materials[place(key, len(self.materials), self.kind)] = _material(value)
 
     methods: ClassVar[Methods] = Listed.methods | {
         "append": append,
@@ -410,7 +410,7 @@ class MeshVertices(Listed):
     def held(self) -> list[Vertex]:
         return self._mesh.vertices()
 
-    def length(self) -> int:
+    def __len__(self) -> int:
         return self._mesh.shape.vertices if self._mesh.shape else 0
 
 
@@ -425,13 +425,13 @@ class MeshElements(Record):
     def attribute(self, name: str) -> Value:
         return super().attribute(name) if self._name == "edges" else Unread(self.kind, self._mesh.script)
 
-    def elements(self) -> list[Value]:
-        return super().elements() if self._name == "edges" else Unread(self.kind, self._mesh.script).elements()
+    def __iter__(self) -> Iterator[Value]:
+        return super().__iter__() if self._name == "edges" else iter(Unread(self.kind, self._mesh.script))
 
-    def item(self, key: Value) -> Value:
-        return super().item(key) if self._name == "edges" else self.attribute("item")
+    def __getitem__(self, key: Value) -> Value:
+        return super().__getitem__(key) if self._name == "edges" else self.attribute("item")
 
-    def truth(self) -> bool:
+    def __bool__(self) -> bool:
         return self._mesh.shape is not None
 
 

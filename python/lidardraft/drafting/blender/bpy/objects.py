@@ -33,7 +33,6 @@ from lidardraft.drafting.blender.script.values import (
     real,
     reals,
     text,
-    truth,
     whole,
 )
 
@@ -96,9 +95,9 @@ class ArrayModifier(Record):
     def step(self, extents: np.ndarray) -> np.ndarray:
         """From one copy to the next [3], along the axes of an object whose mesh has these extents [3]."""
         values, step = self.values, np.zeros(3)
-        if truth(values["use_relative_offset"]):
+        if values["use_relative_offset"]:
             step += np.array(values["relative_offset_displace"].numbers) * extents
-        if truth(values["use_constant_offset"]):
+        if values["use_constant_offset"]:
             step += values["constant_offset_displace"].numbers
         return step
 
@@ -125,9 +124,9 @@ class Modifiers(Listed):
     def held(self) -> list[ArrayModifier]:
         return self.arrays
 
-    def item(self, key: Value) -> Value:
+    def __getitem__(self, key: Value) -> Value:
         try:
-            return super().item(key)
+            return super().__getitem__(key)
         except RaisedError:
             return Unread("modifiers", self._script)  # one that is passed over
 
@@ -177,7 +176,7 @@ class Objects(Blocks):
 
     def all(self) -> list[SceneObject]:
         """All objects, linked to the scene or not, in the order of their making."""
-        return self.elements()
+        return list(self)
 
     def select_only(self, item: SceneObject) -> None:
         """Make an object the only selected one, and the active one."""
@@ -355,7 +354,7 @@ class SceneObject(Block):
         if not isinstance(self.data, Mesh):
             return
         if self.data.materials.materials:
-            self.data.materials.set_item(0, value)
+            self.data.materials[0] = value
         else:
             self.data.materials.append(value)
 
@@ -368,7 +367,7 @@ class SceneObject(Block):
         self.data = value
 
     def _select(self, state: Value = True) -> None:
-        if truth(state):
+        if state:
             self.owner.selection[self] = None
         else:
             self.owner.selection.pop(self, None)

@@ -20,7 +20,6 @@ from lidardraft.drafting.blender.script.values import (
     real,
     reals,
     text,
-    truth,
 )
 
 _ORIGIN = (0.0, 0.0, 0.0)
@@ -100,7 +99,7 @@ def _select_vertices(scene: Scene, action: Value = "TOGGLE") -> None:
 
 def _select_by_type(scene: Scene, type: Value = "MESH", extend: Value = False) -> None:
     found = [item for item in scene.objects.all() if item.attribute("type") == type]
-    scene.objects.selection = {**(scene.objects.selection if truth(extend) else {}), **dict.fromkeys(found)}
+    scene.objects.selection = {**(scene.objects.selection if extend else {}), **dict.fromkeys(found)}
 
 
 def _delete(scene: Scene, **_: Value) -> None:
@@ -151,7 +150,7 @@ def _duplicate(scene: Scene, linked: Value = False, **_: Value) -> None:
     copies = []
     for item in list(scene.objects.selection):
         other = item.copy()
-        if not truth(linked) and isinstance(other.data, Mesh):
+        if not linked and isinstance(other.data, Mesh):
             other.data = other.data.copy()
         other.collections = dict(item.collections)
         scene.script.take_made(other.collections)
@@ -271,14 +270,14 @@ def _transform_apply(
     for item in scene.objects.selection:
         if not isinstance(item.data, Mesh):
             continue
-        if truth(rotation) and not truth(scale) and len(set(item.scale.numbers)) > 1:
+        if rotation and not scale and len(set(item.scale.numbers)) > 1:
             raise RefusalError("a rotation that is applied without an uneven scale is not supported; apply both")
         before = item.local()
-        if truth(location):
+        if location:
             item.location.change(_ORIGIN)
-        if truth(rotation):
+        if rotation:
             item.turn(np.eye(3))
-        if truth(scale):
+        if scale:
             item.scale.change((1.0, 1.0, 1.0))
         item.data.matrix = inverse(item.local(), item.name[:60]) @ before @ item.data.matrix
 

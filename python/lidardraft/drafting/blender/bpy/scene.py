@@ -12,7 +12,6 @@ from lidardraft.drafting.blender.bpy.objects import Objects, SceneObject
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.statements import Surroundings
 from lidardraft.drafting.blender.script.values import (
-    KindOfRecord,
     Methods,
     Namespace,
     Record,
@@ -22,6 +21,7 @@ from lidardraft.drafting.blender.script.values import (
     nothing,
     of_kind,
     reals,
+    type_of,
 )
 
 VERSION = (4, 5, 0)  # of Blender, for scripts that ask
@@ -188,32 +188,24 @@ class Scene:
         """`bpy.data`, `bpy.context` and so on by their names."""
         blocks = (self.objects, self.meshes, self.materials, self.collections)
         data: dict[str, Value] = {each.kind.removeprefix("bpy.data."): each for each in blocks}
-        data |= {name: OtherBlocks(name, self.script) for name in (*_PASSED_OVER, *_UNKNOWN)}
+        data |= {name: _other_blocks(name, self.script) for name in (*_PASSED_OVER, *_UNKNOWN)}
         data |= {"scenes": Listing("bpy.data.scenes", lambda: [self.current], {}), "filepath": ""}
         kinds = {"Object": SceneObject, "Mesh": Mesh, "Material": Material, "Collection": Collection}
-        types = Namespace("bpy.types", {name: KindOfRecord(kind) for name, kind in kinds.items()})
+        types = Namespace("bpy.types", {name: type_of(kind) for name, kind in kinds.items()})
         app = Namespace("bpy.app", {"version": VERSION, "version_string": "4.5.0", "background": True})
         return {"data": Namespace("bpy.data", data), "context": Context(self), "app": app, "types": types}
 
 
-class OtherBlocks(Listed):
+def _other_blocks(name: str, script: Script) -> Listing:
     """Blocks of a kind that is not read: none of them is there, and only those that no shape depends on can be made."""
+    kind = f"bpy.data.{name}"
 
-    def __init__(self, name: str, script: Script) -> None:
-        self.kind = f"bpy.data.{name}"
-        self._name = name
-        self._script = script
+    def new(*_: Value, **__: Value) -> Unread:
+        if name not in _PASSED_OVER:
+            raise RefusalError(f"{kind}.new is not supported")
+        return Unread({"metaballs": "META", "fonts": "FONT"}.get(name, name.removesuffix("s").upper()), script)
 
-    def held(self) -> list[Value]:
-        return []
-
-    def _new(self, *_: Value, **__: Value) -> Unread:
-        if self._name not in _PASSED_OVER:
-            raise RefusalError(f"{self.kind}.new is not supported")
-        kind = {"metaballs": "META", "fonts": "FONT"}.get(self._name, self._name.removesuffix("s").upper())
-        return Unread(kind, self._script)
-
-    methods: ClassVar[Methods] = Listed.methods | {"new": _new, "remove": nothing}
+    return Listing(kind, lambda: [], {"new": new, "remove": nothing})
 
 
 class CurrentScene(Block):
@@ -262,6 +254,7 @@ class Override(Surroundings):
     kind = "temp_override"
 
     def __init__(self, objects: Objects, named: dict[str, Value]) -> None:
+        super().__init__([])
         self._objects = objects
         self._named = named
         self._before = objects.active, objects.selection

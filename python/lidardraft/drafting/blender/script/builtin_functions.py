@@ -8,26 +8,24 @@ from typing import Any
 from lidardraft.drafting.blender.script.containers import Lazy, Set, iterate, ordered, to_dict
 from lidardraft.drafting.blender.script.definitions import CLASS_NAMES, BoundMethod, Function, Instance, ScriptClass
 from lidardraft.drafting.blender.script.expressions import attribute_of
-from lidardraft.drafting.blender.script.formatting import to_repr, to_text
-from lidardraft.drafting.blender.script.limits import RefusalError, Script
-from lidardraft.drafting.blender.script.operators import in_order
+from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
+from lidardraft.drafting.blender.script.operators import in_order, to_repr, to_text
 from lidardraft.drafting.blender.script.values import (
     Builtin,
-    KindOfRecord,
     Methods,
     Record,
-    Type,
     TypeFunction,
     Value,
+    builtins,
     call,
     checked,
     describe,
     elements,
     is_number,
+    is_of,
     length,
     nothing,
     text,
-    truth,
     whole,
 )
 
@@ -41,10 +39,8 @@ _NUMBERS: dict[str, type[int] | type[float]] = {"int": int, "float": float}
 def builtin_functions(script: Script) -> dict[str, Value]:
     """The functions, and the names of classes, by their names."""
     tables = _of_numbers() | _of_values(script) | _of_collections(script) | _of_functions(script)
-    functions = {
-        name: (TypeFunction if name in _TYPES else Builtin)(name, function) for name, function in tables.items()
-    }
-    return CLASS_NAMES | functions
+    types = {name: TypeFunction(name, tables[name], kinds) for name, kinds in _TYPES.items()}
+    return CLASS_NAMES | builtins("", tables) | types
 
 
 def _of_numbers() -> Methods:
@@ -83,32 +79,16 @@ def _of_values(script: Script) -> Methods:
         return default[0] if default and not has(owner, name) else attribute_of(owner, name, script)
 
     return {
-        "bool": lambda value=False: truth(value),
+        "bool": lambda value=False: bool(value),
         "str": lambda value="": to_text(value, script),
         "repr": lambda value: to_repr(value, script),
         "print": nothing,
-        "isinstance": _isinstance,
+        "isinstance": is_of,
         "type": _type,
         "hasattr": lambda value, name: has(value, text(name, "the name")),
         "getattr": getattr_,
         "callable": lambda value: isinstance(value, Function | Builtin | BoundMethod | ScriptClass),
     }
-
-
-def _isinstance(value: Value, kinds: Value) -> bool:
-    asked = kinds if isinstance(kinds, tuple) else (kinds,)
-    for kind in [each for one in asked for each in (one.types() if isinstance(one, Type) else (one,))]:
-        if kind is None:
-            found = value is None
-        elif isinstance(kind, ScriptClass):
-            found = isinstance(value, Instance) and value.of.derived_from(kind)
-        elif isinstance(kind, KindOfRecord):
-            found = isinstance(value, kind.of)
-        else:
-            found = isinstance(kind, Builtin) and isinstance(value, _TYPES.get(kind.name, ()))
-        if found:
-            return True
-    return False
 
 
 def _type(value: Value) -> Value:
@@ -137,7 +117,15 @@ def _of_collections(script: Script) -> Methods:
     def zipped(*columns: Value, strict: Value = False) -> Value:
         script.take_cells(_CELLS_OF_COLUMN * len(columns))
         parts = [iter(column) if isinstance(column, range) else iterate(column, script) for column in columns]
-        return Lazy(zip(*parts, strict=truth(strict)), script)
+        return Lazy(zip(*parts, strict=bool(strict)), script)
+
+    def following(items: Value, *default: Value) -> Value:
+        if not isinstance(items, Lazy):
+            raise RefusalError(f"{describe(items)} is no iterator")
+        try:
+            return next(items, *default)
+        except StopIteration:
+            raise RaisedError("StopIteration", "next: there is no value left") from None
 
     return {
         "len": length,
@@ -149,17 +137,11 @@ def _of_collections(script: Script) -> Methods:
         "enumerate": lambda items, start=0: Lazy(enumerate(iterate(items, script), start), script),
         "zip": zipped,
         "iter": lambda items: items if isinstance(items, Lazy) else Lazy(iterate(items, script), script),
-        "next": _next,
+        "next": following,
         "reversed": lambda items: Lazy(iter(elements(items, script)[::-1]), script),
-        "any": lambda items: any(map(truth, iterate(items, script))),
-        "all": lambda items: all(map(truth, iterate(items, script))),
+        "any": lambda items: any(iterate(items, script)),
+        "all": lambda items: all(iterate(items, script)),
     }
-
-
-def _next(items: Value, *default: Value) -> Value:
-    if not isinstance(items, Lazy):
-        raise RefusalError(f"{describe(items)} is no iterator")
-    return items.next(*default)
 
 
 def _of_functions(script: Script) -> Methods:
@@ -189,7 +171,7 @@ def _of_functions(script: Script) -> Methods:
 
     def passing(function: Value, items: Value) -> Iterator[Value]:
         for item in iterate(items, script):
-            if truth(item if function is None else call(function, [item], {}, script)):
+            if item if function is None else call(function, [item], {}, script):
                 yield item
 
     return {

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import ast
+import operator
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from functools import partial
+from collections.abc import Callable, Iterable, Iterator, MutableSet
+from functools import partial, reduce
 from typing import ClassVar
 
-from lidardraft.drafting.blender.script.formatting import brace_format, to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.operators import equal, in_order
+from lidardraft.drafting.blender.script.operators import brace_format, equal, in_order, to_text
 from lidardraft.drafting.blender.script.values import (
     Builtin,
     Methods,
@@ -22,7 +21,6 @@ from lidardraft.drafting.blender.script.values import (
     dict_key,
     elements,
     text,
-    truth,
     whole,
 )
 
@@ -37,36 +35,8 @@ _PYTHONS: dict[type, tuple[str, ...]] = {  # methods of Python's own, which make
     list: ("append", "clear", "copy", "insert", "reverse"),
     dict: ("clear", "copy"),
 }
-_END, _LAST = object(), object()
-_COMBINED: dict[str, Callable[[dict[Value, None], dict[Value, None]], Iterable[Value]]] = {  # members of two sets
-    "union": lambda left, right: [*left, *right],
-    "intersection": lambda left, right: [member for member in left if member in right],
-    "difference": lambda left, right: [member for member in left if member not in right],
-    "symmetric_difference": lambda left, right: [
-        *(member for member in left if member not in right),
-        *(member for member in right if member not in left),
-    ],
-}
-_SIGNS = {ast.BitOr: "union", ast.BitAnd: "intersection", ast.Sub: "difference", ast.BitXor: "symmetric_difference"}
-
-
-class DefaultDict(dict[Value, Value]):
-    """A dict that gets what `factory()` gives for a key that it lacks."""
-
-    def __init__(self, factory: Value, pairs: dict[Value, Value], script: Script) -> None:
-        super().__init__(pairs)
-        self._factory = factory
-        self._script = script
-
-    def __missing__(self, key: Value) -> Value:
-        if self._factory is None:
-            raise RaisedError("KeyError", f"the key {describe(key)} is not in the dict")
-        return self.setdefault(key, call(self._factory, [], {}, self._script))
-
-    def copy(self) -> DefaultDict:
-        return DefaultDict(self._factory, self, self._script)
-
-    __copy__ = copy
+_COMBINED = {"union": operator.or_, "intersection": operator.and_, "difference": operator.sub}
+_COMBINED |= {"symmetric_difference": operator.xor}
 
 
 class Deque(list[Value]):
@@ -83,111 +53,91 @@ class Lazy(Record):
         self._script = script
         self._is_running = False
 
-    def next(self, default: Value = _END) -> Value:
-        """The value that comes next, or `default` where none does."""
+    def __iter__(self) -> Iterator[Value]:
+        return self
+
+    def __next__(self) -> Value:
         if self._is_running:
             raise RefusalError(f"{self.kind} that goes on with itself")
         script, levels, line = self._script, self._script.levels, self._script.line
         script.go_deeper(line)
         self._is_running = True
         try:
-            value = next(self._values, default)
+            value = next(self._values)
         except ValueError as error:  # of columns that must be of one length
             raise RaisedError("ValueError", str(error)) from None
         finally:
             self._is_running, script.levels = False, levels
         script.line = line
-        if value is _END:
-            raise RaisedError("StopIteration", "next: there is no value left")
         return value
-
-    def rest(self) -> Iterator[Value]:
-        """All that are left, of which each is gone once it is handed out."""
-        while (value := self.next(_LAST)) is not _LAST:
-            yield value
-
-    def length(self) -> int:
-        raise RefusalError(f"{self.kind} has no length")
-
-    def elements(self) -> list[Value]:
-        found = []
-        for value in self.rest():
-            self._script.take_cells(1)
-            found.append(value)
-        return found
 
 
 def iterate(value: Value, script: Script) -> Iterator[Value]:
     """What takes one value after the other out of it: a list may change meanwhile; all who share an iterator go on with
     it."""
     if isinstance(value, Lazy):
-        return value.rest()
+        return value
     if not isinstance(value, list):
         return iter(elements(value, script))
     script.take_cells(len(value))
     return iter(value)
 
 
-class Set(Record):
+class Set(Record, MutableSet[Value]):
     """Members, each of them once, in the order in which they came, so that a script gives the same layout again."""
 
     kind = "a set"
+    only_alike = True
 
     def __init__(self, members: Iterable[Value], script: Script) -> None:
         self._members = dict.fromkeys(map(dict_key, members))
         self._script = script
         script.take_cells(3 * len(self._members))
 
-    def elements(self) -> list[Value]:
-        return list(self._members)
-
-    def length(self) -> int:
-        return len(self._members)
-
-    def contains(self, value: Value) -> bool:
-        return dict_key(value) in self._members
-
-    def truth(self) -> bool:
-        return bool(self._members)
-
-    def equals(self, other: Value) -> bool:
-        return isinstance(other, Set) and self._members == other._members
-
-    def text(self, _as_repr: bool) -> str:
-        return f"{{{to_text(list(self._members), self._script)[1:-1]}}}" if self._members else "set()"
-
-    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
-        if not isinstance(other, Set) or operator not in _SIGNS:
-            return super().binary(operator, other, reflected=reflected)
-        return self._combined(_SIGNS[operator], other)
-
-    def in_place(self, operator: type[ast.operator], other: Value) -> Value:
-        self._members = self.binary(operator, other)._members
-        return self
-
-    def _combined(self, way: str, *others: Value) -> Set:
-        members: Iterable[Value] = self._members
-        for other in others:
-            members = _COMBINED[way](dict.fromkeys(members), self._of(other))
+    def _from_iterable(self, members: Iterable[Value]) -> Set:  # type: ignore[override]
         return Set(members, self._script)
 
-    def _of(self, other: Value) -> dict[Value, None]:
-        return Set(elements(other, self._script), self._script)._members
+    def __contains__(self, value: Value) -> bool:
+        return dict_key(value) in self._members
+
+    def __iter__(self) -> Iterator[Value]:
+        return iter(self._members)
+
+    def __len__(self) -> int:
+        return len(self._members)
+
+    def __bool__(self) -> bool:
+        return bool(self._members)
+
+    def add(self, value: Value) -> None:
+        self._members.setdefault(dict_key(value))
+
+    def discard(self, value: Value) -> None:
+        self._members.pop(dict_key(value), None)
+
+    def text(self, _as_repr: bool) -> str:
+        return f"{{{to_text(list(self), self._script)[1:-1]}}}" if self else "set()"
+
+    def _combined(self, way: Callable[[Value, Value], Value], *others: Value) -> Set:
+        return reduce(way, [self._of(other) for other in others], self._of(self))
+
+    def _of(self, other: Value) -> Set:
+        return Set(elements(other, self._script), self._script)
 
     def _update(self, *others: Value) -> None:
         for other in others:
-            self._members |= self._of(other)
+            self |= self._of(other)
 
     methods: ClassVar[Methods] = {
-        **{way: lambda self, *others, way=way: self._combined(way, *others) for way in _COMBINED},
-        "copy": lambda self: self._combined("union"),
-        "add": lambda self, member: self._members.setdefault(dict_key(member)),
+        **{name: lambda self, *others, way=way: self._combined(way, *others) for name, way in _COMBINED.items()},
+        "copy": lambda self: self._of(self),
+        "add": add,
         "update": _update,
-        "discard": lambda self, member: self._members.pop(dict_key(member), None),
+        "discard": discard,
         "remove": lambda self, member: self._members.pop(dict_key(member)),
         "clear": lambda self: self._members.clear(),
-        "issubset": lambda self, other: not self._combined("difference", other)._members,
-        "isdisjoint": lambda self, other: not self._combined("intersection", other)._members,
+        "issubset": lambda self, other: self <= self._of(other),
+        "isdisjoint": lambda self, other: self.isdisjoint(self._of(other)),
     }
 
 
@@ -229,7 +179,7 @@ def ordered(items: Value, key: Value, reverse: Value, script: Script) -> list[Va
     """What `sorted` gives: of numbers, of texts, or of flat tuples of them."""
     found = elements(items, script)
     keys = found if key is None else [call(key, [item], {}, script) for item in found]
-    return [found[place] for place in in_order(partial(sorted, reverse=truth(reverse)), keys, script)]
+    return [found[place] for place in in_order(partial(sorted, reverse=bool(reverse)), keys, script)]
 
 
 def _most_common(script: Script, value: Counter[Value], n: Value = None) -> list[Value]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 
 from lidardraft.drafting.blender.script.limits import RefusalError, Script
 from lidardraft.drafting.blender.script.operators import equal
@@ -110,13 +110,13 @@ class Function(Record):
         pairs = zip(self._only, given.kw_defaults, defaults[count:], strict=True)
         self._defaults |= {name: value for name, default, value in pairs if default is not None}
 
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+    def __call__(self, /, *arguments: Value, **keywords: Value) -> Value:
         script, line = self._frame.script, self._frame.script.line
         result = self._run(Frame(self._frame, self._bound(arguments, keywords), script))
         script.line = line
         return result
 
-    def _bound(self, arguments: list[Value], keywords: dict[str, Value]) -> dict[str, Value]:
+    def _bound(self, arguments: tuple[Value, ...], keywords: dict[str, Value]) -> dict[str, Value]:
         given, names, only = self._given, self._names, self._only
         found = dict(zip(names, arguments, strict=False))
         more: dict[str, Value] = {}
@@ -125,7 +125,7 @@ class Function(Record):
                 raise RefusalError(f"{self.name}() is given {name!r:.60} twice")
             (found if name in names or name in only else more)[name] = value
         if given.vararg:
-            found[given.vararg.arg] = tuple(arguments[len(names) :])
+            found[given.vararg.arg] = arguments[len(names) :]
         elif len(arguments) > len(names):
             raise RefusalError(f"{self.name}() takes {len(names)} arguments; it is given {len(arguments)}")
         if given.kwarg:
@@ -150,7 +150,7 @@ class Decorator(Record):
     def __init__(self, around: Callable[[Value], Value]) -> None:
         self.around = around
 
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+    def __call__(self, /, *arguments: Value, **keywords: Value) -> Value:
         """Itself, as in `@dataclass(frozen=True)`; what stands in the brackets changes no shape."""
         return self if keywords or not arguments else self.around(arguments[0])
 
@@ -203,8 +203,8 @@ class ScriptClass(Type):
     """A class: its members by their names, and the fields that its instances are made from, if it says them."""
 
     def __init__(self, name: str, base: Value, body: ClassFrame) -> None:
+        super().__init__(f"the class {name:.40}", self._holds)
         self.name = name
-        self.kind = f"the class {name:.40}"
         self.base = base if isinstance(base, ScriptClass) else None
         self.marker: str = self.base.marker if self.base else base.name if isinstance(base, BaseMarker) else "object"
         self.is_enumeration = self.marker.endswith("Enum")
@@ -244,9 +244,11 @@ class ScriptClass(Type):
             scope = scope.base
         return _MISSING
 
-    def derived_from(self, other: ScriptClass) -> bool:
-        """Whether it is the other class, or one derived from that."""
-        return self is other or (self.base is not None and self.base.derived_from(other))
+    def _holds(self, value: Value) -> bool:
+        scope: ScriptClass | None = value.of if isinstance(value, Instance) else None
+        while scope is not None and scope is not self:
+            scope = scope.base
+        return scope is self
 
     def has_private(self, name: str) -> bool:
         return name in (*SPECIAL, "__name__") or not name.startswith("__")
@@ -272,19 +274,22 @@ class ScriptClass(Type):
     def set_attribute(self, name: str, value: Value) -> None:
         self.members[name] = value
 
-    def elements(self) -> list[Value]:
+    def __iter__(self) -> Iterator[Value]:
         if not self.is_enumeration:
-            return super().elements()
-        return [member for member in self.members.values() if isinstance(member, Instance)]
+            return super().__iter__()
+        return iter([member for member in self.members.values() if isinstance(member, Instance)])
 
-    def item(self, key: Value) -> Value:
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __getitem__(self, key: Value) -> Value:
         if not self.is_enumeration or not isinstance(key, str) or key not in self.members:
-            return super().item(key)
+            return super().__getitem__(key)
         return self.members[key]
 
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+    def __call__(self, /, *arguments: Value, **keywords: Value) -> Value:
         if self.is_enumeration:
-            for member in self.elements() if len(arguments) == 1 else []:
+            for member in self if len(arguments) == 1 else ():
                 if equal(member.values["value"], arguments[0], self.script):
                     return member
             raise RefusalError(f"{self.kind} has no such member")
@@ -293,12 +298,13 @@ class ScriptClass(Type):
         if start is not _MISSING:
             call(start, [instance, *arguments], keywords, self.script)
         elif self.made_from is not None:
-            self._fill(instance, self.made_from, arguments, keywords)
+            self._fill(instance, arguments, keywords)
         elif arguments or keywords:
             raise RefusalError(f"{self.kind} takes no arguments")
         return instance
 
-    def _fill(self, instance: Instance, fields: list[str], arguments: list[Value], keywords: dict[str, Value]) -> None:
+    def _fill(self, instance: Instance, arguments: Sequence[Value], keywords: dict[str, Value]) -> None:
+        fields = self.made_from or []
         if len(arguments) > len(fields) or not set(keywords) <= set(fields[len(arguments) :]):
             raise RefusalError(f"{self.kind} is given other arguments than {', '.join(fields):.100}")
         given = dict(zip(fields, arguments, strict=False)) | keywords
@@ -379,14 +385,14 @@ class Instance(Record):
             self.values[name] = value
             self._key = None
 
-    def elements(self) -> list[Value]:
-        return list(self.values.values()) if self.of.marker == "NamedTuple" else super().elements()
+    def __iter__(self) -> Iterator[Value]:
+        return iter(self.values.values()) if self.of.marker == "NamedTuple" else super().__iter__()
 
-    def item(self, key: Value) -> Value:
-        if self.of.marker != "NamedTuple":
-            return super().item(key)
-        numbers = self.elements()
-        return numbers[place(key, len(numbers), self.kind)]
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __getitem__(self, key: Value) -> Value:
+        return super().__getitem__(key) if self.of.marker != "NamedTuple" else [*self][place(key, len(self), self.kind)]
 
 
 def _as_key(value: Value) -> Value:
@@ -402,8 +408,8 @@ class BoundMethod(Record):
         self._function = function
         self._first = first
 
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        return self._function.call([self._first, *arguments], keywords)
+    def __call__(self, /, *arguments: Value, **keywords: Value) -> Value:
+        return self._function(self._first, *arguments, **keywords)
 
 
 class Super(Record):

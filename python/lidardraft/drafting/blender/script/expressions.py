@@ -10,9 +10,8 @@ from typing import Any
 
 from lidardraft.drafting.blender.script.containers import Lazy, Set, iterate, method, to_dict
 from lidardraft.drafting.blender.script.definitions import Frame, Function, Super
-from lidardraft.drafting.blender.script.formatting import format_value, to_repr, to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.operators import binary, compare, unary
+from lidardraft.drafting.blender.script.operators import binary, compare, format_value, to_repr, to_text, unary
 from lidardraft.drafting.blender.script.values import (
     Record,
     Value,
@@ -25,7 +24,6 @@ from lidardraft.drafting.blender.script.values import (
     lone_surrogate,
     place,
     text,
-    truth,
     whole,
 )
 
@@ -114,13 +112,15 @@ def values_of(nodes: list[ast.expr], frame: Frame) -> list[Value]:
 def item_of(owner: Value, key: Value, script: Script) -> Value:
     """What stands in square brackets behind a value."""
     if isinstance(owner, Record):
-        return owner.item(key)
+        return owner[key]
     if isinstance(owner, dict):
-        if dict_key(key) not in owner and not hasattr(owner, "__missing__"):
-            raise RaisedError("KeyError", f"the key {describe(key)} is not in the dict")
-    elif not isinstance(owner, str | list | tuple | range):
+        try:
+            return owner[dict_key(key)]
+        except KeyError:
+            raise RaisedError("KeyError", f"the key {describe(key)} is not in the dict") from None
+    if not isinstance(owner, str | list | tuple | range):
         raise RefusalError(f"{describe(owner)} has no items")
-    elif isinstance(key, slice):
+    if isinstance(key, slice):
         script.take_cells(len(range(*key.indices(length(owner)))))
     else:
         place(key, length(owner), describe(owner))
@@ -140,7 +140,7 @@ def _boolean(node: ast.BoolOp, frame: Frame) -> Value:
     wanted, value = isinstance(node.op, ast.Or), None
     for part in node.values:
         value = value_of(part, frame)
-        if truth(value) == wanted:
+        if bool(value) == wanted:
             break
     return value
 
@@ -220,7 +220,7 @@ def _rounds(loops: list[ast.comprehension], frame: Frame) -> Iterator[Frame]:
     def each() -> Iterator[Frame]:
         for item in items:
             assign(first.target, item, frame)
-            if all(truth(value_of(test, frame)) for test in first.ifs):
+            if all(value_of(test, frame) for test in first.ifs):
                 yield from _rounds(rest, frame) if rest else (frame,)
 
     return each()
@@ -250,7 +250,7 @@ _EXPRESSIONS: dict[type[ast.expr], Callable[[Any, Frame], Value]] = {
     ast.UnaryOp: lambda node, frame: unary(type(node.op), value_of(node.operand, frame)),
     ast.BoolOp: _boolean,
     ast.Compare: _compare,
-    ast.IfExp: lambda node, frame: value_of(node.body if truth(value_of(node.test, frame)) else node.orelse, frame),
+    ast.IfExp: lambda node, frame: value_of(node.body if value_of(node.test, frame) else node.orelse, frame),
     ast.List: lambda node, frame: values_of(node.elts, frame),
     ast.Tuple: lambda node, frame: tuple(values_of(node.elts, frame)),
     ast.Set: lambda node, frame: Set(values_of(node.elts, frame), frame.script),
@@ -313,9 +313,7 @@ def _set_attribute(owner: Value, name: str, value: Value) -> None:
 
 
 def _set_item(owner: Value, key: Value, script: Script, value: Value) -> None:
-    if isinstance(owner, Record):
-        owner.set_item(key, value)
-    elif isinstance(owner, dict) and is_key(key):
+    if isinstance(owner, Record) or (isinstance(owner, dict) and is_key(key)):
         owner[key] = value
     elif isinstance(owner, list) and isinstance(key, slice) and key.step in (None, 1):
         owner[key] = elements(value, script)

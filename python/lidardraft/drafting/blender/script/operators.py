@@ -1,101 +1,89 @@
-"""Operators on values of a script: what Python makes of them, if it is not too large."""
+"""What is calculated, compared and written of values of a script: what Python makes of them, if it is not too large."""
 
 from __future__ import annotations
 
 import ast
 import contextlib
 import operator
-from collections.abc import Callable
+import re
+import string
+from collections.abc import Callable, Iterator
 
-from lidardraft.drafting.blender.script.formatting import percent_format
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.values import (
-    Record,
-    Value,
-    checked,
-    describe,
-    elements,
-    is_key,
-    is_number,
-    not_calculated,
-    truth,
-)
+from lidardraft.drafting.blender.script.values import Record, Value, checked, describe, elements, is_key, is_number
 
 _LONGEST_SHIFT = 64
-_NUMBERS: dict[type[ast.operator], Callable[[Value, Value], Value]] = {
-    **{ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv},
-    **{ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow},
-    **{ast.LShift: operator.lshift, ast.RShift: operator.rshift},
-    **{ast.BitAnd: operator.and_, ast.BitOr: operator.or_, ast.BitXor: operator.xor},
+_WIDEST = 200  # characters that a number or a name is padded to, and digits behind the point
+_PERCENT = re.compile(r"%[-+ #0]*([\d.*]*)[^\d.*]")
+_OPERATORS: dict[type[ast.operator], tuple[str, Callable[[Value, Value], Value], Callable[[Value, Value], Value]]] = {
+    ast.Add: ("+", operator.add, operator.iadd),
+    ast.Sub: ("-", operator.sub, operator.isub),
+    ast.Mult: ("*", operator.mul, operator.imul),
+    ast.Div: ("/", operator.truediv, operator.itruediv),
+    ast.FloorDiv: ("//", operator.floordiv, operator.ifloordiv),
+    ast.Mod: ("%", operator.mod, operator.imod),
+    ast.Pow: ("**", operator.pow, operator.ipow),
+    ast.LShift: ("<<", operator.lshift, operator.ilshift),
+    ast.RShift: (">>", operator.rshift, operator.irshift),
+    ast.BitAnd: ("&", operator.and_, operator.iand),
+    ast.BitOr: ("|", operator.or_, operator.ior),
+    ast.BitXor: ("^", operator.xor, operator.ixor),
+    ast.MatMult: ("@", operator.matmul, operator.imatmul),
 }
 _ORDERS: dict[type, Callable[..., bool]]
 _ORDERS = {ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.GtE: operator.ge}
 
 
-def binary(kind: type[ast.operator], left: Value, right: Value, script: Script) -> Value:
-    """The result of an operator between two values."""
-    if isinstance(left, Record):
-        return left.binary(kind, right)
+def binary(kind: type[ast.operator], left: Value, right: Value, script: Script, in_place: bool = False) -> Value:
+    """The result of an operator between two values; one with = behind it changes a list, a dict, a set or a vector
+    itself, whoever else has it."""
     if kind is ast.Mod and isinstance(left, str):
         return percent_format(left, right, script)
-    if isinstance(right, Record):
-        return right.binary(kind, left, reflected=True)
-    if is_number(left) and is_number(right) and kind in _NUMBERS:
-        return _of_numbers(kind, left, right)
-    if kind is ast.Add and any(isinstance(left, each) and isinstance(right, each) for each in (str, list, tuple)):
-        script.take_made(joined := left + right)
-        return joined
-    if kind is ast.BitOr and type(left) is type(right) is dict:
-        script.take_made(joined := {**left, **right})
-        return joined
-    if kind is ast.Mult:
-        if isinstance(left, int):
-            left, right = right, left
-        if isinstance(left, str | list | tuple) and isinstance(right, int):
-            (script.take_text if isinstance(left, str) else script.take_cells)(len(left) * max(right, 0))
-            return left * right
-    raise not_calculated(kind, left, right)
-
-
-def in_place(kind: type[ast.operator], left: Value, right: Value, script: Script) -> Value:
-    """The result of `left += right` and the like: a list, a dict or a set changes itself, whoever else has it."""
-    if isinstance(left, Record):
-        return left.in_place(kind, right)
-    if isinstance(left, list) and kind is ast.Add:
+    sign, plain, changing = _OPERATORS[kind]
+    if in_place and kind is ast.Add and isinstance(left, list):
         right = elements(right, script)
-    result = binary(kind, left, right, script)
-    if isinstance(left, list):
-        left[:] = result
-    elif isinstance(left, dict):
-        left.update(result)
-    else:
-        return result
-    return left
-
-
-def _of_numbers(kind: type[ast.operator], left: Value, right: Value) -> Value:
-    if kind is ast.Pow and isinstance(left, int) and isinstance(right, int):
-        if right > _LONGEST_SHIFT and abs(left) > 1:
-            raise RefusalError(f"{left} ** {right} is too large")
-    elif kind in (ast.LShift, ast.RShift) and isinstance(right, int) and right > _LONGEST_SHIFT:
-        raise RefusalError(f"a shift by {right} bits")
+    error = RefusalError(f"{describe(left)} {sign} {describe(right)} is not supported")
+    if not _is_bounded(kind, left, right, script):
+        raise error
     try:
-        return checked(_NUMBERS[kind](left, right))
+        result = checked((changing if in_place else plain)(left, right))
     except TypeError:
-        raise not_calculated(kind, left, right) from None
-    except (ArithmeticError, ValueError) as error:
-        raise RaisedError(type(error).__name__, f"{error}") from None
+        raise error from None
+    except (ArithmeticError, ValueError) as raised:
+        raise RaisedError(type(raised).__name__, f"{raised}") from None
+    if kind is not ast.Mult:
+        script.take_made(right if result is left else result)
+    return result
+
+
+def _is_bounded(kind: type[ast.operator], left: Value, right: Value, script: Script) -> bool:
+    """Whether the operator is one of these values, and what it makes of them no larger than they are together; what it
+    repeats is counted here. Raises `RefusalError` for what is too large."""
+    if records := [each for each in (left, right) if isinstance(each, Record)]:
+        return type(left) is type(right) or not any(each.only_alike for each in records)
+    if is_number(left) and is_number(right):
+        grows = kind in (ast.LShift, ast.RShift) or (kind is ast.Pow and abs(left) > 1)
+        if grows and isinstance(left, int) and isinstance(right, int) and right > _LONGEST_SHIFT:
+            raise RefusalError(f"{left} {_OPERATORS[kind][0]} {right} is too large")
+        return True
+    if kind is ast.Mult:
+        many, number = (right, left) if isinstance(left, int) else (left, right)
+        if isinstance(many, str | list | tuple) and isinstance(number, int):
+            (script.take_text if isinstance(many, str) else script.take_cells)(len(many) * max(number, 0))
+            return True
+    if kind is ast.BitOr:
+        return type(left) is type(right) is dict
+    return kind is ast.Add and any(isinstance(left, each) and isinstance(right, each) for each in (str, list, tuple))
 
 
 def unary(kind: type[ast.unaryop], value: Value) -> Value:
     """The result of a sign, `not` or `~`."""
     if kind is ast.Not:
-        return not truth(value)
-    if isinstance(value, Record) and kind is ast.USub:
-        return value.negative()
-    if not is_number(value) or (kind is ast.Invert and isinstance(value, float)):
-        raise RefusalError(f"{describe(value)} cannot have this sign")
-    return -value if kind is ast.USub else +value if kind is ast.UAdd else ~value
+        return not value
+    try:
+        return -value if kind is ast.USub else +value if kind is ast.UAdd else ~value
+    except TypeError:
+        raise RefusalError(f"{describe(value)} cannot have this sign") from None
 
 
 def compare(kind: type[ast.cmpop], left: Value, right: Value, script: Script) -> bool:
@@ -129,16 +117,11 @@ def in_order(choose: Callable[..., Value], keys: list[Value], script: Script) ->
 def equal(left: Value, right: Value, script: Script, level: int = 0) -> bool:
     """Whether two values are equal; lists and the like by their elements, a limited way down."""
     script.take_step()
-    left = left.compared_as() if isinstance(left, Record) else left
-    right = right.compared_as() if isinstance(right, Record) else right
-    if isinstance(left, Record):
-        return left.equals(right)
-    if isinstance(right, Record):
-        return right.equals(left)
-    if not isinstance(left, list | tuple | dict):
+    left, right = (each.compared_as() if isinstance(each, Record) else each for each in (left, right))
+    alike = [kind for kind in (list, tuple, dict) if isinstance(left, kind) and isinstance(right, kind)]
+    if not alike:
         return bool(left == right)
-    alike = any(isinstance(left, kind) and isinstance(right, kind) for kind in (list, tuple, dict))
-    if not alike or len(left) != len(right):
+    if len(left) != len(right):
         return False
     if level > 8:
         raise RefusalError("lists within lists, too deep to be compared")
@@ -149,21 +132,93 @@ def equal(left: Value, right: Value, script: Script, level: int = 0) -> bool:
 
 def contains(container: Value, value: Value, script: Script) -> bool:
     """Whether `value` is in `container`."""
-    if isinstance(container, str):
-        if not isinstance(value, str):
-            raise RefusalError(f"{describe(value)} cannot be in a text")
-        return value in container
-    if isinstance(container, range):
-        return is_number(value) and float(value).is_integer() and int(value) in container
     if isinstance(container, dict):
         return is_key(value) and value in container
-    if isinstance(container, Record):
-        if type(container).contains is not Record.contains:
-            return container.contains(value)
-        container = container.elements()
-    if not isinstance(container, list | tuple):
-        raise RefusalError(f"nothing can be in {describe(container)}")
-    if not isinstance(value, list | tuple | dict | Record):
-        script.take_compared([value] * len(container))
+    if isinstance(container, range):
+        return is_number(value) and float(value).is_integer() and int(value) in container
+    if isinstance(container, str) and not isinstance(value, str):
+        raise RefusalError(f"{describe(value)} cannot be in a text")
+    if isinstance(container, str) or (isinstance(container, Record) and hasattr(type(container), "__contains__")):
         return value in container
-    return any(equal(item, value, script) for item in container)
+    items = container if isinstance(container, list | tuple) else elements(container, script)
+    if not isinstance(value, list | tuple | dict | Record):
+        script.take_compared([value] * len(items))
+        return value in items
+    return any(equal(item, value, script) for item in items)
+
+
+def to_text(value: Value, script: Script, level: int = 0) -> str:
+    """What `str` makes of a value; what is in a list looks as in Python's own."""
+    if isinstance(value, Record):
+        return value.text(level > 0)
+    if not isinstance(value, list | tuple | dict):
+        return repr(value) if level and isinstance(value, str) else str(value)
+    script.take_step()
+    if level > 8:
+        raise RefusalError("lists within lists, too deep to be written")
+    if isinstance(value, dict):
+        parts = [f"{to_text(key, script, 9)}: {to_text(item, script, level + 1)}" for key, item in value.items()]
+    else:
+        parts = [to_text(item, script, level + 1) for item in value]
+    script.take_text(sum(map(len, parts)) + 2 * len(parts) + 2)
+    inner = ", ".join(parts)
+    if isinstance(value, dict):
+        return f"{{{inner}}}"
+    return f"[{inner}]" if isinstance(value, list) else f"({inner}{',' * (len(parts) == 1)})"
+
+
+def to_repr(value: Value, script: Script) -> str:
+    """What `repr` makes of a value."""
+    return to_text([value], script)[1:-1]
+
+
+def format_value(value: Value, spec: str, script: Script) -> str:
+    """What an f-string makes of a value with what stands behind its colon."""
+    _check_widths(spec)
+    if spec and not isinstance(value, str | int | float):
+        raise RefusalError(f"{describe(value)} cannot be formatted as {spec!r}")
+    with _telling():
+        return format(_plain(value, script), spec)
+
+
+def brace_format(template: str, arguments: tuple[Value, ...], keywords: dict[str, Value], script: Script) -> str:
+    """What `template.format(...)` gives; a field is a number or a name, and nothing of what it stands for."""
+    script.take_cells(4 * template.count("{"))
+    for _, field, spec, conversion in string.Formatter().parse(template):
+        if conversion or "{" in (spec or "") or not re.fullmatch(r"\w*", field or ""):
+            raise RefusalError(f"the format {template[:40]!r} is not supported")
+        _check_widths(spec or "")
+    plain = {name: _plain(value, script) for name, value in keywords.items()}
+    text = template.format(*[_plain(value, script) for value in arguments], **plain)
+    script.take_text(len(text))
+    return text
+
+
+def percent_format(template: str, values: Value, script: Script) -> str:
+    """What `template % values` gives."""
+    for match in _PERCENT.finditer(template):
+        _check_widths(match[1].replace("*", str(10 * _WIDEST)))
+    given = values if isinstance(values, tuple) else (values,)
+    with _telling():
+        text = template % tuple([_plain(value, script) for value in given])
+    script.take_text(len(text))
+    return text
+
+
+@contextlib.contextmanager
+def _telling() -> Iterator[None]:
+    try:
+        yield
+    except (TypeError, ValueError, OverflowError) as error:
+        raise RefusalError(f"a format that is not supported: {error}") from None
+
+
+def _plain(value: Value, script: Script) -> str | int | float:
+    """The value as one that Python itself can write."""
+    return value if isinstance(value, str | int | float) else to_text(value, script)
+
+
+def _check_widths(spec: str) -> None:
+    for width in re.findall(r"\d+", spec):
+        if len(width) > 4 or int(width) > _WIDEST:
+            raise RefusalError(f"a width of {width[:12]} characters; {_WIDEST} are the most")

@@ -11,8 +11,8 @@ import warnings
 from lidardraft.drafting.blender.script.builtin_functions import builtin_functions
 from lidardraft.drafting.blender.script.definitions import Frame
 from lidardraft.drafting.blender.script.limits import Limits, RaisedError, RefusalError, Script
+from lidardraft.drafting.blender.script.modules import SCRIPT_FILE
 from lidardraft.drafting.blender.script.statements import generators_in, result_of
-from lidardraft.drafting.blender.script.stub_modules import SCRIPT_FILE
 from lidardraft.drafting.blender.script.values import lone_surrogate
 
 # Code, a comment, or a string; one that does not end goes on to the end of its line or of the text. Whatever follows,

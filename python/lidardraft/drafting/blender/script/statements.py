@@ -29,9 +29,8 @@ from lidardraft.drafting.blender.script.expressions import (
     value_of,
     values_of,
 )
-from lidardraft.drafting.blender.script.formatting import to_text
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError
-from lidardraft.drafting.blender.script.operators import in_place
+from lidardraft.drafting.blender.script.operators import binary, to_text
 from lidardraft.drafting.blender.script.values import (
     Namespace,
     Outside,
@@ -40,7 +39,6 @@ from lidardraft.drafting.blender.script.values import (
     describe,
     dict_key,
     place,
-    truth,
 )
 
 Going = Generator[Value, None, object]  # its values, and then what ends the statements around it early, or None
@@ -132,11 +130,11 @@ def _annotated(node: ast.AnnAssign, frame: Frame) -> None:
 
 def _augmented(node: ast.AugAssign, frame: Frame) -> None:
     read, write = place_of(node.target, frame)
-    write(in_place(type(node.op), read(), value_of(node.value, frame), frame.script))
+    write(binary(type(node.op), read(), value_of(node.value, frame), frame.script, in_place=True))
 
 
 def _if(node: ast.If, frame: Frame) -> Going:
-    return (yield from block(node.body if truth(value_of(node.test, frame)) else node.orelse, frame))
+    return (yield from block(node.body if value_of(node.test, frame) else node.orelse, frame))
 
 
 def _for(node: ast.For, frame: Frame) -> Going:
@@ -149,7 +147,7 @@ def _for(node: ast.For, frame: Frame) -> Going:
 
 
 def _while(node: ast.While, frame: Frame) -> Going:
-    return _loop(node, iter(lambda: truth(value_of(node.test, frame)), False), frame)
+    return _loop(node, iter(lambda: bool(value_of(node.test, frame)), False), frame)
 
 
 def _loop(node: ast.For | ast.While, rounds: Iterator[object], frame: Frame) -> Going:
@@ -230,17 +228,19 @@ def _yielded(node: ast.Yield | ast.YieldFrom, frame: Frame) -> Iterator[Value]:
 
 
 class Surroundings(Record):
-    """What may stand behind `with`: it changes something for a block, and takes it back."""
+    """What may stand behind `with`: it changes something for a block, and takes it back; `suppressed` errors end the
+    block, and nothing more."""
+
+    kind = "suppress"
+
+    def __init__(self, suppressed: list[str]) -> None:
+        self.suppressed = suppressed
 
     def enter(self) -> None:
         """Begin the block."""
 
     def leave(self) -> None:
         """End the block."""
-
-    def catches(self, _error: RaisedError) -> bool:
-        """Whether an error ends the block, and nothing more."""
-        return False
 
 
 def _with(node: ast.With, frame: Frame) -> Going:
@@ -254,7 +254,7 @@ def _with(node: ast.With, frame: Frame) -> Going:
     try:
         return (yield from block(node.body, frame))
     except RaisedError as error:
-        if not any(value.catches(error) for value in entered):
+        if not any(_is_caught(error, value.suppressed) for value in entered):
             raise
         return None
     finally:
@@ -282,7 +282,7 @@ def _guarded(node: ast.Try, frame: Frame) -> Going:
         ended = yield from block(node.body, frame)
     except RaisedError as error:
         for handler in node.handlers:
-            if handler.type is None or is_caught(error, _names(handler.type)):
+            if handler.type is None or _is_caught(error, _names(handler.type)):
                 if handler.name is not None:
                     frame.set(handler.name, error.said)
                 outside, script.handled = script.handled, error
@@ -295,7 +295,7 @@ def _guarded(node: ast.Try, frame: Frame) -> Going:
 
 
 def _assert(node: ast.Assert, frame: Frame) -> None:
-    if not truth(value_of(node.test, frame)):
+    if not value_of(node.test, frame):
         raise RaisedError("AssertionError", "what the script asserts is not so", "")
 
 
@@ -312,7 +312,7 @@ def _raise(node: ast.Raise, frame: Frame) -> None:
     raise RaisedError(names[0], f"the script ends itself here with {names[0]:.60}{shown}", said)
 
 
-def is_caught(error: RaisedError, names: list[str]) -> bool:
+def _is_caught(error: RaisedError, names: list[str]) -> bool:
     """Whether `except` of these classes catches the error; `SystemExit` is no `Exception`."""
     kinds = _ALL[1:] if error.name == "SystemExit" else (_KINDS.get(error.name), *_ALL)
     return not {error.name, *kinds}.isdisjoint(names)

@@ -1,13 +1,13 @@
 """What a value of a script can be: None, numbers, text, lists, tuples, dicts, ranges, and records.
 
-Nothing of Python itself is a value: an attribute is looked up in a table of the record, never with `getattr`.
+Nothing of Python itself is a value: an attribute is looked up in a table of the record, never with `getattr`. What
+operators, brackets, loops and calls do, records say as Python's own values do.
 """
 
 from __future__ import annotations
 
-import ast
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, ClassVar, TypeVar
 
@@ -29,6 +29,7 @@ class Record:
 
     kind = "a value"
     is_key = False  # whether it can be a key of a dict: what is the same only as itself
+    only_alike = False  # whether operators take it with its like alone
     fields: ClassVar[Methods] = {}
     setters: ClassVar[Methods] = {}
     methods: ClassVar[Methods] = {}
@@ -51,57 +52,28 @@ class Record:
             raise RefusalError(f"{name!r} of {self.kind} cannot be set to {describe(value)}")
         self.setters[name](self, value)
 
-    def item(self, key: Value) -> Value:
-        """What square brackets give."""
-        raise RefusalError(f"{self.kind} has no item {describe(key)}")
-
-    def set_item(self, key: Value, value: Value) -> None:
-        """What an assignment to square brackets does."""
-        raise RefusalError(f"{self.kind} has no item {describe(key)} that can be set to {describe(value)}")
-
-    def elements(self) -> list[Value]:
-        """What a loop goes through."""
-        raise RefusalError(f"{self.kind} cannot be looped over")
-
-    def length(self) -> int:
-        """The number of its elements."""
-        return len(self.elements())
-
-    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
-        """The result of an operator with another value, which stands on the left of it where `reflected`."""
-        raise not_calculated(operator, *((other, self) if reflected else (self, other)))
-
-    def in_place(self, operator: type[ast.operator], other: Value) -> Value:
-        """The result of an operator with = behind it: what can change does, and stays the same value."""
-        return self.binary(operator, other)
-
-    def negative(self) -> Value:
-        """The result of a minus sign."""
-        raise RefusalError(f"{self.kind} cannot be calculated with")
-
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
-        """What it returns when it is called."""
-        raise RefusalError(f"{self.kind} cannot be called with {len(arguments) + len(keywords)} arguments")
-
-    def contains(self, value: Value) -> bool:
-        """Whether `in` finds the value in it."""
-        return value in self.elements()
-
-    def truth(self) -> bool:
-        """What it counts as in a condition."""
-        return True
-
-    def equals(self, other: Value) -> bool:
-        """Whether it is equal to another value."""
-        return self is other
-
-    def compared_as(self) -> Value:
-        """The value of Python's that it is compared as: itself, where `equals` decides."""
-        return self
-
     def text(self, _as_repr: bool) -> str:
         """What `str`, or `repr`, makes of it."""
         return f"<{self.kind}>"
+
+    def compared_as(self) -> Value:
+        """The value of Python's that it is compared as: itself, where == decides."""
+        return self
+
+    def __getitem__(self, key: Value) -> Value:
+        raise RefusalError(f"{self.kind} has no item {describe(key)}")
+
+    def __setitem__(self, key: Value, value: Value) -> None:
+        raise RefusalError(f"{self.kind} has no item {describe(key)} that can be set to {describe(value)}")
+
+    def __iter__(self) -> Iterator[Value]:
+        raise RefusalError(f"{self.kind} cannot be looped over")
+
+    def __bool__(self) -> bool:
+        return True
+
+    def __call__(self, /, *arguments: Value, **keywords: Value) -> Value:
+        raise RefusalError(f"{self.kind} cannot be called with {len(arguments) + len(keywords)} arguments")
 
 
 AnyRecord = TypeVar("AnyRecord", bound=Record)
@@ -121,7 +93,7 @@ class Builtin(Record):
     def attribute(self, name: str) -> Value:
         return Builtin(name, self._own[name]) if name in self._own else super().attribute(name)
 
-    def call(self, arguments: list[Value], keywords: dict[str, Value]) -> Value:
+    def __call__(self, /, *arguments: Value, **keywords: Value) -> Value:
         """Its result. Raises `RefusalError` for wrong arguments, which cannot be caught: Python might take them."""
         try:
             return self._call(*arguments, **keywords)
@@ -142,43 +114,38 @@ class Type(Record):
 
     is_key = True
 
-    def types(self) -> tuple[Value, ...]:
-        """It, or all that are joined in it."""
-        return (self,)
+    def __init__(self, kind: str, holds: Callable[[Value], bool]) -> None:
+        self.kind = kind
+        self.holds = holds
 
-    def binary(self, operator: type[ast.operator], other: Value, *, reflected: bool = False) -> Value:
-        if operator is not ast.BitOr or not (other is None or isinstance(other, Type)):
-            return super().binary(operator, other, reflected=reflected)
-        others = (None,) if other is None else other.types()
-        return UnionOfTypes(others + self.types() if reflected else self.types() + others)
+    def __or__(self, other: Value) -> Type:
+        if not (other is None or isinstance(other, Type)):
+            return NotImplemented
+        return Type("a union of types", lambda value: is_of(value, (self, other)))
+
+    __ror__ = __or__
 
 
-class UnionOfTypes(Type):
-    """`int | float | None`."""
+def is_of(value: Value, kinds: Value) -> bool:
+    """What `isinstance` says."""
+    asked = kinds if isinstance(kinds, tuple) else (kinds,)
+    return any(value is None if kind is None else isinstance(kind, Type) and kind.holds(value) for kind in asked)
 
-    kind = "a union of types"
 
-    def __init__(self, types: tuple[Value, ...]) -> None:
-        self._types = types
-
-    def types(self) -> tuple[Value, ...]:
-        return self._types
+def type_of(records: type[Record]) -> Type:
+    """A class of Blender's that a script may only ask about, with `isinstance`."""
+    return Type("a class of Blender", lambda value: isinstance(value, records))
 
 
 class TypeFunction(Type, Builtin):
     """A function that is also a type: `list`, `float`. What is said of types in brackets is passed over."""
 
-    def item(self, _key: Value) -> Value:
+    def __init__(self, name: str, call: Callable[..., Value], types: tuple[type, ...]) -> None:
+        Builtin.__init__(self, name, call)
+        self.holds = lambda value: isinstance(value, types)
+
+    def __getitem__(self, _key: Value) -> Value:
         return self
-
-
-class KindOfRecord(Type):
-    """A class of Blender's that a script may only ask about, with `isinstance`."""
-
-    kind = "a class of Blender"
-
-    def __init__(self, of: type[Record]) -> None:
-        self.of = of
 
 
 class Namespace(Record):
@@ -212,17 +179,17 @@ class Outside(Record):
     def attribute(self, name: str) -> Value:
         return Outside(f"{self.kind}.{name[:60]}")
 
-    def call(self, _arguments: list[Value], _keywords: dict[str, Value]) -> Value:
+    def __call__(self, /, *_arguments: Value, **_keywords: Value) -> Value:
         raise RefusalError(f"a call of {self.kind}: a script is read, not run, and this module is not known")
 
-    def truth(self) -> bool:
+    def __bool__(self) -> bool:
         raise RefusalError(f"the value of {self.kind}: a script is read, not run, and this module is not known")
 
-    def equals(self, _other: Value) -> bool:
-        return self.truth()
+    def __eq__(self, _other: object) -> bool:
+        return bool(self)
 
     def text(self, _as_repr: bool) -> str:
-        return str(self.truth())
+        return str(bool(self))
 
 
 def call(function: Value, arguments: list[Value], keywords: dict[str, Value], script: Script) -> Value:
@@ -230,7 +197,7 @@ def call(function: Value, arguments: list[Value], keywords: dict[str, Value], sc
     if not isinstance(function, Record):
         raise RefusalError(f"{describe(function)} cannot be called")
     script.take_step()
-    return function.call(arguments, keywords)
+    return function(*arguments, **keywords)
 
 
 def is_number(value: Value) -> bool:
@@ -295,7 +262,7 @@ def lone_surrogate(text: str) -> int | None:
 
 def reals(value: Value, count: int, what: str) -> tuple[float, ...]:
     """The value as so many finite floats."""
-    numbers = value.elements() if isinstance(value, Record) else value
+    numbers = list(value) if isinstance(value, Record) else value
     if not isinstance(numbers, list | tuple) or len(numbers) != count:
         raise RefusalError(f"{what} is {describe(value)}; it must be {count} numbers")
     return tuple([real(number, what) for number in numbers])
@@ -304,8 +271,10 @@ def reals(value: Value, count: int, what: str) -> tuple[float, ...]:
 def elements(value: Value, script: Script) -> list[Value]:
     """What a loop over the value goes through, as a list of its own; raises `RefusalError` where it is none."""
     if isinstance(value, Record):
-        found = value.elements()
-        script.take_cells(len(found))
+        found = []
+        for each in value:
+            script.take_cells(1)
+            found.append(each)
         return found
     if not isinstance(value, _SEQUENCES):
         raise RefusalError(f"{describe(value)} cannot be looped over")
@@ -315,19 +284,12 @@ def elements(value: Value, script: Script) -> list[Value]:
 
 def length(value: Value) -> int:
     """The number of its elements or characters."""
-    if isinstance(value, Record):
-        return value.length()
-    if not isinstance(value, _SEQUENCES):
+    if not hasattr(type(value), "__len__"):
         raise RefusalError(f"{describe(value)} has no length")
     try:
         return len(value)
     except OverflowError:  # a range of more than 2^63
         raise RefusalError("a range without end") from None
-
-
-def truth(value: Value) -> bool:
-    """What the value counts as in a condition."""
-    return value.truth() if isinstance(value, Record) else bool(value)
 
 
 def is_key(value: Value) -> bool:
@@ -342,17 +304,6 @@ def dict_key(key: Value) -> Value:
     if not is_key(key):
         raise RefusalError(f"{describe(key)} cannot be a key")
     return key
-
-
-_SIGNS = {
-    **{ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.Div: "/", ast.FloorDiv: "//", ast.Mod: "%", ast.Pow: "**"},
-    **{ast.LShift: "<<", ast.RShift: ">>", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^", ast.MatMult: "@"},
-}
-
-
-def not_calculated(operator: type[ast.operator], left: Value, right: Value) -> RefusalError:
-    """The error that says so of two values and the operator between them."""
-    return RefusalError(f"{describe(left)} {_SIGNS[operator]} {describe(right)} is not supported")
 
 
 def describe(value: Value) -> str:
