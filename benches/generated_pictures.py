@@ -98,7 +98,7 @@ def drafts() -> Iterator[tuple[str, Layout]]:
         yield f"boxes: {name}", layout_from_boxes(layout.boxes())
     for name, layout in layouts[4:8]:
         picture = render(layout, Pinhole.from_hfov(WIDE, 720, 480))
-        known = {"depth": picture.depth, "semantics": picture.labels, "instances": picture.instances, "hfov": WIDE}
+        known = {"depth": picture.depth, "semantics": picture.labels, "masks": picture.instances, "hfov": WIDE}
         yield f"picture: {name}", layout_from_image(picture.pixels, **known)
 
 
