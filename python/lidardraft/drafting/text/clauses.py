@@ -133,6 +133,10 @@ class _Reading:
                 index += self._at(index + 1) == "has"
             elif node.symbol in ("busy", "quiet", "size", "colour") and verb and self._items and not link:
                 self._qualify(node)
+            elif node.symbol == "unknown":
+                link = "" if link == "has" else link
+                if self._items:
+                    self._items[-1] = dataclasses.replace(self._items[-1], is_told=True)
             elif node.symbol in (*_NAMES, *_ROADS):
                 self._name(node, link, "" if verb == "there" else verb)
                 link = verb = ""
@@ -217,14 +221,18 @@ class _Reading:
                 self._items.append(Item(street, link, verb))
             return
         head = noun_phrase(node)
-        after_of = node.start > 0 and self._texts[node.start - 1] == "of" and not link
-        if after_of and before is not None and isinstance(before.head, NounPhrase) and is_known(before.head):
+        if (
+            before is not None
+            and isinstance(before.head, NounPhrase)
+            and is_known(before.head)
+            and self._texts[node.start - 1] == "of"
+            and node.start - 2 in before.head.tokens
+        ):
             return  # "the driver of the bus"
         if head.kind is None and not link and before is not None and named and not self._is_placed(before):
             return  # it only says something of the object before it: "a man walking his dog"
-        if not link and named and head.kind in COMPANIONS and (head.kind == "animal" or head.owned):
+        if not link and named and is_known(head) and (head.kind == "animal" or head.owned):
             link = "with"  # "a man walking his dog"
-            head = dataclasses.replace(head, owned=False)
         self._items.append(Item(head, link, verb))
 
     def _qualify(self, node: Node) -> None:
@@ -287,12 +295,20 @@ class _Reading:
         modifiers = self._modifiers(node, link, "one" if singular else verb)
         for modifier in modifiers:
             if self._items:
-                at = self._anchor if link == ")" and self._anchor >= 0 else -1
+                at = self._anchor if link == ")" and self._anchor >= 0 else self._subject(link, verb or singular)
                 self._items[at] = _with(self._items[at], modifier)
             else:
                 self._lead.append(modifier)
         self._alone = not self._items
         return index + 1
+
+    def _subject(self, link: str, has_verb: object) -> int:
+        """The item that a verb says something of: after "and", or after what is carried, that before its verb."""
+        at = len(self._items) - 1
+        goes_on = has_verb and (link == "and" or (not link and self._items[at].modifiers))
+        while at > 0 and goes_on and self._items[at].link in ("with", "has", *([""] if link else [])):
+            at -= 1
+        return at
 
     def _leads_to(self, index: int, link: str) -> int:
         """The index of the object that what is said here introduces; 0 where it says something of those before.

@@ -117,8 +117,6 @@ def _target(d: Discourse, phrase: NounPhrase, subjects: Ids) -> Ids:
         return []
     bare = not phrase.plural and phrase.count == 1 and len(phrase.tokens) == 1
     known = known_mention(d, replace(phrase, definite=True) if bare else phrase, subjects[-1:])
-    if known is None and phrase.owned:
-        return []
     if known is None:
         known = d.add(replace(mention_of(phrase), count="some" if phrase.each and phrase.count == 1 else phrase.count))
     for subject in subjects if phrase.each else []:

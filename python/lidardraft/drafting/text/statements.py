@@ -142,7 +142,7 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
         return None
     if phrase.pronoun:
         return meant_by(d, phrase)
-    if phrase.kind is None or (phrase.owned and known_mention(d, phrase, []) is None):
+    if phrase.kind is None:
         carried = (
             (item.link == "with" or phrase.without) and before and not any(d.mentions[one].placed for one in before)
         )

@@ -151,6 +151,7 @@ class Item:
     link: str = ""
     verb: str = ""  # before it, as in "one of them is a taxi"
     modifiers: tuple[Modifier, ...] = ()
+    is_told: bool = False  # something of it that is not understood
 
 
 @dataclass(frozen=True, slots=True)
