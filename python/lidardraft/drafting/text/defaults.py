@@ -75,7 +75,8 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
     if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides):
         heading = "parked"
     strip_across = heading == "across" and kind.follows_road  # a fence across the road
-    if not (kind.drives or (kind.walks and heading != "parked")):
+    waits = kind.walks and mention.speed == 0.0 and str(heading).startswith("across")  # to cross, at the kerb
+    if waits or not (kind.drives or (kind.walks and heading != "parked")):
         heading = None
     if mention.queue and kind.drives and heading is None and not references:
         heading, lane = "with", lane or (None if at.sides else "own")
@@ -99,7 +100,7 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         count="some" if at.spacing and mention.count == 1 else mention.count,
         places=places or (("front",) if mention.queue and kind.drives and not references else ()),
         not_places=tuple(dict.fromkeys(_named(place) for place in mention.not_at if any(place))),
-        surface="sidewalk" if at.sidewalk and "sidewalk" in kind.surfaces else "road" if in_road else None,
+        surface="sidewalk" if (at.sidewalk or waits) and "sidewalk" in kind.surfaces else "road" if in_road else None,
         lane=lane if "road" in kind.surfaces and (not references or kind.is_vehicle) else None,
         at_junction=at.at_junction,
         heading=heading,

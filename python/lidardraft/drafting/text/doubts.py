@@ -13,6 +13,7 @@ _ENDS = (",", ".", ":", ")", "but")  # of what a word governs
 _NAMES = ("object", "ellipsis", "pronoun", "stranger")
 _SAID = ("whereabouts", "relation")
 _PREPOSITIONS = ("in", "of", "to", "from", "on", "at", "by", "through", "onto", "into", "for", "as")
+_MANNERS = ("ly", "ing")  # endings of words that say how something is done
 _SUBORDINATE = ("so", "if", "when", "because", "until", "although", "though", "since", "as")
 
 
@@ -69,7 +70,8 @@ def _doubtful(nodes: list[Node], index: int, words: Sequence[str]) -> Sequence[i
     if node.symbol == "ellipsis" and node.get("ordinal") is not None and after in _SAID:
         verb = _after_places(nodes, index + 1)  # "the first on the right is a taxi"
         return governed if verb < len(nodes) and nodes[verb].symbol == "is" else ()
-    if node.symbol in STRANGE and after == "relation":  # "a gap between a skip and a truck"
+    of_verb = node.symbol == "unknown" and words[0].endswith(_MANNERS)
+    if node.symbol in STRANGE and after == "relation" and not of_verb:  # "a gap between a skip and a truck"
         return range(index + 1, _after_places(nodes, index + 1))
     if node.symbol in STRANGE and after == "whereabouts" and _is_length(nodes[index + 1]):
         return (index + 1,)

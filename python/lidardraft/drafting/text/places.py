@@ -50,7 +50,7 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
 
 def _say_there(d: Discourse, ids: Ids) -> None:
     """ "There" is where the last of before is, known or not."""
-    before = d.mentions[ids[0] - 1].at if ids and ids[0] else Position()
+    before = next((one.at for one in reversed(d.mentions[: ids[0]] if ids else []) if one.placed), Position())
     for one in ids if before != Position() else []:
         if d.mentions[one].kind is not None:
             place_at(d, one, Place(Position(before.places, before.distance, lane=before.lane)))

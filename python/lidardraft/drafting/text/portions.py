@@ -36,7 +36,8 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
         return _none_of(d, item, phrase, last, told)
     told = told or (number + 1 < len(clause.items) and not following)
     aside = bool(item.modifiers) and item.modifiers[0].link == "," and phrase.of_them
-    if (not told and not phrase.of_them) or ((aside or not told) and isinstance(source.count, str)):
+    has = following in _HAVING
+    if (not told and not phrase.of_them) or ((aside or not (told or has)) and isinstance(source.count, str)):
         count = phrase.count if phrase.exact or isinstance(phrase.count, tuple) else None
         open_count = isinstance(source.count, str) or (source.count == 1 and source.at.spacing)
         if count is None or phrase.ordinal is not None or not open_count:
@@ -134,17 +135,10 @@ def _all_of_them(d: Discourse, phrase: NounPhrase) -> Ids:
     first = d.sentence if d.sentence < len(d.mentions) else d.earlier
     listed = [n for n in range(first, len(d.mentions)) if d.mentions[n].is_wanted]
     if phrase.both and len(listed) > 1 and [d.mentions[n].count for n in listed[-2:]] == [1, 1]:
-        listed = listed[-2:]
-        return listed
-    kinds = {d.mentions[n].kind for n in listed}
+        return listed[-2:]
     whole = d.several()
-    if len(kinds) > 1 and d.mentions[listed[-1]].count == 1:
-        found = listed
-    elif whole is not None:
-        found = [whole]
-    else:
-        found = listed
-    return found
+    alike = len({d.mentions[n].kind for n in listed}) == 1 or any(d.mentions[n].placed for n in listed)
+    return [whole] if whole is not None and (alike or phrase.both) and d.mentions[listed[-1]].count != 1 else listed
 
 
 def _following(clause: Clause, number: int) -> str:

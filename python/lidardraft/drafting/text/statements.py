@@ -279,7 +279,7 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
         elif isinstance(said, Manner) and said.in_row and queue_up(d, open_ids, None):
             open_ids = open_ids[:1]
         elif isinstance(said, Manner):
-            for one in open_ids:
+            for one in [*open_ids, *_who_have(d, item, named, number)]:
                 describe(d, one, said)
                 if d.mentions[one].kind is not None:
                     d.change(one, described=True)
@@ -327,6 +327,12 @@ def _carries(d: Discourse, item: Item, ids: Ids, named: list[Ids], number: int, 
         if isinstance(modifier.said, Place):
             say_place(d, host, modifier.said, modifier)
     return True
+
+
+def _who_have(d: Discourse, item: Item, named: list[Ids], number: int) -> Ids:
+    """Who does what a companion does: "a pickup with a trailer crossing"."""
+    companion = isinstance(item.head, NounPhrase) and item.head.kind in COMPANIONS and item.link == "with"
+    return named[number - 1] if companion and number else []
 
 
 def _respective(d: Discourse, clause: Clause, number: int, open_ids: Ids) -> bool:
