@@ -15,6 +15,9 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
         return [last]
     if modifier.verb != "many" and clause.items[last].head.kind is None:
         return [last]  # "two cars and a llama on the left", but "are on the left"
+    after = clause.items[last + 1].link if last + 1 < len(clause.items) else ""
+    if clause.items[last].link == "," and after in (",", "and") and not modifier.verb:
+        return [last]  # "a bus, a car on the left, and a van"
     said, listed = modifier.said, list(range(first, last + 1))
     if isinstance(said, Place):
         if (said.at.distance or said.at.sidewalk) and clause.items[last].link == ",":

@@ -21,14 +21,15 @@ def with_doubts(nodes: Sequence[Node], texts: Sequence[str]) -> list[Node]:
     """The constituents of a text, those in doubt as unknown ones."""
     found = list(nodes)
     for index, node in enumerate(nodes):
-        for doubtful in _doubtful(found, index, texts[node.start : node.end]):
+        for doubtful in _doubtful(found, index, texts):
             if found[doubtful].symbol not in (",", "."):
                 found[doubtful] = found[doubtful]._replace(symbol="unknown")
     return found
 
 
-def _doubtful(nodes: list[Node], index: int, words: Sequence[str]) -> Sequence[int]:
+def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[int]:
     """The numbers of the constituents that one casts doubt on."""
+    words = texts[nodes[index].start : nodes[index].end]
     node, after = nodes[index], nodes[index + 1].symbol if index + 1 < len(nodes) else ""
     end = _end(nodes, index)
     governed = range(index, end)
@@ -70,7 +71,10 @@ def _doubtful(nodes: list[Node], index: int, words: Sequence[str]) -> Sequence[i
     if node.symbol == "ellipsis" and node.get("ordinal") is not None and after in _SAID:
         verb = _after_places(nodes, index + 1)  # "the first on the right is a taxi"
         return governed if verb < len(nodes) and nodes[verb].symbol == "is" else ()
-    of_verb = node.symbol == "unknown" and words[0].endswith(_MANNERS)
+    first = index
+    while first and nodes[first].symbol == nodes[first - 1].symbol == "unknown":
+        first -= 1
+    of_verb = node.symbol == "unknown" and texts[nodes[first].start].endswith(_MANNERS)  # "taking pictures of it"
     if node.symbol in STRANGE and after == "relation" and not of_verb:  # "a gap between a skip and a truck"
         return range(index + 1, _after_places(nodes, index + 1))
     if node.symbol in STRANGE and after == "whereabouts" and _is_length(nodes[index + 1]):

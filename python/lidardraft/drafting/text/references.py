@@ -15,7 +15,7 @@ def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
     if phrase.pronoun == "them":
         fitting = [n for n in numbers if d.mentions[n].count != 1]
     else:
-        fitting = [n for n in numbers if d.mentions[n].count == 1 or not isinstance(d.mentions[n].count, int)]
+        fitting = [n for n in numbers if d.mentions[n].count in (1, "many", "few")]
     found = (fitting or numbers)[-1:]
     for subject in fitting[:-1]:  # "a car behind a truck, a man next to it": the car
         if (
