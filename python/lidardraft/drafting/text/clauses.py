@@ -131,8 +131,9 @@ class _Reading:
             elif node.symbol == "ego" and self._only_looks(index):
                 link = "" if self._at(index + 1) == "has" else link
                 index += self._at(index + 1) == "has"
-            elif node.symbol in ("busy", "quiet", "size", "colour") and verb and self._items and not link:
+            elif node.symbol in ("busy", "quiet", "size", "colour") and self._items and self._is_said(verb, link):
                 self._qualify(node)
+                link = ""
             elif node.symbol == "unknown":
                 link = "" if link == "has" else link
                 if self._items:
@@ -147,6 +148,10 @@ class _Reading:
             index += 1
         self._end()
         return self._found
+
+    def _is_said(self, verb: str, link: str) -> bool:
+        """Whether a word alone is said of what is before it, as in "the road is wide" and "a road, narrow"."""
+        return (bool(verb) and not link) or (link == "," and isinstance(self._items[-1].head, Street))
 
     def _at(self, index: int) -> str:
         return self._nodes[index].symbol if index < len(self._nodes) else ""

@@ -153,7 +153,8 @@ def _road_spec(notes: RoadNotes, mentions: Mentions, needs_sidewalk: bool) -> Ro
     whole = kind == "motorway" or notes.each_way or notes.one_way or middle
     if kind == "motorway" and number > 3 and number % 2 == 0 and not (notes.each_way or notes.one_way):
         number //= 2  # a six-lane motorway has three each way
-    lanes = number if whole else (number + 1) // 2
+    usual = notes.usual_lanes and number == notes.usual_lanes and notes.one_way and not notes.lanes
+    lanes = number if whole and not usual else (number + 1) // 2
     oncoming = number // 2 if number % 2 and not whole else notes.oncoming_lanes if kind != "motorway" else 0
     sidewalk = notes.sidewalk if notes.sidewalk is not None or "rural" not in notes.settings else False
     return RoadSpec(

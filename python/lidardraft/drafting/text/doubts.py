@@ -55,7 +55,7 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
     if node.symbol == "except" or (node.symbol == "object" and node.get("count") == 0):
-        return governed if unclear else ()
+        return governed if unclear or any(nodes[one].symbol in ("relation", "pronoun") for one in governed) else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
     if node.symbol == "ellipsis" and words[-1].isdigit() and index and nodes[index - 1].symbol == "object":

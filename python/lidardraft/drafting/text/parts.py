@@ -154,6 +154,8 @@ def _is_sum(mentions: list[Mention], number: int) -> bool:
     whole, parts = mentions[number], [mentions[one] for one in _parts_of(mentions, number)]
     if isinstance(whole.count, str) and len(parts) == len(whole.at.places) > 1:  # "on both sides (10 left, 8 right)"
         return {place for one in parts for place in one.at.places} == set(whole.at.places)
+    if isinstance(whole.count, str) and any(one.host is not None for one in parts):
+        return True
     if whole.summed or (not whole.placed and any(one.at.lane == "each" for one in parts)):
         return True
     if not parts or whole.count == 1 or sum(one.count for one in parts if isinstance(one.count, int)) != whole.count:

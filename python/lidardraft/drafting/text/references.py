@@ -22,7 +22,7 @@ def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
             found
             and found[-1] == subject + 1
             and found[-1] in d.mentions[subject].references
-            and (d.introduced(found[-1]) or (subject in d.latest and d.mentions[subject].record.drives))
+            and (d.introduced(found[-1]) or (d.mentions[subject].record.drives and not d.mentions[found[-1]].record.drives))
         ):
             found = [subject]
     if phrase.pronoun == "it" and d.it in fitting:

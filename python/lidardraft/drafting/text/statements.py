@@ -256,7 +256,8 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
                 d.cover(one, said.tokens)
         if is_first and (_respective(d, clause, number, open_ids) or _carries(d, item, open_ids, named, number, said)):
             return
-        if modifier.link == "," and isinstance(said, Relation) and last is not None:
+        apart = modifier.link == "," and isinstance(said, Relation | Manner)
+        if last is not None and (apart or (modifier.link == "and" and modifier.verb)):
             open_ids = named[number]  # "in front of the shop, next to a bench"
         before = modifiers[index - 1].said if index else None
         if isinstance(said, Place) and isinstance(before, Street) and not modifier.link and note_junction(d, said):
