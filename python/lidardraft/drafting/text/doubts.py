@@ -14,7 +14,7 @@ _NAMES = ("object", "ellipsis", "pronoun", "stranger")
 _SAID = ("whereabouts", "relation")
 _PREPOSITIONS = ("in", "of", "to", "from", "on", "at", "by", "through", "onto", "into", "for", "as")
 _MANNERS = ("ly", "ing")  # endings of words that say how something is done
-_SUBORDINATE = ("so", "if", "when", "because", "until", "although", "though", "since", "as")
+_SUBORDINATE = ("if", "until", "although", "though", "since", "as")
 
 
 def with_doubts(nodes: Sequence[Node], texts: Sequence[str]) -> list[Node]:

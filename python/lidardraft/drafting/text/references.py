@@ -54,14 +54,16 @@ def known_mention(d: Discourse, phrase: NounPhrase, subjects: Ids) -> int | None
         or (phrase.exact and not phrase.each)
         or phrase.count == 0
         or phrase.all
+        or phrase.rest
         or phrase.manner.heading
+        or (phrase.owned and phrase.kind == "person")
     ):
         return None
     for number in range(len(d.mentions) - 1, -1, -1):
         one = d.mentions[number]
         if not one.is_wanted or number in subjects:
             continue
-        if one.kind == phrase.kind or (phrase.kind == "vehicle" and one.record.is_vehicle):
+        if one.kind == phrase.kind or (phrase.kind == "vehicle" and one.record.is_vehicle and not phrase.traffic):
             return number
     return None
 

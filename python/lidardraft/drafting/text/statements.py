@@ -155,7 +155,7 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
     if (
         phrase.kind == ""
         or phrase.part is not None
-        or (phrase.ordinal is not None and d.several(phrase.kind) is not None)
+        or ((phrase.rest or phrase.ordinal is not None) and d.several(phrase.kind) is not None)
     ):
         return named_part(d, clause, number, before, told)
     if number and not item.link and before and phrase.count != 0 and not phrase.exact:
