@@ -17,6 +17,7 @@ from lidardraft.drafting.text.tree import (
     Modifier,
     NounPhrase,
     Place,
+    Relation,
     Said,
     Street,
     is_known,
@@ -135,6 +136,7 @@ class _Reading:
                 self._qualify(node)
                 link = ""
             elif node.symbol == "unknown":
+                verb = verb or ("one" if link == "and" and self._word(node).endswith("ing") else "")
                 link = "" if link == "has" else link
                 if self._items:
                     self._items[-1] = dataclasses.replace(self._items[-1], is_told=True)
@@ -308,9 +310,11 @@ class _Reading:
         return index + 1
 
     def _subject(self, link: str, has_verb: object) -> int:
-        """The item that a verb says something of: after "and", or after what is carried, that before its verb."""
+        """The item that something is said of: after "and", or after what is carried, that before its verb."""
         at = len(self._items) - 1
-        goes_on = has_verb and (link == "and" or (not link and self._items[at].modifiers))
+        last = self._items[at].modifiers[-1].said if self._items[at].modifiers else None
+        within = isinstance(last, Relation) and [one.pronoun for one in last.targets] == ["it"]
+        goes_on = has_verb and (link == "and" or (not link and self._items[at].modifiers)) or (link == "," and within)
         while at > 0 and goes_on and self._items[at].link in ("with", "has", *([""] if link else [])):
             at -= 1
         return at

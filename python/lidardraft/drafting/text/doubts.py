@@ -44,10 +44,11 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
             before.symbol == "relation" and any(leaves(before, "object"))
         )
         return governed if unclear or not known else ()
+    last = nodes[index - 1].symbol if index else ""
     of = words[-1:] == ["of"] and index > 0 and nodes[index - 1].symbol in STRANGE  # "tens of cars"
     if node.symbol == "silent" and words[-1] in _PREPOSITIONS and after in _NAMES and not of:
-        return range(index, _after_places(nodes, index + 2))  # "in a traffic jam"
-    last = nodes[index - 1].symbol if index else ""
+        first = index - 1 if last == "ellipsis" else index
+        return range(first, _after_places(nodes, index + 2))  # "in a traffic jam"
     if node.symbol == "pronoun" and last in STRANGE:  # "walks past them towards us"
         return governed
     if node.symbol == "object" and last == "unknown" and index > 1 and nodes[index - 2].symbol == "object":
@@ -62,6 +63,8 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return (index,)  # "a car 20 30 m ahead"
     if node.symbol == "ellipsis" and any(leaves(node, "unknown")):  # "the middle one is set back"
         return governed
+    if words in (["left"], ["right"]) and after in _NAMES and nodes[index - 1].symbol == "object":
+        return (index,)  # "someone left a box"
     if node.symbol == "whereabouts" and any(one.get("owned") for one in leaves(node, "the")):  # "its left edge"
         return (index,)
     if node.symbol == "whereabouts" and "gap" in words and index and nodes[index - 1].symbol in (",", "and"):

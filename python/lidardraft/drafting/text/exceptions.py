@@ -14,7 +14,7 @@ def leave_out(d: Discourse, phrase: NounPhrase, before: Ids, told: bool, verb: b
     last = before[-1]
     source = d.mentions[last]
     if phrase.kind:
-        wanted = source.count != 0
+        wanted = source.count != 0 and not (told and phrase.kind == source.kind)
         made = replace(mention_of(phrase), count=0 if wanted else phrase.count or "some")
         return [d.add(made)]
     if told and source.count == 1:

@@ -32,6 +32,8 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
     )
     last = whole if of_them and whole is not None else last
     source = d.mentions[last]
+    if item.link == ":" and not phrase.of_them and (source.count == 1 or isinstance(source.count, str)):
+        d.change(last, summed=True)
     if phrase.count == 0:
         return _none_of(d, item, phrase, last, told)
     told = told or (number + 1 < len(clause.items) and not following)
@@ -137,8 +139,8 @@ def _all_of_them(d: Discourse, phrase: NounPhrase) -> Ids:
     if phrase.both and len(listed) > 1 and [d.mentions[n].count for n in listed[-2:]] == [1, 1]:
         return listed[-2:]
     whole = d.several()
-    alike = len({d.mentions[n].kind for n in listed}) == 1 or any(d.mentions[n].placed for n in listed)
-    return [whole] if whole is not None and (alike or phrase.both) and d.mentions[listed[-1]].count != 1 else listed
+    several = whole is not None and d.mentions[listed[-1]].count != 1 and (len(phrase.tokens) > 1 or phrase.both)
+    return [whole] if several and whole is not None else listed
 
 
 def _following(clause: Clause, number: int) -> str:

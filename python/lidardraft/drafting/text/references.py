@@ -11,7 +11,8 @@ from lidardraft.drafting.text.tree import Item, NounPhrase, Place, Relation
 
 def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
     """What a pronoun means: "them" are several, "it" is one."""
-    numbers = [n for n, one in enumerate(d.mentions) if one.is_wanted]
+    wanted = [n for n, one in enumerate(d.mentions) if one.is_wanted]
+    numbers = [n for n in wanted if d.mentions[n].with_it is None] or wanted
     if phrase.pronoun == "them":
         fitting = [n for n in numbers if d.mentions[n].count != 1]
     else:
@@ -56,7 +57,7 @@ def known_mention(d: Discourse, phrase: NounPhrase, subjects: Ids) -> int | None
         or phrase.all
         or phrase.rest
         or phrase.manner.heading
-        or (phrase.owned and phrase.kind == "person")
+        or phrase.owned
     ):
         return None
     for number in range(len(d.mentions) - 1, -1, -1):

@@ -48,8 +48,8 @@ def read(d: Discourse, clause: Clause) -> None:
             named.append([])
             say_of_road(d, item)
             continue
-        if item.link == "with" and named and not named[-1]:
-            before = []
+        if item.link == "with" and named:
+            before = _whose(d, clause.items[number - 1], named[-1])
         own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
         ids = _subject(d, clause, number, before, bool(lead or own or item.modifiers))
         if ids is None:
@@ -176,6 +176,13 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
             d.each = known
         return [known]
     return [_new(d, clause, number, phrase, before)]
+
+
+def _whose(d: Discourse, item: Item, ids: Ids) -> Ids:
+    """What has what an item is "with": the nearest noun before it, as in "next to a man with a bag"."""
+    said = item.modifiers[-1].said if item.modifiers else None
+    kind = said.targets[-1].kind if isinstance(said, Relation) and said.targets else ""
+    return [n for n, one in enumerate(d.mentions) if one.is_wanted and one.kind == kind][-1:] or ids
 
 
 def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: Ids) -> int:
