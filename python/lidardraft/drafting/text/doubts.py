@@ -13,7 +13,7 @@ _ENDS = (",", ".", ":", ")", "but")  # of what a word governs
 _NAMES = ("object", "ellipsis", "pronoun", "stranger")
 _SAID = ("whereabouts", "relation")
 _PREPOSITIONS = ("in", "of", "to", "from", "on", "at", "by", "through", "onto", "into", "for", "as")
-_MANNERS = ("ly", "ing")  # endings of words that say how something is done
+_MANNERS = ("ly", "ing", "ed", "en")  # endings of words that say how something is done
 _SUBORDINATE = ("if", "until", "although", "though", "since", "as")
 
 
@@ -64,7 +64,7 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     if node.symbol == "ellipsis" and any(leaves(node, "unknown")):  # "the middle one is set back"
         return governed
     if words in (["left"], ["right"]) and after in _NAMES and nodes[index - 1].symbol == "object":
-        return (index,)  # "someone left a box"
+        return (index - 1, index)  # "someone left a box"
     if node.symbol == "whereabouts" and any(one.get("owned") for one in leaves(node, "the")):  # "its left edge"
         return (index,)
     if node.symbol == "whereabouts" and "gap" in words and index and nodes[index - 1].symbol in (",", "and"):
@@ -78,6 +78,7 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     while first and nodes[first].symbol == nodes[first - 1].symbol == "unknown":
         first -= 1
     of_verb = node.symbol == "unknown" and texts[nodes[first].start].endswith(_MANNERS)  # "taking pictures of it"
+    of_verb = of_verb and texts[node.end : node.end + 1] != ["by"]  # "hidden by a van"
     if node.symbol in STRANGE and after == "relation" and not of_verb:  # "a gap between a skip and a truck"
         return range(index + 1, _after_places(nodes, index + 1))
     if node.symbol in STRANGE and after == "whereabouts" and _is_length(nodes[index + 1]):

@@ -21,7 +21,8 @@ def leave_out(d: Discourse, phrase: NounPhrase, before: Ids, told: bool, verb: b
         return []
     if told:
         kept = source.heading if source.heading == "parked" else None
-        return [d.add(Mention(source.kind, phrase.count, heading=kept, same_as=last, of_them=True))]
+        made = mention_of(replace(phrase, kind=source.kind))
+        return [d.add(replace(made, heading=kept, same_as=last, of_them=True))]
     hosted = next((n for n, one in enumerate(d.mentions) if one.host is not None and last in (n, one.host)), None)
     if hosted is not None and isinstance(phrase.count, int):
         d.change(hosted, left_out=phrase.count)

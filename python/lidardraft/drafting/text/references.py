@@ -57,13 +57,14 @@ def known_mention(d: Discourse, phrase: NounPhrase, subjects: Ids) -> int | None
         or phrase.all
         or phrase.rest
         or phrase.manner.heading
-        or phrase.owned
     ):
         return None
     for number in range(len(d.mentions) - 1, -1, -1):
         one = d.mentions[number]
         if not one.is_wanted or number in subjects:
             continue
+        if phrase.owned and not (number == len(d.mentions) - 1 and one.record.cycles):
+            continue  # "a cyclist pushes his bike", but "a shepherd and his dog"
         if one.kind == phrase.kind or (phrase.kind == "vehicle" and one.record.is_vehicle and not phrase.traffic):
             return number
     return None
