@@ -59,8 +59,8 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return governed if unclear or any(nodes[one].symbol in ("relation", "pronoun") for one in governed) else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
-    if node.symbol == "ellipsis" and words[-1].isdigit() and index and nodes[index - 1].symbol == "object":
-        return (index,)  # "a car 20 30 m ahead"
+    if node.symbol == "ellipsis" and (words == ["not"] or (words[-1].isdigit() and last in ("object", "unknown"))):
+        return (index,)  # "a car 20 30 m ahead", "a sign reading 30", "has not stopped"
     if node.symbol == "ellipsis" and any(leaves(node, "unknown")):  # "the middle one is set back"
         return governed
     if words in (["left"], ["right"]) and after in _NAMES and nodes[index - 1].symbol == "object":

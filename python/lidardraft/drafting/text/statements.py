@@ -158,12 +158,14 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
         or ((phrase.rest or phrase.ordinal is not None) and d.several(phrase.kind) is not None)
     ):
         return named_part(d, clause, number, before, told)
-    if number and not item.link and before and phrase.count != 0 and not phrase.exact:
-        head = clause.items[number - 1].head
+    head = clause.items[number - 1].head if number else None
+    aside = item.link == "," and isinstance(head, NounPhrase) and head.kind == "" and bool(item.modifiers)
+    aside = aside and item.modifiers[0].verb == "one"  # "another one, a taxi, waits behind it"
+    if number and (not item.link or aside) and before and phrase.count != 0 and not phrase.exact:
         several = isinstance(head, NounPhrase) and (
             head.kind == "" or head.part is not None or head.ordinal is not None or (head.definite and item.verb)
         )
-        if several and (item.verb or not clause.items[number - 1].modifiers):
+        if several and (aside or item.verb or not clause.items[number - 1].modifiers):
             return call(d, phrase, before)
     alone = clause.begins and len(clause.items) == 1 and not clause.lead
     counted = counted_later(d, phrase, told, before, item.link, alone)
