@@ -109,6 +109,7 @@ class _Reading:
         self._items: list[Item] = []
         self._clause_link = ""
         self._anchor = -1  # the item before a bracket
+        self._about = (0, -1)  # the number of items, and of the one that something was said of last
         self._alone = False  # whether what is said first introduces no object
 
     def clauses(self) -> list[Clause]:
@@ -303,6 +304,7 @@ class _Reading:
         for modifier in modifiers:
             if self._items:
                 at = self._anchor if link == ")" and self._anchor >= 0 else self._subject(link, verb or singular)
+                self._about = (len(self._items), at)
                 self._items[at] = _with(self._items[at], modifier)
             else:
                 self._lead.append(modifier)
@@ -311,7 +313,7 @@ class _Reading:
 
     def _subject(self, link: str, has_verb: object) -> int:
         """The item that something is said of: after "and", or after what is carried, that before its verb."""
-        at = len(self._items) - 1
+        at = self._about[1] if not link and self._about[0] == len(self._items) else len(self._items) - 1
         last = self._items[at].modifiers[-1].said if self._items[at].modifiers else None
         within = isinstance(last, Relation) and [one.pronoun for one in last.targets] == ["it"]
         goes_on = has_verb and (link == "and" or (not link and self._items[at].modifiers)) or (link == "," and within)
