@@ -8,7 +8,6 @@ from collections.abc import Iterable, Iterator
 
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.text.chart import Node
-from lidardraft.drafting.text.mentions import COMPANIONS
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import (
     Clause,
@@ -229,14 +228,6 @@ class _Reading:
                 self._items.append(Item(street, link, verb))
             return
         head = noun_phrase(node)
-        if (
-            before is not None
-            and isinstance(before.head, NounPhrase)
-            and is_known(before.head)
-            and self._texts[node.start - 1] == "of"
-            and node.start - 2 in before.head.tokens
-        ):
-            return  # "the driver of the bus"
         if head.kind is None and not link and before is not None and named and not self._is_placed(before):
             return  # it only says something of the object before it: "a man walking his dog"
         if not link and named and is_known(head) and (head.kind == "animal" or head.owned):
@@ -315,8 +306,8 @@ class _Reading:
         """The item that something is said of: after "and", or after what is carried, that before its verb."""
         at = self._about[1] if not link and self._about[0] == len(self._items) else len(self._items) - 1
         last = self._items[at].modifiers[-1].said if self._items[at].modifiers else None
-        within = isinstance(last, Relation) and [one.pronoun for one in last.targets] == ["it"]
-        goes_on = has_verb and (link == "and" or (not link and self._items[at].modifiers)) or (link == "," and within)
+        goes_on = has_verb and (link == "and" or (not link and last is not None))
+        goes_on = goes_on or (link == "," and isinstance(last, Relation) and last.targets[0].pronoun == "it")
         while at > 0 and goes_on and self._items[at].link in ("with", "has", *([""] if link else [])):
             at -= 1
         return at

@@ -20,7 +20,7 @@ _SUBORDINATE = ("if", "until", "although", "though", "since", "as")
 def with_doubts(nodes: Sequence[Node], texts: Sequence[str]) -> list[Node]:
     """The constituents of a text, those in doubt as unknown ones."""
     found = list(nodes)
-    for index, node in enumerate(nodes):
+    for index in range(len(nodes)):
         for doubtful in _doubtful(found, index, texts):
             if found[doubtful].symbol not in (",", "."):
                 found[doubtful] = found[doubtful]._replace(symbol="unknown")

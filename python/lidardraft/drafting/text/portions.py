@@ -38,8 +38,8 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
         return _none_of(d, item, phrase, last, told)
     told = told or (number + 1 < len(clause.items) and not following)
     aside = bool(item.modifiers) and item.modifiers[0].link == "," and phrase.of_them
-    has = following in _HAVING
-    if not (told or phrase.of_them or phrase.another) or ((aside or not (told or has)) and isinstance(source.count, str)):
+    counted = isinstance(source.count, str) and (aside or not (told or following in _HAVING))
+    if counted or not (told or phrase.of_them or phrase.another):
         count = phrase.count if phrase.exact or isinstance(phrase.count, tuple) else None
         open_count = isinstance(source.count, str) or (source.count == 1 and source.at.spacing)
         if count is None or phrase.ordinal is not None or not open_count:

@@ -19,11 +19,12 @@ def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
         fitting = [n for n in numbers if d.mentions[n].count in (1, "many", "few")]
     found = (fitting or numbers)[-1:]
     for subject in fitting[:-1]:  # "a car behind a truck, a man next to it": the car
+        other, one = d.mentions[found[-1]], d.mentions[subject]
+        named = other.placed or other.described
         if (
-            found
-            and found[-1] == subject + 1
-            and found[-1] in d.mentions[subject].references
-            and (d.introduced(found[-1]) or (d.mentions[subject].record.drives and not d.mentions[found[-1]].record.drives))
+            found[-1] == subject + 1
+            and subject + 1 in one.references
+            and (not named or (one.record.drives and not other.record.drives))
         ):
             found = [subject]
     if phrase.pronoun == "it" and d.it in fitting:

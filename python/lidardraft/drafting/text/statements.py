@@ -77,10 +77,6 @@ def read(d: Discourse, clause: Clause) -> None:
         elif link == "then" and new and not own and before:
             places = d.mentions[before[-1]].at.places
             d.change(new[0], at=Position(places), placed=places != (NOWHERE,), weak=True)
-        if _is_ego(d, clause, number, ids):
-            d.mentions.pop()
-            d.has_ego = True
-            ids = []
         named.append(ids)
         _modify(d, clause, number, named)
     d.latest = next((ids for ids in reversed(named) if ids), d.latest)
@@ -138,7 +134,6 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
     assert isinstance(phrase, NounPhrase)
     d.count_before = len(d.mentions)
     if phrase.pronoun == "us":
-        d.has_ego = True
         return None
     if phrase.pronoun:
         return meant_by(d, phrase)
@@ -289,7 +284,7 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
         elif isinstance(said, Manner) and said.in_row and queue_up(d, open_ids, None):
             open_ids = open_ids[:1]
         elif isinstance(said, Manner):
-            for one in [*open_ids, *_who_have(d, item, named, number)]:
+            for one in [*open_ids, *_who_have(item, named, number)]:
                 describe(d, one, said)
                 if d.mentions[one].kind is not None:
                     d.change(one, described=True)
@@ -340,7 +335,7 @@ def _carries(d: Discourse, item: Item, ids: Ids, named: list[Ids], number: int, 
     return True
 
 
-def _who_have(d: Discourse, item: Item, named: list[Ids], number: int) -> Ids:
+def _who_have(item: Item, named: list[Ids], number: int) -> Ids:
     """Who does what a companion does: "a pickup with a trailer crossing"."""
     companion = isinstance(item.head, NounPhrase) and item.head.kind in COMPANIONS and item.link == "with"
     return named[number - 1] if companion and number else []
@@ -368,27 +363,6 @@ def _respective(d: Discourse, clause: Clause, number: int, open_ids: Ids) -> boo
             for one in open_ids:
                 describe(d, one, modifier.said)
     return True
-
-
-def _is_ego(d: Discourse, clause: Clause, number: int, ids: Ids) -> bool:
-    """Whether the first object of a text is who looks: a vehicle that drives on a road, and nowhere else."""
-    if number or ids != [0] or len(d.mentions) != 1 or clause.lead:
-        return False
-    item = clause.items[0]
-    mention, said = d.mentions[0], [one.said for one in item.modifiers]
-    drives = bool(said) and isinstance(said[0], Manner) and said[0].heading == "with"
-    road = (len(said) == 2 and isinstance(said[1], Street)) or (
-        len(said) == 1
-        and len(clause.items) > 1
-        and isinstance(clause.items[1].head, Street)
-        and not clause.items[1].link
-    )
-    vehicle = mention.kind is not None and mention.record.is_vehicle and mention.count == 1
-    if vehicle and drives and road and len(said) == 2 and isinstance(said[1], Street):
-        if said[1].definite:
-            return False
-        note_street(d, said[1])
-    return vehicle and drives and road
 
 
 def resolve(clauses: list[Clause]) -> tuple[Mentions, RoadNotes]:
