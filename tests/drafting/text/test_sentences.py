@@ -60,7 +60,7 @@ _JOINING = (
     "do does did has have had having can could should must will would may might and or but nor not except which "
     "who whom where while when if with including containing contains featuring however whereas then plus very "
     "quite rather fairly really mostly apart other than another well away now he she that's there's it's we're "
-    "aren t exception besides respectively"
+    "aren t exception besides respectively already still currently just so because let letting"
 )
 FUNCTION_WORDS = frozenset(_JOINING.split())
 UNKNOWN_CLAUSES = [
@@ -183,7 +183,7 @@ def test_an_explanation_says_what_each_word_became() -> None:
         ("nobody on the road", "nobody", "person: none"),
         ("a roundabout with a truck", "a roundabout", "road: roundabout"),
         ("a man at the zebra crossing", "at the zebra crossing", "person [0]; not understood: zebra crossing"),
-        ("two cyclists ride ahead", "ride", "riding"),
+        ("two cyclists ride ahead", "ride", "bicycle [0]"),
         ("a tram runs ahead", "runs", "not understood"),
         ("three trucks are heading the opposite way", "heading the opposite way", "truck [0]"),
         ("a woman holding hands", "holding", "not understood"),
