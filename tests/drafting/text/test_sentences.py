@@ -2,6 +2,7 @@
 
 import contextlib
 import dataclasses
+import itertools
 import math
 import re
 from collections import Counter
@@ -445,7 +446,8 @@ def test_numbers_are_used_or_reported(words: list[str], numbers: list[tuple[int,
     lengths = [length for group in spec.groups for length in (*(group.distance or ()), group.spacing)]
     lengths += [length for group in spec.groups for length in group.size or ()]
     counts = [n for group in spec.groups for n in (group.count if isinstance(group.count, tuple) else (group.count,))]
-    used = {spec.road.lanes, *lengths, *counts}
+    halves = {a + b for a, b in itertools.pairwise(one for one in counts if isinstance(one, int))}  # at two sides
+    used = {spec.road.lanes, *lengths, *counts, *halves}
     reported = f" {' '.join(spec.not_understood)} "
     for value, _ in numbers:
         text = NUMBERS[value].replace("-", " ")

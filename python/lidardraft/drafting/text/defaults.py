@@ -83,7 +83,7 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         spacing = spacing or (kind.sizes.largest[0] if kind.sizes else 6.0) + _QUEUE_GAP
     elif mention.queue and kind.walks:
         spacing = spacing or _BESIDE_EACH_OTHER
-    elif mention.queue and kind.sizes and not references:
+    elif mention.queue and kind.sizes and not references and mention.count != 1:
         spacing = spacing or kind.sizes.largest[0] + _ROW_GAP
     still = bool(references) and not any(
         mentions[one].record.drives or mentions[one].record.walks for one in mention.references if one >= 0
@@ -98,7 +98,8 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
     return ObjectGroup(
         kind=kind.name,
         count="some" if at.spacing and mention.count == 1 else mention.count,
-        places=places or (("front",) if mention.queue and kind.drives and not references else ()),
+        places=places
+        or (("front",) if mention.queue and kind.drives and not references and lane != "opposite" else ()),
         not_places=tuple(dict.fromkeys(_named(place) for place in mention.not_at if any(place))),
         surface="sidewalk" if (at.sidewalk or waits) and "sidewalk" in kind.surfaces else "road" if in_road else None,
         lane=lane if "road" in kind.surfaces and (not references or kind.is_vehicle) else None,

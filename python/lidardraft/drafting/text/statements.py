@@ -284,7 +284,9 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
         elif isinstance(said, Manner) and said.in_row and queue_up(d, open_ids, None):
             open_ids = open_ids[:1]
         elif isinstance(said, Manner):
-            for one in [*open_ids, *_who_have(item, named, number)]:
+            hosts = _who_have(item, named, number)
+            trailer = bool(hosts) and d.mentions[named[number][-1]].kind == "trailer"  # which follows what pulls it
+            for one in hosts if trailer else [*hosts, *open_ids]:
                 describe(d, one, said)
                 if d.mentions[one].kind is not None:
                     d.change(one, described=True)
