@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from lidardraft.drafting.solver.scene_spec import SceneSpec
 from lidardraft.errors import LidarDraftError
+from lidardraft.json_fields import parse_object
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import Sensor
 from spoiled_files import CAR, SENSOR, odd_paths, outcome, readers, special_files, spoilings
@@ -116,7 +117,7 @@ DOCUMENTS: dict[str, tuple[Callable[[str], object], dict[str, object]]] = {
     "layout": (Layout.from_json, json.loads(Layout((CAR,), {"seed": 1}, (-1.0, 1.0)).to_json())),
     "sensor": (Sensor.from_json, json.loads(SENSOR.to_json())),
     "spec": (
-        SceneSpec.from_json,
+        lambda text: SceneSpec.from_dict(parse_object(text)),
         {
             "road": {"kind": "bend", "lanes": 2, "sidewalk": True},
             "groups": [{"kind": "car", "count": 3, "places": ["front"], "distance": [3.0, 9.0], "spacing": 2.0}],

@@ -30,7 +30,9 @@ _CONTENT = ("usual", "time", "motion", "unit", "ego")  # of those, what says som
 _PLAIN = (
     ("road", "straight"),
     ("each_way", True),
-    ("still", True),
+    ("anyway", "walking"),
+    ("anyway", "riding"),
+    ("anyway", "standing"),
     ("everywhere", True),
     ("another", True),
     ("rest", "other"),
@@ -58,7 +60,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
             return True
         turned = [{at: (other,)} for at, leaf in _leaves(node, path) if (other := _turned(leaf, whole)) is not None]
         turned = [one for one in turned if _with(nodes, one, grammar) is not None]
-        if (node.symbol == "number" or node.get("shape")) and _with(nodes, {path: ()}, grammar) is None:
+        if (node.symbol == "number") and _with(nodes, {path: ()}, grammar) is None:
             return bool(turned) and all(_read(read, _with(nodes, one, grammar) or []) == whole for one in turned)
         return same({path: ()}) and all(same(one) for one in turned)
 
@@ -106,8 +108,8 @@ def gave(nodes: Sequence[Node], index: int, read: Read) -> tuple[tuple[int, ...]
     Of what is said twice they are those that would not be there without both.
     """
     node, whole = nodes[index], read(nodes)
-    for feature, said in (("asks", "a scene"), ("still", "standing")):
-        if node.get(feature):
+    for said in ("a scene" if node.get("asks") else "", node.get("anyway", "")):
+        if said:
             return (), (said,)
     if node.symbol == "ego":
         return (), ("the ego vehicle",)

@@ -8,7 +8,6 @@ from collections.abc import Iterable, Iterator
 
 from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.text.chart import Node
-from lidardraft.drafting.text.mentions import COMPANIONS
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import (
     Clause,
@@ -17,6 +16,7 @@ from lidardraft.drafting.text.tree import (
     Modifier,
     NounPhrase,
     Place,
+    Relation,
     Said,
     Street,
     is_known,
@@ -108,6 +108,7 @@ class _Reading:
         self._items: list[Item] = []
         self._clause_link = ""
         self._anchor = -1  # the item before a bracket
+        self._about = (0, -1)  # the number of items, and of the one that something was said of last
         self._alone = False  # whether what is said first introduces no object
 
     def clauses(self) -> list[Clause]:
@@ -131,8 +132,14 @@ class _Reading:
             elif node.symbol == "ego" and self._only_looks(index):
                 link = "" if self._at(index + 1) == "has" else link
                 index += self._at(index + 1) == "has"
-            elif node.symbol in ("busy", "quiet", "size", "colour") and verb and self._items and not link:
+            elif node.symbol in ("busy", "quiet", "size", "colour") and self._items and self._is_said(verb, link):
                 self._qualify(node)
+                link = ""
+            elif node.symbol == "unknown":
+                verb = verb or ("one" if link == "and" and self._word(node).endswith("ing") else "")
+                link = "" if link == "has" else link
+                if self._items:
+                    self._items[-1] = dataclasses.replace(self._items[-1], is_told=True)
             elif node.symbol in (*_NAMES, *_ROADS):
                 self._name(node, link, "" if verb == "there" else verb)
                 link = verb = ""
@@ -143,6 +150,10 @@ class _Reading:
             index += 1
         self._end()
         return self._found
+
+    def _is_said(self, verb: str, link: str) -> bool:
+        """Whether a word alone is said of what is before it, as in "the road is wide" and "a road, narrow"."""
+        return (bool(verb) and not link) or (link == "," and isinstance(self._items[-1].head, Street))
 
     def _at(self, index: int) -> str:
         return self._nodes[index].symbol if index < len(self._nodes) else ""
@@ -217,14 +228,10 @@ class _Reading:
                 self._items.append(Item(street, link, verb))
             return
         head = noun_phrase(node)
-        after_of = node.start > 0 and self._texts[node.start - 1] == "of" and not link
-        if after_of and before is not None and isinstance(before.head, NounPhrase) and is_known(before.head):
-            return  # "the driver of the bus"
         if head.kind is None and not link and before is not None and named and not self._is_placed(before):
             return  # it only says something of the object before it: "a man walking his dog"
-        if not link and named and head.kind in COMPANIONS and (head.kind == "animal" or head.owned):
+        if not link and named and is_known(head) and (head.kind == "animal" or head.owned):
             link = "with"  # "a man walking his dog"
-            head = dataclasses.replace(head, owned=False)
         self._items.append(Item(head, link, verb))
 
     def _qualify(self, node: Node) -> None:
@@ -287,12 +294,23 @@ class _Reading:
         modifiers = self._modifiers(node, link, "one" if singular else verb)
         for modifier in modifiers:
             if self._items:
-                at = self._anchor if link == ")" and self._anchor >= 0 else -1
+                at = self._anchor if link == ")" and self._anchor >= 0 else self._subject(link, verb or singular)
+                self._about = (len(self._items), at)
                 self._items[at] = _with(self._items[at], modifier)
             else:
                 self._lead.append(modifier)
         self._alone = not self._items
         return index + 1
+
+    def _subject(self, link: str, has_verb: object) -> int:
+        """The item that something is said of: after "and", or after what is carried, that before its verb."""
+        at = self._about[1] if not link and self._about[0] == len(self._items) else len(self._items) - 1
+        last = self._items[at].modifiers[-1].said if self._items[at].modifiers else None
+        goes_on = has_verb and (link == "and" or (not link and last is not None))
+        goes_on = goes_on or (link == "," and isinstance(last, Relation) and last.targets[0].pronoun == "it")
+        while at > 0 and goes_on and self._items[at].link in ("with", "has", *([""] if link else [])):
+            at -= 1
+        return at
 
     def _leads_to(self, index: int, link: str) -> int:
         """The index of the object that what is said here introduces; 0 where it says something of those before.

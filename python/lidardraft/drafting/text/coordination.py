@@ -13,8 +13,9 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
     first = _list_begins(clause, last)
     if modifier.verb == "one" or first == last:
         return [last]
-    if modifier.verb != "many" and clause.items[last].head.kind is None:
-        return [last]  # "two cars and a llama on the left", but "are on the left"
+    after = clause.items[last + 1].link if last + 1 < len(clause.items) else ""
+    if clause.items[last].link == "," and after in (",", "and") and not modifier.verb:
+        return [last]  # "a bus, a car on the left, and a van"
     said, listed = modifier.said, list(range(first, last + 1))
     if isinstance(said, Place):
         if (said.at.distance or said.at.sidewalk) and clause.items[last].link == ",":
@@ -27,7 +28,7 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
         counts = [clause.items[one].head.count for one in listed]  # type: ignore[union-attr]
         crowd = any(count == "many" or (isinstance(count, int) and count > _MANY) for count in counts[:-1])
         return [last] if crowd and counts[-1] == 1 else listed
-    return listed
+    return [one for one in listed if _can_move(clause.items[one].head, said)] or [last]  # type: ignore[arg-type]
 
 
 def _list_begins(clause: Clause, last: int) -> int:
@@ -53,7 +54,7 @@ def _list_begins(clause: Clause, last: int) -> int:
 
 def _is_told(item: Item) -> bool:
     """Whether something is said of an item alone; lengths leave it in its list."""
-    return any(not isinstance(one.said, Manner) or one.said.says for one in item.modifiers)
+    return item.is_told or any(not isinstance(one.said, Manner) or one.said.says for one in item.modifiers)
 
 
 def _is_listed(head: object) -> bool:
@@ -66,6 +67,13 @@ def _is_unknown(head: object) -> bool:
 
 def _denied(head: object) -> bool:
     return isinstance(head, NounPhrase) and head.count == 0
+
+
+def _can_move(phrase: NounPhrase, said: object) -> bool:
+    """Whether what is named can drive or walk, if a verb says so."""
+    moves = isinstance(said, Manner) and (said.heading or said.motion or said.speed or said.queue)
+    kind = SENTENCE_KINDS.get(str(phrase.kind))
+    return not moves or kind is None or kind.drives or kind.walks
 
 
 def _can_be(phrase: NounPhrase, place: Place) -> bool:

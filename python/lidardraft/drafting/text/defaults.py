@@ -75,14 +75,15 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
     if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides):
         heading = "parked"
     strip_across = heading == "across" and kind.follows_road  # a fence across the road
-    if not (kind.drives or (kind.walks and heading != "parked")):
+    waits = kind.walks and mention.speed == 0.0 and str(heading).startswith("across")  # to cross, at the kerb
+    if waits or not (kind.drives or (kind.walks and heading != "parked")):
         heading = None
     if mention.queue and kind.drives and heading is None and not references:
         heading, lane = "with", lane or (None if at.sides else "own")
         spacing = spacing or (kind.sizes.largest[0] if kind.sizes else 6.0) + _QUEUE_GAP
     elif mention.queue and kind.walks:
         spacing = spacing or _BESIDE_EACH_OTHER
-    elif mention.queue and kind.sizes and not references:
+    elif mention.queue and kind.sizes and not references and mention.count != 1:
         spacing = spacing or kind.sizes.largest[0] + _ROW_GAP
     still = bool(references) and not any(
         mentions[one].record.drives or mentions[one].record.walks for one in mention.references if one >= 0
@@ -97,9 +98,10 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
     return ObjectGroup(
         kind=kind.name,
         count="some" if at.spacing and mention.count == 1 else mention.count,
-        places=places or (("front",) if mention.queue and kind.drives and not references else ()),
+        places=places
+        or (("front",) if mention.queue and kind.drives and not references and lane != "opposite" else ()),
         not_places=tuple(dict.fromkeys(_named(place) for place in mention.not_at if any(place))),
-        surface="sidewalk" if at.sidewalk and "sidewalk" in kind.surfaces else "road" if in_road else None,
+        surface="sidewalk" if (at.sidewalk or waits) and "sidewalk" in kind.surfaces else "road" if in_road else None,
         lane=lane if "road" in kind.surfaces and (not references or kind.is_vehicle) else None,
         at_junction=at.at_junction,
         heading=heading,
@@ -152,7 +154,8 @@ def _road_spec(notes: RoadNotes, mentions: Mentions, needs_sidewalk: bool) -> Ro
     whole = kind == "motorway" or notes.each_way or notes.one_way or middle
     if kind == "motorway" and number > 3 and number % 2 == 0 and not (notes.each_way or notes.one_way):
         number //= 2  # a six-lane motorway has three each way
-    lanes = number if whole else (number + 1) // 2
+    usual = notes.usual_lanes and number == notes.usual_lanes and notes.one_way and not notes.lanes
+    lanes = number if whole and not usual else (number + 1) // 2
     oncoming = number // 2 if number % 2 and not whole else notes.oncoming_lanes if kind != "motorway" else 0
     sidewalk = notes.sidewalk if notes.sidewalk is not None or "rural" not in notes.settings else False
     return RoadSpec(

@@ -13,21 +13,23 @@ _ENDS = (",", ".", ":", ")", "but")  # of what a word governs
 _NAMES = ("object", "ellipsis", "pronoun", "stranger")
 _SAID = ("whereabouts", "relation")
 _PREPOSITIONS = ("in", "of", "to", "from", "on", "at", "by", "through", "onto", "into", "for", "as")
-_SUBORDINATE = ("so", "if", "when", "because", "until", "although", "though", "since", "as")
+_MANNERS = ("ly", "ing", "ed", "en")  # endings of words that say how something is done
+_SUBORDINATE = ("if", "until", "although", "though", "since", "as")
 
 
 def with_doubts(nodes: Sequence[Node], texts: Sequence[str]) -> list[Node]:
     """The constituents of a text, those in doubt as unknown ones."""
     found = list(nodes)
-    for index, node in enumerate(nodes):
-        for doubtful in _doubtful(found, index, texts[node.start : node.end]):
+    for index in range(len(nodes)):
+        for doubtful in _doubtful(found, index, texts):
             if found[doubtful].symbol not in (",", "."):
                 found[doubtful] = found[doubtful]._replace(symbol="unknown")
     return found
 
 
-def _doubtful(nodes: list[Node], index: int, words: Sequence[str]) -> Sequence[int]:
+def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[int]:
     """The numbers of the constituents that one casts doubt on."""
+    words = texts[nodes[index].start : nodes[index].end]
     node, after = nodes[index], nodes[index + 1].symbol if index + 1 < len(nodes) else ""
     end = _end(nodes, index)
     governed = range(index, end)
@@ -42,10 +44,11 @@ def _doubtful(nodes: list[Node], index: int, words: Sequence[str]) -> Sequence[i
             before.symbol == "relation" and any(leaves(before, "object"))
         )
         return governed if unclear or not known else ()
+    last = nodes[index - 1].symbol if index else ""
     of = words[-1:] == ["of"] and index > 0 and nodes[index - 1].symbol in STRANGE  # "tens of cars"
     if node.symbol == "silent" and words[-1] in _PREPOSITIONS and after in _NAMES and not of:
-        return range(index, _after_places(nodes, index + 2))  # "in a traffic jam"
-    last = nodes[index - 1].symbol if index else ""
+        first = index - 1 if last == "ellipsis" else index
+        return range(first, _after_places(nodes, index + 2))  # "in a traffic jam"
     if node.symbol == "pronoun" and last in STRANGE:  # "walks past them towards us"
         return governed
     if node.symbol == "object" and last == "unknown" and index > 1 and nodes[index - 2].symbol == "object":
@@ -53,13 +56,15 @@ def _doubtful(nodes: list[Node], index: int, words: Sequence[str]) -> Sequence[i
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
     if node.symbol == "except" or (node.symbol == "object" and node.get("count") == 0):
-        return governed if unclear else ()
+        return governed if unclear or any(nodes[one].symbol in ("relation", "pronoun") for one in governed) else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
-    if node.symbol == "ellipsis" and words[-1].isdigit() and index and nodes[index - 1].symbol == "object":
-        return (index,)  # "a car 20 30 m ahead"
+    if node.symbol == "ellipsis" and (words == ["not"] or (words[-1].isdigit() and last in ("object", "unknown"))):
+        return (index,)  # "a car 20 30 m ahead", "a sign reading 30", "has not stopped"
     if node.symbol == "ellipsis" and any(leaves(node, "unknown")):  # "the middle one is set back"
         return governed
+    if words in (["left"], ["right"]) and after in _NAMES and nodes[index - 1].symbol == "object":
+        return (index - 1, index)  # "someone left a box"
     if node.symbol == "whereabouts" and any(one.get("owned") for one in leaves(node, "the")):  # "its left edge"
         return (index,)
     if node.symbol == "whereabouts" and "gap" in words and index and nodes[index - 1].symbol in (",", "and"):
@@ -69,7 +74,12 @@ def _doubtful(nodes: list[Node], index: int, words: Sequence[str]) -> Sequence[i
     if node.symbol == "ellipsis" and node.get("ordinal") is not None and after in _SAID:
         verb = _after_places(nodes, index + 1)  # "the first on the right is a taxi"
         return governed if verb < len(nodes) and nodes[verb].symbol == "is" else ()
-    if node.symbol in STRANGE and after == "relation":  # "a gap between a skip and a truck"
+    first = index
+    while first and nodes[first].symbol == nodes[first - 1].symbol == "unknown":
+        first -= 1
+    of_verb = node.symbol == "unknown" and texts[nodes[first].start].endswith(_MANNERS)  # "taking pictures of it"
+    of_verb = of_verb and texts[node.end : node.end + 1] != ["by"]  # "hidden by a van"
+    if node.symbol in STRANGE and after == "relation" and not of_verb:  # "a gap between a skip and a truck"
         return range(index + 1, _after_places(nodes, index + 1))
     if node.symbol in STRANGE and after == "whereabouts" and _is_length(nodes[index + 1]):
         return (index + 1,)

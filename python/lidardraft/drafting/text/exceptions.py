@@ -14,14 +14,15 @@ def leave_out(d: Discourse, phrase: NounPhrase, before: Ids, told: bool, verb: b
     last = before[-1]
     source = d.mentions[last]
     if phrase.kind:
-        wanted = source.count != 0
+        wanted = source.count != 0 and not (told and phrase.kind == source.kind)
         made = replace(mention_of(phrase), count=0 if wanted else phrase.count or "some")
         return [d.add(made)]
     if told and source.count == 1:
         return []
     if told:
         kept = source.heading if source.heading == "parked" else None
-        return [d.add(Mention(source.kind, phrase.count, heading=kept, same_as=last, of_them=True))]
+        made = mention_of(replace(phrase, kind=source.kind))
+        return [d.add(replace(made, heading=kept, same_as=last, of_them=True))]
     hosted = next((n for n, one in enumerate(d.mentions) if one.host is not None and last in (n, one.host)), None)
     if hosted is not None and isinstance(phrase.count, int):
         d.change(hosted, left_out=phrase.count)

@@ -262,7 +262,7 @@ def _agreeing(node: Node) -> Features | None:
         return None
     said = [one.symbol for child in node.children if child.symbol == "determiner" for one in child.children]
     lone = [symbol for symbol in said if symbol in ("a", "the", "another", "each", "no", "both")]
-    if len(lone) > 1 and lone not in (["both", "the"], ["no", "a"], ["no", "the"]):
+    if len(lone) > 1 and lone not in (["both", "the"], ["no", "a"], ["no", "the"], ["the", "the"]):
         return None
     if ("both" in said or "all" in said) and not several and node.children[-1].symbol == "head":
         return None

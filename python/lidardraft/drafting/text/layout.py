@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import re
 from collections.abc import Collection, Iterable, Sequence
 from functools import cache
@@ -29,8 +28,7 @@ MAX_LENGTH = 10_000  # characters
 MAX_WORDS = 200  # and signs; each is tried without
 _FREE_TEXT = "--llm-url takes free text"
 _SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
-_MOST_UNCLEAR = 4  # words of a sentence that are not understood, two at most of those in a row; else none of it is
-_SETTING = ("weather", "road", "setting", "busy", "quiet", "time", "traffic")
+_SETTING = ("weather", "wetness", "road", "setting", "busy", "quiet", "time", "traffic")
 _JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
 _GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
 
@@ -109,26 +107,9 @@ def explain(sentence: str) -> Explanation:
 
 
 def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]]:
-    """The constituents of a text, and those that nothing comes of; a sentence with many of those is one as a whole."""
+    """The constituents of a text, and those that nothing comes of."""
     nodes = with_doubts(parse(tokens), texts)
-    idle: list[Node] = []
-    for _ in range(2):
-        idle = idle_parts(nodes, grammar(), lambda said: _without_words(_spec_of(said, texts)))
-        lost = {n for one in idle if not one.get("more") for n in range(one.start, one.end)}
-        strange = [n for n in lost if not {n - 1, n - 2} <= lost]
-        stops = [0, *(node.end for node in nodes if node.symbol == "."), len(tokens)]
-        unclear = [
-            range(*ends)
-            for ends in itertools.pairwise(stops)
-            if sum(start in range(*ends) for start in strange) > _MOST_UNCLEAR
-        ]
-        nodes = [
-            node._replace(symbol="unknown")
-            if node.symbol != "." and any(node.start in one for one in unclear)
-            else node
-            for node in nodes
-        ]
-    return nodes, idle
+    return nodes, idle_parts(nodes, grammar(), lambda said: _without_words(_spec_of(said, texts)))
 
 
 def _names_road(node: Node) -> bool:

@@ -100,7 +100,6 @@ class Discourse:
     mentions: list[Mention] = field(default_factory=list)
     road: RoadNotes = RoadNotes()
     latest: Ids = field(default_factory=list)  # what the clause before was about
-    has_ego: bool = False
     each: int | None = None  # the houses of "each house has a tree"
     sentence: int = 0  # how many mentions there were where this sentence began
     earlier: int = 0  # and the one before
@@ -139,10 +138,6 @@ class Discourse:
         before = [n for n in range(self.sentence, number) if self.mentions[n].is_wanted]
         buildings = [n for n in before if self.mentions[n].record.family == "buildings"]
         return buildings[0] if buildings and buildings == before and self.mentions[buildings[0]].count == 1 else None
-
-    def introduced(self, number: int) -> bool:
-        """Whether only a relation names a mention."""
-        return not self.mentions[number].placed and not self.mentions[number].described
 
     def depends(self, number: int, other: int) -> bool:
         """Whether a mention is another one, or placed from it."""

@@ -67,7 +67,7 @@ def _keep_with(mentions: list[Mention], number: int) -> None:
     other = mentions[mention.with_it] if mention.with_it is not None else None
     if other is None or other.kind in (None, "vehicle") or not mention.is_wanted or other.count == 0:
         return
-    if mention.placed or mention.relation is not None or (mention.record.drives and not other.record.drives):
+    if mention.placed or mention.relation is not None:
         return
     if not _depends(mentions, mention.with_it, number):  # type: ignore[arg-type]
         mentions[number] = kept_with(mention, mention.with_it)  # type: ignore[arg-type]
@@ -154,6 +154,8 @@ def _is_sum(mentions: list[Mention], number: int) -> bool:
     whole, parts = mentions[number], [mentions[one] for one in _parts_of(mentions, number)]
     if isinstance(whole.count, str) and len(parts) == len(whole.at.places) > 1:  # "on both sides (10 left, 8 right)"
         return {place for one in parts for place in one.at.places} == set(whole.at.places)
+    if isinstance(whole.count, str) and any(one.host is not None for one in parts):
+        return True
     if whole.summed or (not whole.placed and any(one.at.lane == "each" for one in parts)):
         return True
     if not parts or whole.count == 1 or sum(one.count for one in parts if isinstance(one.count, int)) != whole.count:

@@ -44,13 +44,13 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
         elif mention.of_them and mention.count == 1 and place.at.spacing and mention.same_as is not None:
             return [_begin_row(d, one, place)]
         else:
-            attach(d, one, place, modifier.link)
+            attach(d, one, place, "" if modifier.verb else modifier.link)
     return ids
 
 
 def _say_there(d: Discourse, ids: Ids) -> None:
     """ "There" is where the last of before is, known or not."""
-    before = d.mentions[ids[0] - 1].at if ids and ids[0] else Position()
+    before = next((one.at for one in reversed(d.mentions[: ids[0]] if ids else []) if one.placed), Position())
     for one in ids if before != Position() else []:
         if d.mentions[one].kind is not None:
             place_at(d, one, Place(Position(before.places, before.distance, lane=before.lane)))
@@ -100,10 +100,15 @@ def attach(d: Discourse, number: int, place: Place, link: str) -> None:
             d.change(number, at=mention.at.or_at(at))
         else:
             _add_elsewhere(d, number, at)
-    elif (at.distance and mention.at.distance) or (at.spacing and mention.at.spacing):
+    elif (at.distance and _is_exact(mention.at)) or (at.spacing and mention.at.spacing):
         return  # a second length
     elif mention.at.narrowed(at) != mention.at or place.lanes or place.road:
         d.change(number, at=mention.at.narrowed(at))
+
+
+def _is_exact(at: Position) -> bool:
+    """Whether it says a distance, and no range of them such as "far ahead" does."""
+    return at.distance is not None and at.distance[0] == at.distance[1]
 
 
 def _add_elsewhere(d: Discourse, number: int, at: Position) -> None:
@@ -150,7 +155,7 @@ def _fitting(place: Place, mention: Mention) -> Position | None:
     if place.crosswalk and not kind.walks:
         return None
     if at.sidewalk and "sidewalk" not in kind.surfaces:
-        return None if at == Position(at.places, sidewalk=True) else replace(at, sidewalk=False)
+        return None if at == Position(sidewalk=True) else replace(at, sidewalk=False)
     if at.lane and "road" not in kind.surfaces:
         return None
     if (at.from_road or at.from_sidewalk) and mention.references:

@@ -32,11 +32,14 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
     )
     last = whole if of_them and whole is not None else last
     source = d.mentions[last]
+    if item.link == ":" and not phrase.of_them and (source.count == 1 or isinstance(source.count, str)):
+        d.change(last, summed=True)
     if phrase.count == 0:
         return _none_of(d, item, phrase, last, told)
     told = told or (number + 1 < len(clause.items) and not following)
     aside = bool(item.modifiers) and item.modifiers[0].link == "," and phrase.of_them
-    if (not told and not phrase.of_them) or ((aside or not told) and isinstance(source.count, str)):
+    counted = isinstance(source.count, str) and (aside or not (told or following in _HAVING))
+    if counted or not (told or phrase.of_them or phrase.another):
         count = phrase.count if phrase.exact or isinstance(phrase.count, tuple) else None
         open_count = isinstance(source.count, str) or (source.count == 1 and source.at.spacing)
         if count is None or phrase.ordinal is not None or not open_count:
@@ -134,17 +137,10 @@ def _all_of_them(d: Discourse, phrase: NounPhrase) -> Ids:
     first = d.sentence if d.sentence < len(d.mentions) else d.earlier
     listed = [n for n in range(first, len(d.mentions)) if d.mentions[n].is_wanted]
     if phrase.both and len(listed) > 1 and [d.mentions[n].count for n in listed[-2:]] == [1, 1]:
-        listed = listed[-2:]
-        return listed
-    kinds = {d.mentions[n].kind for n in listed}
+        return listed[-2:]
     whole = d.several()
-    if len(kinds) > 1 and d.mentions[listed[-1]].count == 1:
-        found = listed
-    elif whole is not None:
-        found = [whole]
-    else:
-        found = listed
-    return found
+    several = whole is not None and d.mentions[listed[-1]].count != 1 and (len(phrase.tokens) > 1 or phrase.both)
+    return [whole] if several and whole is not None else listed
 
 
 def _following(clause: Clause, number: int) -> str:

@@ -11,18 +11,20 @@ from lidardraft.drafting.text.tree import Item, NounPhrase, Place, Relation
 
 def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
     """What a pronoun means: "them" are several, "it" is one."""
-    numbers = [n for n, one in enumerate(d.mentions) if one.is_wanted]
+    wanted = [n for n, one in enumerate(d.mentions) if one.is_wanted]
+    numbers = [n for n in wanted if d.mentions[n].with_it is None] or wanted
     if phrase.pronoun == "them":
         fitting = [n for n in numbers if d.mentions[n].count != 1]
     else:
-        fitting = [n for n in numbers if d.mentions[n].count == 1 or not isinstance(d.mentions[n].count, int)]
+        fitting = [n for n in numbers if d.mentions[n].count in (1, "many", "few")]
     found = (fitting or numbers)[-1:]
     for subject in fitting[:-1]:  # "a car behind a truck, a man next to it": the car
+        other, one = d.mentions[found[-1]], d.mentions[subject]
+        named = other.placed or other.described
         if (
-            found
-            and found[-1] == subject + 1
-            and found[-1] in d.mentions[subject].references
-            and d.introduced(found[-1])
+            found[-1] == subject + 1
+            and subject + 1 in one.references
+            and (not named or (one.record.drives and not other.record.drives))
         ):
             found = [subject]
     if phrase.pronoun == "it" and d.it in fitting:
@@ -54,6 +56,7 @@ def known_mention(d: Discourse, phrase: NounPhrase, subjects: Ids) -> int | None
         or (phrase.exact and not phrase.each)
         or phrase.count == 0
         or phrase.all
+        or phrase.rest
         or phrase.manner.heading
     ):
         return None
@@ -61,7 +64,9 @@ def known_mention(d: Discourse, phrase: NounPhrase, subjects: Ids) -> int | None
         one = d.mentions[number]
         if not one.is_wanted or number in subjects:
             continue
-        if one.kind == phrase.kind or (phrase.kind == "vehicle" and one.record.is_vehicle):
+        if phrase.owned and not (number == len(d.mentions) - 1 and one.record.cycles):
+            continue  # "a cyclist pushes his bike", but "a shepherd and his dog"
+        if one.kind == phrase.kind or (phrase.kind == "vehicle" and one.record.is_vehicle and not phrase.traffic):
             return number
     return None
 
@@ -117,8 +122,6 @@ def _target(d: Discourse, phrase: NounPhrase, subjects: Ids) -> Ids:
         return []
     bare = not phrase.plural and phrase.count == 1 and len(phrase.tokens) == 1
     known = known_mention(d, replace(phrase, definite=True) if bare else phrase, subjects[-1:])
-    if known is None and phrase.owned:
-        return []
     if known is None:
         known = d.add(replace(mention_of(phrase), count="some" if phrase.each and phrase.count == 1 else phrase.count))
     for subject in subjects if phrase.each else []:

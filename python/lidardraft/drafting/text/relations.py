@@ -101,7 +101,6 @@ def _turn_round(d: Discourse, number: int, relation: str | None, references: Ids
 
 def _relate_to_ego(d: Discourse, ids: Ids, said: Relation) -> Ids:
     """ "A car follows us", "a van overtakes us"."""
-    d.has_ego = True
     for one in ids:
         if said.overtakes:
             describe(d, one, Manner(motion="overtakes"))

@@ -48,8 +48,8 @@ def read(d: Discourse, clause: Clause) -> None:
             named.append([])
             say_of_road(d, item)
             continue
-        if item.link == "with" and named and not named[-1]:
-            before = []
+        if item.link == "with" and named:
+            before = _whose(d, clause.items[number - 1], named[-1])
         own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
         ids = _subject(d, clause, number, before, bool(lead or own or item.modifiers))
         if ids is None:
@@ -77,10 +77,6 @@ def read(d: Discourse, clause: Clause) -> None:
         elif link == "then" and new and not own and before:
             places = d.mentions[before[-1]].at.places
             d.change(new[0], at=Position(places), placed=places != (NOWHERE,), weak=True)
-        if _is_ego(d, clause, number, ids):
-            d.mentions.pop()
-            d.has_ego = True
-            ids = []
         named.append(ids)
         _modify(d, clause, number, named)
     d.latest = next((ids for ids in reversed(named) if ids), d.latest)
@@ -138,11 +134,10 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
     assert isinstance(phrase, NounPhrase)
     d.count_before = len(d.mentions)
     if phrase.pronoun == "us":
-        d.has_ego = True
         return None
     if phrase.pronoun:
         return meant_by(d, phrase)
-    if phrase.kind is None or (phrase.owned and known_mention(d, phrase, []) is None):
+    if phrase.kind is None:
         carried = (
             (item.link == "with" or phrase.without) and before and not any(d.mentions[one].placed for one in before)
         )
@@ -155,15 +150,17 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
     if (
         phrase.kind == ""
         or phrase.part is not None
-        or (phrase.ordinal is not None and d.several(phrase.kind) is not None)
+        or ((phrase.rest or phrase.ordinal is not None) and d.several(phrase.kind) is not None)
     ):
         return named_part(d, clause, number, before, told)
-    if number and not item.link and before and phrase.count != 0 and not phrase.exact:
-        head = clause.items[number - 1].head
+    head = clause.items[number - 1].head if number else None
+    aside = item.link == "," and isinstance(head, NounPhrase) and head.kind == "" and bool(item.modifiers)
+    aside = aside and item.modifiers[0].verb == "one"  # "another one, a taxi, waits behind it"
+    if number and (not item.link or aside) and before and phrase.count != 0 and not phrase.exact:
         several = isinstance(head, NounPhrase) and (
             head.kind == "" or head.part is not None or head.ordinal is not None or (head.definite and item.verb)
         )
-        if several and (item.verb or not clause.items[number - 1].modifiers):
+        if several and (aside or item.verb or not clause.items[number - 1].modifiers):
             return call(d, phrase, before)
     alone = clause.begins and len(clause.items) == 1 and not clause.lead
     counted = counted_later(d, phrase, told, before, item.link, alone)
@@ -176,6 +173,13 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
             d.each = known
         return [known]
     return [_new(d, clause, number, phrase, before)]
+
+
+def _whose(d: Discourse, item: Item, ids: Ids) -> Ids:
+    """What has what an item is "with": the nearest noun before it, as in "next to a man with a bag"."""
+    said = item.modifiers[-1].said if item.modifiers else None
+    kind = said.targets[-1].kind if isinstance(said, Relation) and said.targets else ""
+    return [n for n, one in enumerate(d.mentions) if one.is_wanted and one.kind == kind][-1:] or ids
 
 
 def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: Ids) -> int:
@@ -256,7 +260,8 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
                 d.cover(one, said.tokens)
         if is_first and (_respective(d, clause, number, open_ids) or _carries(d, item, open_ids, named, number, said)):
             return
-        if modifier.link == "," and isinstance(said, Relation) and last is not None:
+        apart = modifier.link == "," and isinstance(said, Relation | Manner)
+        if last is not None and (apart or (modifier.link == "and" and modifier.verb)):
             open_ids = named[number]  # "in front of the shop, next to a bench"
         before = modifiers[index - 1].said if index else None
         if isinstance(said, Place) and isinstance(before, Street) and not modifier.link and note_junction(d, said):
@@ -279,7 +284,9 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
         elif isinstance(said, Manner) and said.in_row and queue_up(d, open_ids, None):
             open_ids = open_ids[:1]
         elif isinstance(said, Manner):
-            for one in open_ids:
+            hosts = _who_have(item, named, number)
+            trailer = bool(hosts) and d.mentions[named[number][-1]].kind == "trailer"  # which follows what pulls it
+            for one in hosts if trailer else [*hosts, *open_ids]:
                 describe(d, one, said)
                 if d.mentions[one].kind is not None:
                     d.change(one, described=True)
@@ -313,12 +320,13 @@ def _carries(d: Discourse, item: Item, ids: Ids, named: list[Ids], number: int, 
     if len(host) != 1 or d.mentions[host[0]].placed or d.mentions[host[0]].relation:
         return False
     carried, carrier = d.mentions[ids[0]], d.mentions[host[0]]
-    if carried.kind not in COMPANIONS and (not said.at.distance or len(item.modifiers) != 1):
+    owned = isinstance(item.head, NounPhrase) and item.head.owned
+    if carried.kind not in COMPANIONS and not owned and (not said.at.distance or len(item.modifiers) != 1):
         return False
     if (
         not carrier.is_wanted
         or not carried.is_wanted
-        or (carried.record.drives and carried.kind not in COMPANIONS)
+        or (carried.record.drives and carried.kind not in COMPANIONS and not owned)
         or carrier.same_as is not None
     ):
         return False
@@ -327,6 +335,12 @@ def _carries(d: Discourse, item: Item, ids: Ids, named: list[Ids], number: int, 
         if isinstance(modifier.said, Place):
             say_place(d, host, modifier.said, modifier)
     return True
+
+
+def _who_have(item: Item, named: list[Ids], number: int) -> Ids:
+    """Who does what a companion does: "a pickup with a trailer crossing"."""
+    companion = isinstance(item.head, NounPhrase) and item.head.kind in COMPANIONS and item.link == "with"
+    return named[number - 1] if companion and number else []
 
 
 def _respective(d: Discourse, clause: Clause, number: int, open_ids: Ids) -> bool:
@@ -351,27 +365,6 @@ def _respective(d: Discourse, clause: Clause, number: int, open_ids: Ids) -> boo
             for one in open_ids:
                 describe(d, one, modifier.said)
     return True
-
-
-def _is_ego(d: Discourse, clause: Clause, number: int, ids: Ids) -> bool:
-    """Whether the first object of a text is who looks: a vehicle that drives on a road, and nowhere else."""
-    if number or ids != [0] or len(d.mentions) != 1 or clause.lead:
-        return False
-    item = clause.items[0]
-    mention, said = d.mentions[0], [one.said for one in item.modifiers]
-    drives = bool(said) and isinstance(said[0], Manner) and said[0].heading == "with"
-    road = (len(said) == 2 and isinstance(said[1], Street)) or (
-        len(said) == 1
-        and len(clause.items) > 1
-        and isinstance(clause.items[1].head, Street)
-        and not clause.items[1].link
-    )
-    vehicle = mention.kind is not None and mention.record.is_vehicle and mention.count == 1
-    if vehicle and drives and road and len(said) == 2 and isinstance(said[1], Street):
-        if said[1].definite:
-            return False
-        note_street(d, said[1])
-    return vehicle and drives and road
 
 
 def resolve(clauses: list[Clause]) -> tuple[Mentions, RoadNotes]:

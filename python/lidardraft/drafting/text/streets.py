@@ -102,7 +102,7 @@ def on_street(d: Discourse, ids: Ids, street: Street) -> None:
                 d.change(one, heading=None)  # it approaches the junction
             at = replace(mention.at, at_junction=not mention.record.at_junction)
             d.change(one, at=at, placed=True)
-        else:
+        elif street.kind is not None or street.on:
             d.change(one, on_road=mention.on_road or not mention.placed)
 
 
