@@ -2,8 +2,8 @@
 
 import contextlib
 import dataclasses
-import json
 import itertools
+import json
 import math
 import re
 from collections import Counter
