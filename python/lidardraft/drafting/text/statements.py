@@ -239,11 +239,7 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
     denied = bool(open_ids) and d.mentions[open_ids[0]].count == 0
     if item.link == "except" and not named[number] and not (modifiers and modifiers[0].verb):
         return
-    verb = (
-        bool(modifiers)
-        and bool(modifiers[0].verb)
-        and (item.link == "with" or (isinstance(item.head, NounPhrase) and item.head.without))
-    )
+    verb = bool(modifiers) and bool(modifiers[0].verb) and _is_had(item)
     if number and ((item.link == "except" and (denied or not open_ids)) or (verb and named[number - 1])):
         open_ids = named[number - 1]  # "cars but not trucks on the right"
     last: Relation | None = None
@@ -292,6 +288,11 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
                     d.change(one, described=True)
         else:
             on_street(d, open_ids, said)
+
+
+def _is_had(item: Item) -> bool:
+    """Whether an item is what the one before it has or has not."""
+    return item.link == "with" or (isinstance(item.head, NounPhrase) and item.head.without)
 
 
 def _split_part(d: Discourse, clause: Clause, number: int, ids: Ids) -> tuple[Modifier, ...]:
