@@ -13,7 +13,7 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
     first = _list_begins(clause, last)
     if modifier.verb == "one" or first == last:
         return [last]
-    if modifier.verb != "many" and clause.items[last].head.kind is None:  # type: ignore[union-attr]
+    if modifier.verb != "many" and clause.items[last].head.kind is None:
         return [last]  # "two cars and a llama on the left", but "are on the left"
     after = clause.items[last + 1].link if last + 1 < len(clause.items) else ""
     if clause.items[last].link == "," and after in (",", "and") and not modifier.verb:
