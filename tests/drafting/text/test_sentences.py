@@ -201,6 +201,7 @@ def test_each_word_names_what_it_gave(text: str, words: str, gave: str) -> None:
     "text",
     [
         *("a bench with two people on it, and in front of the bench a suitcase", "only " * 60 + "a car"),
+        *("9 " * 150 + "cars", "nine " * 150 + "cars"),
         *("behind a car " * 20, "a car next to it " * 15, "(" * 50 + "a car", "a bench with a man on it " * 10),
         UNSEEN[110],
     ],

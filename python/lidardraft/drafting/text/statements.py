@@ -280,9 +280,7 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
         elif isinstance(said, Manner) and said.in_row and queue_up(d, open_ids, None):
             open_ids = open_ids[:1]
         elif isinstance(said, Manner):
-            hosts = _who_have(item, named, number)
-            trailer = bool(hosts) and d.mentions[named[number][-1]].kind == "trailer"  # which follows what pulls it
-            for one in hosts if trailer else [*hosts, *open_ids]:
+            for one in _who_acts(item, named, number, open_ids):
                 describe(d, one, said)
                 if d.mentions[one].kind is not None:
                     d.change(one, described=True)
@@ -338,10 +336,11 @@ def _carries(d: Discourse, item: Item, ids: Ids, named: list[Ids], number: int, 
     return True
 
 
-def _who_have(item: Item, named: list[Ids], number: int) -> Ids:
-    """Who does what a companion does: "a pickup with a trailer crossing"."""
-    companion = isinstance(item.head, NounPhrase) and item.head.kind in COMPANIONS and item.link == "with"
-    return named[number - 1] if companion and number else []
+def _who_acts(item: Item, named: list[Ids], number: int, ids: Ids) -> Ids:
+    """Who does what a companion does: "a pickup with a trailer crossing"; the trailer follows what pulls it."""
+    if not (number and isinstance(item.head, NounPhrase) and item.head.kind in COMPANIONS and item.link == "with"):
+        return ids
+    return [*named[number - 1], *(ids if item.head.kind != "trailer" else [])]
 
 
 def _respective(d: Discourse, clause: Clause, number: int, open_ids: Ids) -> bool:
