@@ -286,6 +286,8 @@ def _row(
     mmd = bev_mmd((pair.scan.points() for pair in pairs), (scan.points() for scan in scans))
     folder = Path(arguments.work, "scans", _slug(name))
     folder.mkdir(parents=True, exist_ok=True)
+    for earlier in folder.glob("*.bin"):  # of a call with more streets
+        earlier.unlink()
     for number, scan in enumerate(scans):
         assert scan.intensity is not None
         write_bin(folder / f"{number:06d}.bin", scan.points(), scan.intensity[scan.valid])
