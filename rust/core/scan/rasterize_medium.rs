@@ -11,9 +11,7 @@ use crate::simd::{Lanes, Mask, Vector};
 /// What makes a body a medium.
 #[derive(Clone, Copy)]
 pub(super) struct Medium {
-    pub(super) seed: u64,
-    /// What decides its free paths, with the seed.
-    pub(super) number: u32,
+    pub(super) paths: FreePaths,
     /// The mean free path [m].
     pub(super) mean: f32,
 }
@@ -111,9 +109,10 @@ fn rasterize_columns<L: Lanes>(
 /// The free paths of rays in a medium, in lengths of their directions: those of a row of the view, from a column on.
 #[inline(always)]
 fn free_paths<L: Lanes>(medium: &Medium, view: &View, row: usize, at: usize) -> L {
-    let paths = FreePaths::new(medium.seed, medium.number, view.band.rows[row]);
-    let [a, b] = paths.ranks(view.columns.start + at);
-    let (rank, count) = (L::load(a, 0) + L::load(b, 0), L::splat(QUANTILES as f32));
-    let rank = L::select(rank.ge(count), rank - count, rank);
+    let paths = &medium.paths;
+    let [a, b] = paths.ranks(view.band.diagonals[row], view.columns.start + at);
+    let count = L::splat(QUANTILES as f32);
+    let around = |rank: L| L::select(rank.ge(count), rank - count, rank);
+    let rank = around(around(L::load(a, 0) + L::load(b, 0)) + L::splat(paths.start()));
     rank.gather(paths.quantiles()) * L::splat(medium.mean / view.band.secants[row])
 }

@@ -10,6 +10,7 @@ use super::view::View;
 use super::visibility_buffer::VisibilityBuffer;
 use crate::Scene;
 use crate::body::{Body, MeshBody, Solid};
+use crate::medium::ScanOfMedia;
 use crate::packed::{ObbTable, Outline};
 use crate::simd::{Lanes, Matrix, Vector, rows};
 
@@ -34,7 +35,7 @@ struct VisiblePart {
 impl Rasterizer {
     /// Rasterizes all that may be visible; an id is the number of a body or, if asked for, of a surface.
     #[inline(always)]
-    pub(super) fn rasterize<L: Lanes>(&mut self, scene: &Scene, view: &View, seed: u64, surfaces: bool) {
+    pub(super) fn rasterize<L: Lanes>(&mut self, scene: &Scene, view: &View, scan: &ScanOfMedia, surfaces: bool) {
         let (bodies, table) = (scene.bodies(), scene.body_table());
         self.buffer.fit(view);
         self.visible.clear();
@@ -68,7 +69,10 @@ impl Rasterizer {
                 }
                 solid => {
                     let mean = body.extinction.map(|extinction| (1.0 / extinction) as f32);
-                    let medium = mean.map(|mean| Medium { seed, number: scene.media()[visible.body as usize], mean });
+                    let medium = mean.map(|mean| {
+                        let number = scene.media()[visible.body as usize];
+                        Medium { paths: scan.free_paths(number, body.pose.translation), mean }
+                    });
                     rasterize_solid::<L>(solid, &body.pose, (medium, id), &visible.rect, view, &mut self.buffer);
                 }
             }
