@@ -19,8 +19,9 @@ use crate::{Pose, Scene, SensorPattern};
 
 /// How many different free paths there are, and the length of a walk.
 pub(crate) const QUANTILES: usize = 1 << 12;
-/// How far apart rays are [m] whose quantiles are independent, and how often that is halved: half as far, half the variance.
-const INDEPENDENT: f64 = 2.0;
+/// How far apart rays are whose quantiles are independent, in mean free paths (fitted to PandaSet's foliage), and how often
+/// that is halved: half as far, half the variance.
+const INDEPENDENT: f64 = 5.0;
 const HALVINGS: usize = 8;
 /// From there on, media are as far as they are [m].
 const NEAREST: f64 = 1.0;
@@ -41,10 +42,10 @@ impl ScanOfMedia {
         ScanOfMedia { seed, width: pattern.spec().column_width(), origin: poses[0].translation - scene.origin() }
     }
 
-    /// The free paths within the medium of that number, which is there in the scene's frame.
-    pub(crate) fn free_paths(&self, medium: u32, center: DVec3) -> FreePaths {
+    /// The free paths within the medium of that number and extinction [1/m], which is there in the scene's frame.
+    pub(crate) fn free_paths(&self, medium: u32, extinction: f64, center: DVec3) -> FreePaths {
         // Of a medium around the sensor, no leaf is nearer.
-        FreePaths::new(self.seed, medium, self.width * self.origin.distance(center).max(NEAREST))
+        FreePaths::new(self.seed, medium, self.width * self.origin.distance(center).max(NEAREST) * extinction)
     }
 }
 
@@ -63,9 +64,9 @@ impl FreePathKey {
         FreePathKey { scan, diagonals: Diagonals([0, (ray / QUANTILES) as i32]), column: ray % QUANTILES }
     }
 
-    /// The free path within the medium of that number, which is there in the scene's frame, in mean free paths.
-    pub(crate) fn path(&self, medium: u32, center: DVec3) -> f32 {
-        self.scan.free_paths(medium, center).at(self.diagonals, self.column)
+    /// The free path within a medium in mean free paths, see [`ScanOfMedia::free_paths`].
+    pub(crate) fn path(&self, medium: u32, extinction: f64, center: DVec3) -> f32 {
+        self.scan.free_paths(medium, extinction, center).at(self.diagonals, self.column)
     }
 }
 
@@ -101,7 +102,7 @@ struct Tables {
 }
 
 impl FreePaths {
-    /// Those within the medium of that number, where neighbouring columns are `apart` [m].
+    /// Those within the medium of that number, where neighbouring columns are so many mean free paths `apart`.
     pub(crate) fn new(seed: u64, medium: u32, apart: f64) -> FreePaths {
         let hash = mix(mix(seed) ^ u64::from(medium));
         let halvings = (INDEPENDENT / apart).log2().round().clamp(0.0, HALVINGS as f64) as usize;

@@ -136,8 +136,9 @@ impl Scene {
         Some(self.scene_hit(primitive, hit))
     }
 
-    fn free_path(&self, body: usize, key: FreePathKey) -> f32 {
-        key.path(self.media[body], self.bodies[body].pose.translation)
+    fn free_path(&self, medium: usize, key: FreePathKey) -> f32 {
+        let body = &self.bodies[medium];
+        key.path(self.media[medium], body.extinction.unwrap_or(1.0), body.pose.translation)
     }
 
     fn scene_hit(&self, primitive: usize, hit: Hit) -> SceneHit {

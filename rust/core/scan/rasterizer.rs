@@ -68,10 +68,10 @@ impl Rasterizer {
                     }
                 }
                 solid => {
-                    let mean = body.extinction.map(|extinction| (1.0 / extinction) as f32);
-                    let medium = mean.map(|mean| {
+                    let medium = body.extinction.map(|extinction| {
                         let number = scene.media()[visible.body as usize];
-                        Medium { paths: scan.free_paths(number, body.pose.translation), mean }
+                        let paths = scan.free_paths(number, extinction, body.pose.translation);
+                        Medium { paths, mean: (1.0 / extinction) as f32 }
                     });
                     rasterize_solid::<L>(solid, &body.pose, (medium, id), &visible.rect, view, &mut self.buffer);
                 }
