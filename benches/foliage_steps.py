@@ -2,9 +2,9 @@
 
     python benches/foliage_steps.py [--num 40] [--data FOLDER]
 
-For firings of one laser 1 to 8 columns apart, both of which return from vegetation within 40 m, a cell is the difference
-of their ranges in cm, the median or what a fifth of them exceed; rows of the table are how far apart the rays are there.
-Leaves in clumps show as differences that grow with that, independent ones as a constant.
+For firings of one laser 1 to 8 columns apart, both of which return from vegetation within 40 m, a cell is the
+difference of their ranges in cm, the median or what a fifth of them exceed; rows of the table are how far apart the
+rays are there. Leaves in clumps show as differences that grow with that, independent ones as a constant.
 """
 
 from __future__ import annotations
