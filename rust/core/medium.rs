@@ -22,8 +22,10 @@ use crate::{Pose, Scene, SensorPattern};
 pub(crate) const QUANTILES: usize = 1 << 12;
 /// How far apart rays are whose quantiles are independent, in mean free paths (fitted to PandaSet's foliage), and how often
 /// that is halved: half as far, half the variance.
-const INDEPENDENT: f64 = 5.0;
+const INDEPENDENT: f64 = 3.0;
 const HALVINGS: usize = 8;
+/// The share of rays that single leaves stop, whatever their neighbours do.
+const LEAVES: f64 = 0.2;
 /// From there on, media are as far as they are [m].
 const NEAREST: f64 = 1.0;
 
@@ -54,7 +56,7 @@ impl ScanOfMedia {
 #[derive(Clone, Copy, Debug)]
 pub struct FreePathKey {
     pub(crate) scan: ScanOfMedia,
-    pub(crate) diagonals: Diagonals,
+    pub(crate) row: RowOfMedia,
     pub(crate) column: usize,
 }
 
@@ -62,43 +64,50 @@ impl FreePathKey {
     /// That of a ray by its number, which has no neighbours.
     pub fn of_ray(seed: u64, ray: usize) -> FreePathKey {
         let scan = ScanOfMedia { seed, width: f64::INFINITY, origin: DVec3::ZERO };
-        FreePathKey { scan, diagonals: Diagonals([0, (ray / QUANTILES) as i32]), column: ray % QUANTILES }
+        let number = (ray / QUANTILES) as u32;
+        FreePathKey { scan, row: RowOfMedia { number, diagonals: [0, number as i32] }, column: ray % QUANTILES }
     }
 
     /// The free path within a medium in mean free paths, see [`ScanOfMedia::free_paths`].
     pub(crate) fn path(&self, medium: u32, extinction: f64, center: DVec3) -> f32 {
-        self.scan.free_paths(medium, extinction, center).at(self.diagonals, self.column)
+        self.scan.free_paths(medium, extinction, center).at(self.row, self.column)
     }
 }
 
-/// Where a row of a scan is on the two diagonals, in widths of a column.
+/// A row of a scan: its number, and where it is on the two diagonals, in widths of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Diagonals([i32; 2]);
+pub(crate) struct RowOfMedia {
+    number: u32,
+    diagonals: [i32; 2],
+}
 
-impl Diagonals {
-    /// Those of a row by its angles [rad]. Sub-rays of a beam are nearer to each other than columns are, and differ by a
+impl RowOfMedia {
+    /// A row by its angles [rad]. Sub-rays of a beam are nearer to each other than columns are, and differ by a
     /// column as often as they are apart.
-    pub(crate) fn new(row: usize, elevation: f64, azimuth_offset: f64, width: f64) -> Diagonals {
-        let dither = mix(row as u64) as f64 / 2_f64.powi(64);
-        let (up, left) = ((elevation / width + dither).floor() as i32, (azimuth_offset / width).round() as i32);
-        Diagonals([up.wrapping_sub(left), up.wrapping_neg().wrapping_sub(left)])
+    pub(crate) fn new(row: usize, elevation: f64, azimuth_offset: f64, width: f64) -> RowOfMedia {
+        let (up, left) =
+            ((elevation / width + share(row as u64)).floor() as i32, (azimuth_offset / width).round() as i32);
+        let diagonals = [up.wrapping_sub(left), up.wrapping_neg().wrapping_sub(left)];
+        RowOfMedia { number: row as u32, diagonals }
     }
 }
 
 /// The free paths of the rays of a scan within one medium.
 #[derive(Clone, Copy)]
 pub(crate) struct FreePaths {
-    offsets: [u32; 2],
-    /// Which quantile both walks begin at.
+    hash: u64,
+    /// Which quantile the walks begin at.
     start: f32,
     walks: &'static [Vec<f32>; 2],
-    quantiles: &'static [f32],
+    tables: &'static Tables,
 }
 
 struct Tables {
     /// Two walks for rays that are [`INDEPENDENT`] apart, for half of that, and so on.
     walks: Vec<[Vec<f32>; 2]>,
-    /// -ln(1 - p) in the middle of each of QUANTILES equal steps of p.
+    /// What single leaves add to both: mostly nothing, or any number of quantiles.
+    leaves: Vec<f32>,
+    /// -ln(1 - p) in the middle of each of QUANTILES equal steps of p, as often as there are addends.
     quantiles: Vec<f32>,
 }
 
@@ -107,22 +116,24 @@ impl FreePaths {
     pub(crate) fn new(seed: u64, medium: u32, apart: f64) -> FreePaths {
         let hash = mix(mix(seed) ^ u64::from(medium));
         let halvings = (INDEPENDENT / apart).log2().round().clamp(0.0, HALVINGS as f64) as usize;
-        let Tables { walks, quantiles } = tables();
-        let start = (mix(hash) % QUANTILES as u64) as f32;
-        FreePaths { offsets: [hash as u32, (hash >> 32) as u32], start, walks: &walks[halvings], quantiles }
+        let (tables, start) = (tables(), (mix(hash) % QUANTILES as u64) as f32);
+        FreePaths { hash, start, walks: &tables.walks[halvings], tables }
     }
 
     /// The path of one column, in mean free paths.
-    pub(crate) fn at(&self, diagonals: Diagonals, column: usize) -> f32 {
-        let [a, b] = self.ranks(diagonals, column);
-        self.quantiles[(a[0] + b[0] + self.start) as usize % QUANTILES]
+    pub(crate) fn at(&self, row: RowOfMedia, column: usize) -> f32 {
+        let [a, b, leaves] = self.ranks(row, column);
+        self.tables.quantiles[(a[0] + b[0] + leaves[0] + self.start) as usize]
     }
 
-    /// Two addends of the number of the quantile, for as many columns from this one on as a vector holds; `start` is a third.
-    pub(crate) fn ranks(&self, diagonals: Diagonals, column: usize) -> [&'static [f32]; 2] {
-        let [a, b] = self.walks;
-        let at = |k: usize| (self.offsets[k].wrapping_add_signed(diagonals.0[k]) as usize + column) % QUANTILES;
-        [&a[at(0)..], &b[at(1)..]]
+    /// Three addends of the number of the quantile, for as many columns from this one on as a vector holds; `start` is the
+    /// fourth.
+    pub(crate) fn ranks(&self, row: RowOfMedia, column: usize) -> [&'static [f32]; 3] {
+        let ([a, b], offsets) = (self.walks, [self.hash as u32, (self.hash >> 32) as u32]);
+        let walked = |k: usize| offsets[k].wrapping_add_signed(row.diagonals[k]) as usize;
+        let leaf = mix(self.hash ^ u64::from(row.number)) as u32 as usize;
+        let from = |table: &'static Vec<f32>, offset: usize| &table[(offset + column) % QUANTILES..];
+        [from(a, walked(0)), from(b, walked(1)), from(&self.tables.leaves, leaf)]
     }
 
     /// See [`FreePaths::ranks`].
@@ -130,9 +141,9 @@ impl FreePaths {
         self.start
     }
 
-    /// The paths, shortest first, in mean free paths.
+    /// The paths, shortest first, in mean free paths; again and again for sums of ranks.
     pub(crate) fn quantiles(&self) -> &'static [f32] {
-        self.quantiles
+        &self.tables.quantiles
     }
 }
 
@@ -140,10 +151,14 @@ fn tables() -> &'static Tables {
     static TABLES: OnceLock<Tables> = OnceLock::new();
     TABLES.get_or_init(|| Tables {
         walks: (0..=HALVINGS).map(|halvings| [1, 2].map(|seed| walk(seed, halvings))).collect(),
+        leaves: padded(
+            (0..QUANTILES as u64).map(|k| if share(4 << 32 | k) < LEAVES { rank(share(3 << 32 | k)) } else { 0.0 }),
+        ),
         quantiles: (0..QUANTILES)
             .map(|k| -((QUANTILES - k) as f64 - 0.5).ln() + (QUANTILES as f64).ln())
             .map(|x| x as f32)
-            .collect(),
+            .collect::<Vec<f32>>()
+            .repeat(4),
     })
 }
 
@@ -151,15 +166,28 @@ fn tables() -> &'static Tables {
 /// without a halving.
 fn walk(seed: u64, halvings: usize) -> Vec<f32> {
     let span = 0.5_f64.powf(halvings as f64 / 2.0);
-    let step = |k: usize| span * (mix(seed << 32 | k as u64) as f64 / 2_f64.powi(64) - 0.5);
-    let places: Vec<f64> = (0..QUANTILES).scan(0.0, |at, k| Some(std::mem::replace(at, *at + step(k)))).collect();
-    let end = places[QUANTILES - 1] + step(QUANTILES - 1);
-    let (drift, count) = (end - end.round(), QUANTILES as f64);
-    let rank =
-        |(k, at): (usize, &f64)| ((at - drift * k as f64 / count).rem_euclid(1.0) * count).floor().min(count - 1.0);
-    let mut ranks: Vec<f32> = places.iter().enumerate().map(|one| rank(one) as f32).collect();
+    let step = |k: usize| span * (share(seed << 32 | k as u64) - 0.5);
+    let mut places: Vec<f64> = (0..=QUANTILES).scan(0.0, |at, k| Some(std::mem::replace(at, *at + step(k)))).collect();
+    let end = places.pop().unwrap_or_default();
+    let drift = (end - end.round()) / QUANTILES as f64;
+    padded(places.iter().enumerate().map(|(k, at)| rank((at - drift * k as f64).rem_euclid(1.0))))
+}
+
+/// The number of the quantile that so large a share is below.
+fn rank(share: f64) -> f32 {
+    (share * QUANTILES as f64).floor().min(QUANTILES as f64 - 1.0) as f32
+}
+
+/// A table, and as many of its first entries again as a vector holds.
+fn padded(ranks: impl Iterator<Item = f32>) -> Vec<f32> {
+    let mut ranks: Vec<f32> = ranks.collect();
     ranks.extend_from_within(..WIDEST);
     ranks
+}
+
+/// A random number of 0 to 1.
+fn share(seed: u64) -> f64 {
+    mix(seed) as f64 / 2_f64.powi(64)
 }
 
 /// A hash of 64 bits: Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", 2014 (SplitMix64).

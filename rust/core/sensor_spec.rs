@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::medium::Diagonals;
+use crate::medium::RowOfMedia;
 use crate::{Error, Result};
 
 /// What a pattern is made from; row 0 is the highest beam.
@@ -41,9 +41,9 @@ impl SensorSpec {
         self.azimuth_span / self.columns as f64
     }
 
-    /// Where a row is on the diagonals of a scan.
-    pub(crate) fn diagonals(&self, row: usize) -> Diagonals {
-        Diagonals::new(row, self.elevations[row], self.azimuth_offsets[row], self.column_width())
+    /// What media need to know of a row.
+    pub(crate) fn row_of_media(&self, row: usize) -> RowOfMedia {
+        RowOfMedia::new(row, self.elevations[row], self.azimuth_offsets[row], self.column_width())
     }
 
     /// Checks every number.

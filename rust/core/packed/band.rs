@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::row_lookup::RowLookup;
 use crate::SensorSpec;
-use crate::medium::Diagonals;
+use crate::medium::RowOfMedia;
 use crate::simd::{Lanes, WIDEST};
 
 /// The beams of a pattern that start at the same place and look nearly the same way: a grid of rows and columns.
@@ -23,8 +23,8 @@ pub(crate) struct Band {
     pub(crate) slopes: Vec<f32>,
     /// The length of each row's rays.
     pub(crate) secants: Vec<f32>,
-    /// Where each row is on the diagonals of the scan.
-    pub(crate) diagonals: Vec<Diagonals>,
+    /// What media need to know of each row.
+    pub(crate) media: Vec<RowOfMedia>,
     /// The phase of each row, and that as lanes take it.
     pub(crate) phases: Vec<u8>,
     pub(crate) phase_lanes: Vec<f32>,
@@ -123,7 +123,7 @@ impl Band {
         let secants: Vec<f32> = elevations().map(|e| (1.0 / e.cos()) as f32).collect();
         Band {
             rows: rows.iter().map(|&(row, _)| row as u32).collect(),
-            diagonals: rows.iter().map(|&(row, _)| spec.diagonals(row)).collect(),
+            media: rows.iter().map(|&(row, _)| spec.row_of_media(row)).collect(),
             phases: rows.iter().map(|&(_, phase)| phase as u8).collect(),
             phase_lanes: rows.iter().map(|&(_, phase)| phase as f32).collect(),
             phase_count: shared.offsets.len(),

@@ -4,7 +4,7 @@ use super::pixel_rect::PixelRect;
 use super::ray_tests::{MediumTest, ShapeInView};
 use super::view::View;
 use super::visibility_buffer::{UNRESOLVED, VisibilityBuffer, lanes_within, steps};
-use crate::medium::{FreePaths, QUANTILES};
+use crate::medium::FreePaths;
 use crate::packed::PHASES;
 use crate::simd::{Lanes, Mask, Vector};
 
@@ -110,9 +110,7 @@ fn rasterize_columns<L: Lanes>(
 #[inline(always)]
 fn free_paths<L: Lanes>(medium: &Medium, view: &View, row: usize, at: usize) -> L {
     let paths = &medium.paths;
-    let [a, b] = paths.ranks(view.band.diagonals[row], view.columns.start + at);
-    let count = L::splat(QUANTILES as f32);
-    let around = |rank: L| L::select(rank.ge(count), rank - count, rank);
-    let rank = around(around(L::load(a, 0) + L::load(b, 0)) + L::splat(paths.start()));
+    let [a, b, leaves] = paths.ranks(view.band.media[row], view.columns.start + at);
+    let rank = L::load(a, 0) + L::load(b, 0) + L::load(leaves, 0) + L::splat(paths.start());
     rank.gather(paths.quantiles()) * L::splat(medium.mean / view.band.secants[row])
 }

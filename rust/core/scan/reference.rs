@@ -34,7 +34,7 @@ pub(super) fn cast_pixel(
     [row, column]: [usize; 2],
 ) -> Option<Return> {
     let (origin, direction) = ray(pattern, poses, row, column);
-    let key = FreePathKey { scan: *media, diagonals: pattern.spec().diagonals(row), column };
+    let key = FreePathKey { scan: *media, row: pattern.spec().row_of_media(row), column };
     let hit = scene.closest(origin, direction, key)?;
     let depth = pattern.reported(hit.distance)?;
     Some(Return::new(scene, origin, direction, &hit, depth))

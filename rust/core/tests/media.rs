@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::{Random, box_mesh, linear, pattern, primitive, spec};
-use crate::medium::{Diagonals, FreePaths, QUANTILES};
+use crate::medium::{FreePaths, QUANTILES, RowOfMedia};
 use crate::{Backend, FreePathKey, Images, Pose, Primitive, Scene, SceneHit, Shape, TriangleMesh, cast, scan};
 
 /// How far the mean of so many numbers of deviation 1 may be off: 4 standard errors.
@@ -33,8 +33,8 @@ fn transmits(scene: &Scene, origin: DVec3, direction: DVec3, depth: f64) {
 /// Free paths of 64 rows of 1024 columns in one body, so many mean free paths apart, for rows and columns that are equally wide.
 fn paths(seed: u64, body: u32, apart: f64) -> Vec<f64> {
     let of_row = |row| {
-        let diagonals = Diagonals::new(row, row as f64, 0.0, 1.0);
-        (0..1024).map(move |column| f64::from(FreePaths::new(seed, body, apart).at(diagonals, column)))
+        let place = RowOfMedia::new(row, row as f64, 0.0, 1.0);
+        (0..1024).map(move |column| f64::from(FreePaths::new(seed, body, apart).at(place, column)))
     };
     (0..64).flat_map(of_row).collect()
 }
@@ -98,7 +98,7 @@ fn rays_near_each_other_get_nearly_as_far() {
 
 #[test]
 fn a_row_of_more_columns_than_paths() {
-    let (paths, level) = (FreePaths::new(2, 3, 0.1), Diagonals::new(4, 0.0, 0.0, 1.0));
+    let (paths, level) = (FreePaths::new(2, 3, 0.1), RowOfMedia::new(4, 0.0, 0.0, 1.0));
     let (a, b) = (paths.at(level, 5), paths.at(level, 5 + QUANTILES));
     assert_eq!(a, b);
 }

@@ -31,7 +31,7 @@ fn agrees_with_every_surface(scene: &Scene, pattern: &SensorPattern, pose: &Pose
             let all = scene.closest_of_all(
                 origin,
                 direction,
-                FreePathKey { scan: media, diagonals: pattern.spec().diagonals(row), column },
+                FreePathKey { scan: media, row: pattern.spec().row_of_media(row), column },
             );
             let all = all.filter(|hit| pattern.reported(hit.distance).is_some());
             let i = row * pattern.columns() + column;
