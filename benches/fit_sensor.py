@@ -251,7 +251,7 @@ def report_edges(places: dict[str, list[Sweep]], sensor: Sensor, model: SensorMo
     print(f"\n| {sensor.name}: edges of | lost | edge_drop |\n|---|---:|---:|")
     found = {place: edge_drops(sweeps) for place, sweeps in places.items()}
     for place, share in found.items():
-        print(f"| {place} | {share:.3f} | {bisected(lost, share, EDGE_DROPS, rising=True):.3f} |")
+        print(f"| {place} | {share:.3f} | {bisected(lost, share, EDGE_DROPS):.3f} |")
     print(f"| streets, edge_drop {model.edge_drop:g} | {lost(model.edge_drop):.3f} | |")
 
 
