@@ -73,7 +73,9 @@ def main() -> None:
     places = {} if given.sensor or given.scans else recordings.pandar64(given.data, PANDAR64.columns).labelled
     if places:
         title = "streets, Pandar64, beside PandaSet"
-        told[title] = two_sample(places, [Sweep.by_azimuth(scan) for scan in street_scans(PANDAR64, given.num)])
+        pandar64 = [Sweep.by_azimuth(scan) for scan in street_scans(PANDAR64, given.num)]
+        everywhere = shown_pixels([sweep for group in places.values() for sweep in group])
+        told[title] = two_sample(places, pandar64, everywhere)
         print(row(title, told[title]), flush=True)
     for title, found in told.items():
         print("\n" + "\n".join(telling(title, found, given.features)))
