@@ -5,8 +5,6 @@ radiation regime and architecture of plant stands, 1981). LAD is the leaf-area i
 5.1 for temperate deciduous trees, 5.5 for conifers, 2.1 for shrubs, 1.7 for grass on average (Asner et al., Global
 Ecology and Biogeography 12, 2003); single street trees have 3 to 5 (Nowak, Forest Science 42, 1996). Trimmed hedges are
 denser, 5 to 10 m2/m3 (estimate). An index is over the ground under a crown, so what narrows upward is denser.
-Leaves stand in clumps and towards the light, so that a ray that meets them goes less far in than the mean over a plant
-says. By how much is fitted to how far neighbouring returns of PandaSet's vegetation lie apart (docs/lifelike.md).
 Leafless twigs stop a fifth of what leaves do.
 """
 
@@ -32,7 +30,6 @@ _LEAVES_BUSH = (2.0, 4.5)
 _LEAVES_HEDGE = (5.0, 10.0)  # density [m2/m3]
 _LEAVES_GRASS = (1.7, 0.6)  # mean and deviation
 _LEAVES_GRASS_LIMITS = (0.6, 4.0)
-_LEAVES_CLUMPED = (3.0, 2.0)  # times the mean: crowns of trees; bushes and hedges
 _LEAVES_TWIGS = 0.2  # of what leaves stop
 _LEAVES_SINGLE = 1.5  # what is one ellipsoid, and bushes: narrower towards the top
 _LEAVES_TIERS = 1.5
@@ -107,14 +104,13 @@ def tree(builder: ObjectBuilder, rng: np.random.Generator, *, bare: bool | None 
     bare = not conifer and (pick > _TREE_BARE_ABOVE if bare is None else bare)
     top = builder.placed.clearance + _TREE_TRUNK[conifer] * crown
     builder.add("cylinder", (0.0, 0.0, (top - EMBEDMENT) / 2), (diameter, diameter, top + EMBEDMENT), "trunk")
-    clumped, _ = _LEAVES_CLUMPED
     if conifer:
-        _add_tiers(builder, crown, clumped * _LEAVES_TIERS * _G * rng.uniform(*_LEAVES_CONIFER) / crown)
+        _add_tiers(builder, crown, _LEAVES_TIERS * _G * rng.uniform(*_LEAVES_CONIFER) / crown)
         return
     form = int(rng.integers(_BOUGHS))
     middle = (0.0, 0.0, builder.placed.clearance + crown / 2)
     builder.add_mesh(_boughs(form, bare), (length, width, crown), "trunk", at=middle)
-    density = _G * rng.uniform(*_LEAVES_BROADLEAF) / crown * (_LEAVES_TWIGS if bare else clumped)
+    density = _G * rng.uniform(*_LEAVES_BROADLEAF) / crown * (_LEAVES_TWIGS if bare else 1.0)
     if slender > _TREE_COLUMN or height < _TREE_YOUNG or bare:
         size = (_TREE_SINGLE * length, _TREE_SINGLE * width, crown)
         builder.add("ellipsoid", middle, size, "vegetation", extinction=_LEAVES_SINGLE * density)
@@ -130,8 +126,7 @@ def trunk_diameter(height: float) -> float:
 def bush(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A bush from the ground up: three rounds of foliage."""
     length, width, height = builder.placed.size
-    _, clumped = _LEAVES_CLUMPED
-    density = clumped * _LEAVES_SINGLE * _G * rng.uniform(*_LEAVES_BUSH) / height
+    density = _LEAVES_SINGLE * (_G * rng.uniform(*_LEAVES_BUSH) / height)
     a, b, c = _BUSH_CORE
     at = (0.0, 0.0, _BUSH_CORE_MIDDLE * height)
     builder.add("ellipsoid", at, (a * length, b * width, c * height), "vegetation", extinction=density)
@@ -146,8 +141,7 @@ def bush(builder: ObjectBuilder, rng: np.random.Generator) -> None:
 def hedge(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A cut hedge: a dense core of twigs, and foliage in lengths that are not quite as high and wide as each other."""
     length, width, height = builder.placed.size
-    _, clumped = _LEAVES_CLUMPED
-    density = clumped * _G * rng.uniform(*_LEAVES_HEDGE)
+    density = _G * rng.uniform(*_LEAVES_HEDGE)
     wide, tall = _HEDGE_CORE
     core = (max(length - _HEDGE_INSET, _HEDGE_LEAST_CORE * length), wide * width, tall * height + EMBEDMENT)
     at = (0.0, 0.0, core[2] / 2 - EMBEDMENT)
