@@ -31,7 +31,7 @@ const NEAREST: f64 = 1.0;
 
 /// What decides the free paths of all rays of a scan in media.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct ScanOfMedia {
+pub(crate) struct ScanKey {
     seed: u64,
     /// The width of a column [rad], infinite where rays have no neighbours.
     width: f64,
@@ -39,10 +39,10 @@ pub(crate) struct ScanOfMedia {
     origin: DVec3,
 }
 
-impl ScanOfMedia {
+impl ScanKey {
     /// That of a scan from these poses.
-    pub(crate) fn new(scene: &Scene, pattern: &SensorPattern, poses: &[Pose], seed: u64) -> ScanOfMedia {
-        ScanOfMedia { seed, width: pattern.spec().column_width(), origin: poses[0].translation - scene.origin() }
+    pub(crate) fn new(scene: &Scene, pattern: &SensorPattern, poses: &[Pose], seed: u64) -> ScanKey {
+        ScanKey { seed, width: pattern.spec().column_width(), origin: poses[0].translation - scene.origin() }
     }
 
     /// The free paths within the medium of that number and extinction [1/m], which is there in the scene's frame.
@@ -55,20 +55,20 @@ impl ScanOfMedia {
 /// What decides the free paths of a ray in media: equal keys, equal paths.
 #[derive(Clone, Copy, Debug)]
 pub struct FreePathKey {
-    pub(crate) scan: ScanOfMedia,
-    pub(crate) row: RowOfMedia,
+    pub(crate) scan: ScanKey,
+    pub(crate) row: RowKey,
     pub(crate) column: usize,
 }
 
 impl FreePathKey {
     /// That of a ray by its number, which has no neighbours.
     pub fn of_ray(seed: u64, ray: usize) -> FreePathKey {
-        let scan = ScanOfMedia { seed, width: f64::INFINITY, origin: DVec3::ZERO };
+        let scan = ScanKey { seed, width: f64::INFINITY, origin: DVec3::ZERO };
         let number = (ray / QUANTILES) as u32;
-        FreePathKey { scan, row: RowOfMedia { number, diagonals: [0, number as i32] }, column: ray % QUANTILES }
+        FreePathKey { scan, row: RowKey { number, diagonals: [0, number as i32] }, column: ray % QUANTILES }
     }
 
-    /// The free path within a medium in mean free paths, see [`ScanOfMedia::free_paths`].
+    /// The free path within a medium in mean free paths, see [`ScanKey::free_paths`].
     pub(crate) fn path(&self, medium: u32, extinction: f64, center: DVec3) -> f32 {
         self.scan.free_paths(medium, extinction, center).at(self.row, self.column)
     }
@@ -76,19 +76,19 @@ impl FreePathKey {
 
 /// A row of a scan: its number, and where it is on the two diagonals, in widths of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct RowOfMedia {
+pub(crate) struct RowKey {
     number: u32,
     diagonals: [i32; 2],
 }
 
-impl RowOfMedia {
+impl RowKey {
     /// A row by its angles [rad]. Sub-rays of a beam are nearer to each other than columns are, and differ by a
     /// column as often as they are apart.
-    pub(crate) fn new(row: usize, elevation: f64, azimuth_offset: f64, width: f64) -> RowOfMedia {
+    pub(crate) fn new(row: usize, elevation: f64, azimuth_offset: f64, width: f64) -> RowKey {
         let (up, left) =
             ((elevation / width + share(row as u64)).floor() as i32, (azimuth_offset / width).round() as i32);
         let diagonals = [up.wrapping_sub(left), up.wrapping_neg().wrapping_sub(left)];
-        RowOfMedia { number: row as u32, diagonals }
+        RowKey { number: row as u32, diagonals }
     }
 }
 
@@ -121,14 +121,14 @@ impl FreePaths {
     }
 
     /// The path of one column, in mean free paths.
-    pub(crate) fn at(&self, row: RowOfMedia, column: usize) -> f32 {
+    pub(crate) fn at(&self, row: RowKey, column: usize) -> f32 {
         let [a, b, leaves] = self.ranks(row, column);
         self.tables.quantiles[(a[0] + b[0] + leaves[0] + self.start) as usize]
     }
 
     /// Three addends of the number of the quantile, for as many columns from this one on as a vector holds; `start` is the
     /// fourth.
-    pub(crate) fn ranks(&self, row: RowOfMedia, column: usize) -> [&'static [f32]; 3] {
+    pub(crate) fn ranks(&self, row: RowKey, column: usize) -> [&'static [f32]; 3] {
         let ([a, b], offsets) = (self.walks, [self.hash as u32, (self.hash >> 32) as u32]);
         let walked = |k: usize| offsets[k].wrapping_add_signed(row.diagonals[k]) as usize;
         let leaf = mix(self.hash ^ u64::from(row.number)) as u32 as usize;

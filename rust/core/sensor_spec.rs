@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::medium::RowOfMedia;
+use crate::medium::RowKey;
 use crate::{Error, Result};
 
 /// What a pattern is made from; row 0 is the highest beam.
@@ -42,8 +42,8 @@ impl SensorSpec {
     }
 
     /// What media need to know of a row.
-    pub(crate) fn row_of_media(&self, row: usize) -> RowOfMedia {
-        RowOfMedia::new(row, self.elevations[row], self.azimuth_offsets[row], self.column_width())
+    pub(crate) fn row_key(&self, row: usize) -> RowKey {
+        RowKey::new(row, self.elevations[row], self.azimuth_offsets[row], self.column_width())
     }
 
     /// Checks every number.

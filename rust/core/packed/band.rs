@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use super::row_lookup::RowLookup;
 use crate::SensorSpec;
-use crate::medium::RowOfMedia;
+use crate::medium::RowKey;
 use crate::simd::{Lanes, WIDEST};
 
 /// The beams of a pattern that start at the same place and look nearly the same way: a grid of rows and columns.
@@ -24,7 +24,7 @@ pub(crate) struct Band {
     /// The length of each row's rays.
     pub(crate) secants: Vec<f32>,
     /// What media need to know of each row.
-    pub(crate) media: Vec<RowOfMedia>,
+    pub(crate) row_keys: Vec<RowKey>,
     /// The phase of each row, and that as lanes take it.
     pub(crate) phases: Vec<u8>,
     pub(crate) phase_lanes: Vec<f32>,
@@ -123,7 +123,7 @@ impl Band {
         let secants: Vec<f32> = elevations().map(|e| (1.0 / e.cos()) as f32).collect();
         Band {
             rows: rows.iter().map(|&(row, _)| row as u32).collect(),
-            media: rows.iter().map(|&(row, _)| spec.row_of_media(row)).collect(),
+            row_keys: rows.iter().map(|&(row, _)| spec.row_key(row)).collect(),
             phases: rows.iter().map(|&(_, phase)| phase as u8).collect(),
             phase_lanes: rows.iter().map(|&(_, phase)| phase as f32).collect(),
             phase_count: shared.offsets.len(),

@@ -13,7 +13,7 @@ use super::reference;
 use super::view::View;
 use super::visibility_buffer::VisibilityBuffer;
 use super::write_images::{Owners, Unresolved};
-use crate::medium::ScanOfMedia;
+use crate::medium::ScanKey;
 use crate::packed::Band;
 use crate::simd::{self, Kernel, Lanes, WIDEST};
 use crate::threads::{spread, thread_count};
@@ -44,7 +44,7 @@ struct Scan<'a> {
     /// From the world, and from the origin of the scene.
     poses: &'a [Pose],
     local: Vec<Pose>,
-    media: ScanOfMedia,
+    key: ScanKey,
     backend: Backend,
 }
 
@@ -59,8 +59,8 @@ pub(super) fn scan(
     threads: usize,
 ) {
     let local = |pose: &Pose| Pose { translation: pose.translation - scene.origin(), ..*pose };
-    let media = ScanOfMedia::new(scene, pattern, poses, seed);
-    let scan = Scan { scene, pattern, poses, local: poses.iter().map(local).collect(), media, backend };
+    let key = ScanKey::new(scene, pattern, poses, seed);
+    let scan = Scan { scene, pattern, poses, local: poses.iter().map(local).collect(), key, backend };
     let width = if poses.len() > 1 { rolling_width(poses) } else { still_width(pattern, threads) };
     spread(threads, jobs(pattern, images, width), |job| scan.run(job));
 }
@@ -114,7 +114,7 @@ struct RasterizeView<'a> {
 impl Kernel for RasterizeView<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        self.rasterizer.rasterize::<L>(self.scan.scene, self.view, &self.scan.media, self.surfaces);
+        self.rasterizer.rasterize::<L>(self.scan.scene, self.view, &self.scan.key, self.surfaces);
     }
 }
 
@@ -158,7 +158,7 @@ impl Scan<'_> {
         RASTERIZER.set(rasterizer);
         for (row, column) in unresolved {
             let (beam, ray) = (job.band.rows[row] as usize, job.columns.start + column);
-            let found = reference::cast_pixel(scene, self.pattern, self.poses, &self.media, [beam, ray]);
+            let found = reference::cast_pixel(scene, self.pattern, self.poses, &self.key, [beam, ray]);
             job.images[row].set(column, found.as_ref());
         }
     }

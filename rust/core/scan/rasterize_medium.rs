@@ -110,7 +110,7 @@ fn rasterize_columns<L: Lanes>(
 #[inline(always)]
 fn free_paths<L: Lanes>(medium: &Medium, view: &View, row: usize, at: usize) -> L {
     let paths = &medium.paths;
-    let [a, b, leaves] = paths.ranks(view.band.media[row], view.columns.start + at);
+    let [a, b, leaves] = paths.ranks(view.band.row_keys[row], view.columns.start + at);
     let rank = L::load(a, 0) + L::load(b, 0) + L::load(leaves, 0) + L::splat(paths.start());
     rank.gather(paths.quantiles()) * L::splat(medium.mean / view.band.secants[row])
 }

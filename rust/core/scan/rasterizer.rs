@@ -10,7 +10,7 @@ use super::view::View;
 use super::visibility_buffer::VisibilityBuffer;
 use crate::Scene;
 use crate::body::{Body, MeshBody, Solid};
-use crate::medium::ScanOfMedia;
+use crate::medium::ScanKey;
 use crate::packed::{ObbTable, Outline};
 use crate::simd::{Lanes, Matrix, Vector, rows};
 
@@ -35,7 +35,7 @@ struct VisiblePart {
 impl Rasterizer {
     /// Rasterizes all that may be visible; an id is the number of a body or, if asked for, of a surface.
     #[inline(always)]
-    pub(super) fn rasterize<L: Lanes>(&mut self, scene: &Scene, view: &View, scan: &ScanOfMedia, surfaces: bool) {
+    pub(super) fn rasterize<L: Lanes>(&mut self, scene: &Scene, view: &View, scan: &ScanKey, surfaces: bool) {
         let (bodies, table) = (scene.bodies(), scene.body_table());
         self.buffer.fit(view);
         self.visible.clear();

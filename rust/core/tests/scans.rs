@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DMat3, DVec3};
 
 use super::{Random, box_mesh, linear, pattern, primitive, random_scene, scanned, spec, swept};
-use crate::medium::ScanOfMedia;
+use crate::medium::ScanKey;
 use crate::{
     Backend, FreePathKey, Images, ImagesMut, Pose, Primitive, Scene, SensorPattern, Shape, TriangleMesh, scan,
     scan_batch,
@@ -22,7 +22,7 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
 /// Every pixel is that of the closest of all surfaces, with the normal there.
 fn agrees_with_every_surface(scene: &Scene, pattern: &SensorPattern, pose: &Pose) -> usize {
     let images = scanned(scene, pattern, pose);
-    let media = ScanOfMedia::new(scene, pattern, std::slice::from_ref(pose), 0);
+    let media = ScanKey::new(scene, pattern, std::slice::from_ref(pose), 0);
     let mut hits = 0;
     for row in 0..pattern.rows() {
         for column in 0..pattern.columns() {
@@ -31,7 +31,7 @@ fn agrees_with_every_surface(scene: &Scene, pattern: &SensorPattern, pose: &Pose
             let all = scene.closest_of_all(
                 origin,
                 direction,
-                FreePathKey { scan: media, row: pattern.spec().row_of_media(row), column },
+                FreePathKey { scan: media, row: pattern.spec().row_key(row), column },
             );
             let all = all.filter(|hit| pattern.reported(hit.distance).is_some());
             let i = row * pattern.columns() + column;
