@@ -46,7 +46,7 @@ def test_what_no_value_reaches_gets_the_nearest_limit():
 def test_drop_and_noise_are_found(casts, threshold, drop, sigma, jitter):
     truth = with_model(detection_threshold=threshold, drop_exponent=drop, jitter=jitter)
     model, found = fit_receiver(sweeps(replace(truth, range_sigma=sigma), STREETS, seed=6), casts, TYPICAL)
-    assert model.detection_threshold == pytest.approx(threshold, rel=0.5)  # a quarter in range
+    assert model.detection_threshold == pytest.approx(threshold, rel=0.6)  # a quarter in range
     assert model.drop_exponent == pytest.approx(drop, rel=0.2, abs=0.004)
     assert found == pytest.approx(sigma, rel=0.25)
     assert 0.5 * jitter < model.jitter < 2.0 * jitter
