@@ -11,6 +11,7 @@ PandaSet's frames, near the sensor's frame) and
 from __future__ import annotations
 
 import io
+import itertools
 import lzma
 import sys
 from dataclasses import replace
@@ -21,14 +22,18 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 import recordings
+from lidardraft.calibration import surface_groups
 from lidardraft.calibration.receiver import bisected, edge_drops
 from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.formats.pcd import read_pcd
+from lidardraft.metrics import surfaces
+from lidardraft.metrics.profiles import road_level
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import MATERIAL_BY_NAME, Material, diffuse_response, leaf_response, response
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.sensor_model import MODELS, SensorModel
 from lidardraft.semantics import BY_NAME
+from lidardraft.streets import StreetConfig, streets
 
 MODEL = MODELS["pandar64"]
 ROAD = BY_NAME["road"].id
@@ -55,6 +60,13 @@ HEIGHT = 2.0  # m of the sensor over the ground
 LONGEST = 8  # columns that a hole in a surface may be wide
 STREETS, SEED = 24, 5_000_000  # that edges are held against
 EDGE_DROPS = (1e-3, 5.0)
+LAGS = (1, 3, 8, 32)  # columns
+PLANTS, FAR = ((-1.0, 2.2), (3.0, 15.0)), (3.0, 8.0, 15.0, 30.0, 80.0)  # m over the road, m from the sensor
+UNLABELLED = {
+    "ground": (surface_groups.LANE, surface_groups.GROUND),
+    "high and smooth": (surface_groups.SMOOTH,),
+}
+LABELLED = {name: (BY_NAME[name].id,) for name in ("road", "sidewalk", "building", "vegetation")}
 
 
 def planes(points: np.ndarray, step: int) -> tuple[np.ndarray, np.ndarray]:
@@ -251,8 +263,64 @@ def report_edges(places: dict[str, list[Sweep]], sensor: Sensor, model: SensorMo
     print(f"\n| {sensor.name}: edges of | lost | edge_drop |\n|---|---:|---:|")
     found = {place: edge_drops(sweeps) for place, sweeps in places.items()}
     for place, share in found.items():
-        print(f"| {place} | {share:.3f} | {bisected(lost, share, EDGE_DROPS, rising=True):.3f} |")
+        print(f"| {place} | {share:.3f} | {bisected(lost, share, EDGE_DROPS):.3f} |")
     print(f"| streets, edge_drop {model.edge_drop:g} | {lost(model.edge_drop):.3f} | |")
+
+
+def scatter(sweeps: list[Sweep], groups: tuple[int, ...]) -> list[float]:
+    """By how much readings of 4 of 255 or more differ from those of the same surface LAGS further on, over their mean;
+    of sweeps with labels `groups` are classes, else those of `surface_groups`."""
+    differences: list[list[np.ndarray]] = [[] for _ in LAGS]
+    for sweep in sweeps:
+        assert sweep.intensity is not None
+        of = surface_groups.groups_of(sweep, labelled=False) if sweep.label is None else sweep.label
+        mine = np.isin(of, groups) & sweep.valid & (sweep.intensity > 3 / 255)
+        for lag, found in zip(LAGS, differences, strict=True):
+            (depth, one), (further, other) = ((sweep.depth[:, at], sweep.intensity[:, at])
+                                              for at in (slice(lag, None), slice(-lag)))  # fmt: skip
+            both = mine[:, lag:] & mine[:, :-lag] & (np.abs(depth - further) < 0.03 * depth + 0.1)
+            found.append(np.minimum(2 * np.abs(one - other) / np.maximum(one + other, 1e-6), 1.0)[both])
+    return [float(np.concatenate(found).mean()) for found in differences]
+
+
+def street_sweeps(sensor: Sensor) -> list[Sweep]:
+    """A scan of each of STREETS streets."""
+    pairs = itertools.islice(streets(SEED, StreetConfig(sensor=sensor, poses_per_street=1)), STREETS)
+    return [Sweep.by_azimuth(pair.scan) for pair in pairs]
+
+
+def report_foliage(places: dict[str, list[Sweep]]) -> None:
+    """How far returns of low and of high plants lie off the middle of their neighbours in the row, by range."""
+    print(f"\n| plants [m over the road] | in | {' | '.join(f'{a:g} to {b:g} m' for a, b in pairwise(FAR))} |"
+          f"\n|---|---|{'---:|' * (len(FAR) - 1)}")  # fmt: skip
+    for low, high in PLANTS:
+        for place, sweeps in places.items():
+            depths, offs = [], []
+            for sweep in sweeps:
+                assert sweep.label is not None
+                height = sweep.points[..., 2] - road_level(sweep)
+                plant = (sweep.label == BY_NAME["vegetation"].id) & (height > low) & (height < high)
+                off, inside = surfaces.bends(sweep.depth)
+                inside &= plant[:, 1:-1] & plant[:, 2:] & plant[:, :-2]
+                depths.append(sweep.depth[:, 1:-1][inside])
+                offs.append(off[inside])
+            depth, off = np.concatenate(depths), np.concatenate(offs)
+            parts = [off[(depth >= a) & (depth < b)] for a, b in pairwise(FAR)]
+            shown = (f"{np.median(part):.3f}" if len(part) >= 200 else "" for part in parts)
+            print(f"| {low:g} to {high:g} | {place} | {' | '.join(shown)} |")
+
+
+def report_scatter(sensor: Sensor, places: dict[str, list[Sweep]]) -> None:
+    """How much neighbouring readings differ in recordings and in streets."""
+    made = street_sweeps(sensor)
+    labelled = all(sweep.label is not None for sweeps in places.values() for sweep in sweeps)
+    if not labelled:
+        made = [replace(sweep, label=None) for sweep in made]
+    lags = f"{' | '.join(map(str, LAGS))} columns on"
+    print(f"\n| {sensor.name}: readings of | in | {lags} |\n|---|---|{'---:|' * len(LAGS)}")
+    for surface, groups in (LABELLED if labelled else UNLABELLED).items():
+        for place, sweeps in (places | {"streets": made}).items():
+            print(f"| {surface} | {place} | {' | '.join(f'{value:.3f}' for value in scatter(sweeps, groups))} |")
 
 
 def main(folder: Path) -> None:
@@ -269,12 +337,15 @@ def main(folder: Path) -> None:
         labelled = [sweep for group in read(folder.parent, COLUMNS).labelled.values() for sweep in group]
         report_noise(name, labelled, MODELS[name], SURFACES)
         report_tilts(name, labelled, PRESETS[name].elevations)
+        report_scatter(replace(PRESETS[name], columns=COLUMNS), read(folder.parent, COLUMNS).labelled)
     pandar64 = recordings.pandar64(folder.parent, COLUMNS)
     pjlab = {"PJLab, all": [sweep for group in pandar64.plain.values() for sweep in group]}
     report_edges(pandar64.plain | pjlab | pandar64.labelled, PRESETS["pandar64"], MODEL)
+    report_foliage(pandar64.labelled | {"streets": street_sweeps(PRESETS["pandar64"])})
     for name, read in (("os0-128", recordings.os0_128), ("os1-32", recordings.os1_32)):
         halves = [sweep for group in read(folder.parent, 1024).plain.values() for sweep in group]
         report_noise(name, halves, MODELS[name], None)
+        report_scatter(PRESETS[name], read(folder.parent, 1024).plain)
     report_holes("VLP-32C", [holes(scan[..., 4], scan[..., 5] <= 1) for scan in scans], MODELS["vlp32c"])
 
 

@@ -4,10 +4,11 @@
 
 The recordings are KITTI's (an HDL-64E) in FOLDER, by default LIDARDRAFT_DATA. Without `--sensor` or `--scans`, the rows
 are recordings against recordings of other drives, streets by the preset hdl64e, streets by a sensor that is fitted here
-to a drive that judges nothing, and the scans of this drive, which no sensor that is fitted to it can be expected to
-beat. `--sensor` makes streets with a preset or a sensor of `lidardraft fit`; `--scans` takes scans that `simulate`,
-`generate` or another program wrote, all that are in the folder. A cell is the AUC: 0.5 is not told apart, 1 always;
-below the table, what tells most in each family alone. `metrics/two_sample.py` says how.
+to a drive that judges nothing, the scans of this drive, which no sensor that is fitted to it can be expected to beat,
+and streets by the preset pandar64 beside PandaSet's two places. `--sensor` makes streets with a preset or a sensor of
+`lidardraft fit`; `--scans` takes scans that `simulate`, `generate` or another program wrote, all that are in the
+folder. A cell is the AUC: 0.5 is not told apart, 1 always; below the table, what tells most in each family alone.
+`metrics/two_sample.py` says how.
 """
 
 from __future__ import annotations
@@ -32,6 +33,7 @@ from recordings import Groups
 SEED = 777_000  # no training uses it
 FITTED_TO = "raw 0005"  # which judges no streets
 ROWS, COLUMNS = 64, 1024
+PANDAR64 = PRESETS["pandar64"]
 PARTS = 4  # at least, that the recordings are in: each is left out once
 
 
@@ -68,6 +70,13 @@ def main() -> None:
     for title, sweeps in made.items():
         told[title] = two_sample(judges, sweeps(), shown)
         print(row(title, told[title]), flush=True)
+    places = {} if given.sensor or given.scans else recordings.pandar64(given.data, PANDAR64.columns).labelled
+    if places:
+        title = "streets, Pandar64, beside PandaSet"
+        pandar64 = [Sweep.by_azimuth(scan) for scan in street_scans(PANDAR64, given.num)]
+        everywhere = shown_pixels([sweep for group in places.values() for sweep in group])
+        told[title] = two_sample(places, pandar64, everywhere)
+        print(row(title, told[title]), flush=True)
     for title, found in told.items():
         print("\n" + "\n".join(telling(title, found, given.features)))
 
@@ -81,10 +90,15 @@ def parted(drives: Groups) -> Groups:
     }
 
 
-def street_sweeps(sensor: Sensor, num: int) -> list[Sweep]:
+def street_scans(sensor: Sensor, num: int) -> list[RangeImage]:
     """A scan of each of `num` streets."""
     pairs = streets(SEED, StreetConfig(sensor=sensor, poses_per_street=1))
-    return [Sweep.from_image(pair.scan) for pair in itertools.islice(pairs, num)]
+    return [pair.scan for pair in itertools.islice(pairs, num)]
+
+
+def street_sweeps(sensor: Sensor, num: int) -> list[Sweep]:
+    """The same as sweeps."""
+    return [Sweep.from_image(scan) for scan in street_scans(sensor, num)]
 
 
 def fitted(folder: Path) -> Sensor:

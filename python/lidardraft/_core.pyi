@@ -9,7 +9,8 @@ checked before anything is written.
 are the same bit for bit for any number.
 
 `seed`, 0 or more, decides how far rays travel in media: the free path of a ray in a primitive is a pure function of the
-seed, the primitive's index (or its number in `media`), and the row and column of the ray.
+seed, the primitive's index (or its number in `media`), where it is, and the row and column of the ray. Rays of a scan
+that pass near each other get nearly as far.
 """
 
 from math import inf

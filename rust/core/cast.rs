@@ -3,7 +3,6 @@
 use glam::DVec3;
 
 use crate::image::Return;
-use crate::medium::QUANTILES;
 use crate::threads::spread;
 use crate::{Error, FreePathKey, ImagesMut, Result, Scene};
 
@@ -52,9 +51,7 @@ pub fn cast(
     };
     let cast = |ray: usize, origin: &[f64; 3], direction: &[f64; 3]| {
         let (origin, direction) = (DVec3::from(*origin), unit(DVec3::from(*direction)));
-        // In rows of as many rays as there are free paths.
-        let key = FreePathKey { seed, row: (ray / QUANTILES) as u32, column: (ray % QUANTILES) as u32 };
-        let hit = scene.closest(origin, direction, key)?;
+        let hit = scene.closest(origin, direction, FreePathKey::of_ray(seed, ray))?;
         let depth = hit.distance as f32;
         let within = depth > 0.0 && depth <= max_range as f32;
         within.then(|| Return::new(scene, origin, direction, &hit, depth))

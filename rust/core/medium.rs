@@ -1,71 +1,147 @@
 //! Media: how far a ray travels in a crown, a hedge or a fence before it meets a leaf, a blade or a wire.
 //!
 //! The free path in a medium of extinction k is exponential with mean 1 / k: Beer and Lambert's law. Here it is counted in
-//! mean free paths, and is a pure function of seed, medium, row and column.
+//! mean free paths, and is a pure function of seed, medium and ray.
 //!
-//! Every pixel gets one of [`QUANTILES`] quantiles of that distribution. Which one is the sum, modulo their number, of two
-//! permutations of them, each read from an offset that is a hash of seed, medium and row, and on from there column by column:
-//! tables that a vector of columns can load, and numbers without rounding, so that every way of casting has the same bits.
-//! Two rows have the same paths a few columns apart only if both offsets happen to agree, one in 2^28.
+//! Leaves hang in clumps, so rays that pass near each other get nearly as far: in recorded foliage (PandaSet) ranges differ
+//! by 6 cm (median) between rays that are 3 cm apart, by 13 where they are 12 cm apart and by 42 at half a metre. So which of
+//! [`QUANTILES`] quantiles of the distribution a ray gets is read from two random **walks** round them, one along each
+//! diagonal of the scan (a sum of such bands is a random field: Matheron, "The intrinsic random functions", 1973). Their
+//! steps are wider the further apart the rays are where the medium is, in mean free paths. Rays without neighbours get
+//! independent quantiles. Ranks are whole numbers, so that every way of casting has the same bits, in tables that a vector of
+//! columns can load.
 
 use std::sync::OnceLock;
 
+use glam::DVec3;
+
 use crate::simd::WIDEST;
+use crate::{Pose, Scene, SensorPattern};
 
-/// How many different free paths there are.
-pub(crate) const QUANTILES: usize = 1 << 14;
+/// How many different free paths there are, and the length of a walk.
+pub(crate) const QUANTILES: usize = 1 << 12;
+/// How far apart rays are whose quantiles are independent, in mean free paths (fitted to PandaSet's foliage), and how often
+/// that is halved: half as far, half the variance.
+const INDEPENDENT: f64 = 3.0;
+const HALVINGS: usize = 8;
+/// The share of rays that single leaves stop, whatever their neighbours do.
+const LEAVES: f64 = 0.2;
+/// From there on, media are as far as they are [m].
+const NEAREST: f64 = 1.0;
 
-/// What decides the free paths of a ray in media: equal keys, equal paths.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FreePathKey {
-    /// Of the scan.
-    pub seed: u64,
-    /// The row of the ray.
-    pub row: u32,
-    /// The column of the ray.
-    pub column: u32,
+/// What decides the free paths of all rays of a scan in media.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ScanKey {
+    seed: u64,
+    /// The width of a column [rad], infinite where rays have no neighbours.
+    width: f64,
+    /// Where the scan begins, in the scene's frame.
+    origin: DVec3,
 }
 
-impl FreePathKey {
-    /// The free path within a medium of that number, in mean free paths.
-    pub(crate) fn path(&self, medium: u32) -> f32 {
-        FreePaths::new(self.seed, medium, self.row).at(self.column as usize)
+impl ScanKey {
+    /// That of a scan from these poses.
+    pub(crate) fn new(scene: &Scene, pattern: &SensorPattern, poses: &[Pose], seed: u64) -> ScanKey {
+        ScanKey { seed, width: pattern.spec().column_width(), origin: poses[0].translation - scene.origin() }
+    }
+
+    /// The free paths within the medium of that number and extinction [1/m], which is there in the scene's frame.
+    pub(crate) fn free_paths(&self, medium: u32, extinction: f64, center: DVec3) -> FreePaths {
+        // Of a medium around the sensor, no leaf is nearer.
+        FreePaths::new(self.seed, medium, self.width * self.origin.distance(center).max(NEAREST) * extinction)
     }
 }
 
-/// The free paths of a row of rays within one medium.
+/// What decides the free paths of a ray in media: equal keys, equal paths.
+#[derive(Clone, Copy, Debug)]
+pub struct FreePathKey {
+    pub(crate) scan: ScanKey,
+    pub(crate) row: RowKey,
+    pub(crate) column: usize,
+}
+
+impl FreePathKey {
+    /// That of a ray by its number, which has no neighbours.
+    pub fn of_ray(seed: u64, ray: usize) -> FreePathKey {
+        let scan = ScanKey { seed, width: f64::INFINITY, origin: DVec3::ZERO };
+        let number = (ray / QUANTILES) as u32;
+        FreePathKey { scan, row: RowKey { number, diagonals: [0, number as i32] }, column: ray % QUANTILES }
+    }
+
+    /// The free path within a medium in mean free paths, see [`ScanKey::free_paths`].
+    pub(crate) fn path(&self, medium: u32, extinction: f64, center: DVec3) -> f32 {
+        self.scan.free_paths(medium, extinction, center).at(self.row, self.column)
+    }
+}
+
+/// A row of a scan: its number, and where it is on the two diagonals, in widths of a column.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct RowKey {
+    number: u32,
+    diagonals: [i32; 2],
+}
+
+impl RowKey {
+    /// A row by its angles [rad]. Sub-rays of a beam are nearer to each other than columns are, and differ by a
+    /// column as often as they are apart.
+    pub(crate) fn new(row: usize, elevation: f64, azimuth_offset: f64, width: f64) -> RowKey {
+        let (up, left) =
+            ((elevation / width + share(row as u64)).floor() as i32, (azimuth_offset / width).round() as i32);
+        let diagonals = [up.wrapping_sub(left), up.wrapping_neg().wrapping_sub(left)];
+        RowKey { number: row as u32, diagonals }
+    }
+}
+
+/// The free paths of the rays of a scan within one medium.
 #[derive(Clone, Copy)]
 pub(crate) struct FreePaths {
-    offsets: [usize; 2],
+    hash: u64,
+    /// Which quantile the walks begin at.
+    start: f32,
+    walks: &'static [Vec<f32>; 2],
     tables: &'static Tables,
 }
 
 struct Tables {
-    /// Two permutations of 0..QUANTILES, and as many of their first entries again as a vector holds.
-    ranks: [Vec<f32>; 2],
-    /// -ln(1 - p) in the middle of each of QUANTILES equal steps of p.
+    /// Two walks for rays that are [`INDEPENDENT`] apart, for half of that, and so on.
+    walks: Vec<[Vec<f32>; 2]>,
+    /// What single leaves add to both: mostly nothing, or any number of quantiles.
+    leaves: Vec<f32>,
+    /// -ln(1 - p) in the middle of each of QUANTILES equal steps of p, as often as there are addends.
     quantiles: Vec<f32>,
 }
 
 impl FreePaths {
-    pub(crate) fn new(seed: u64, medium: u32, row: u32) -> FreePaths {
-        let hash = mix(mix(seed) ^ (u64::from(medium) << 32 | u64::from(row)));
-        FreePaths { offsets: [hash as usize, (hash >> 32) as usize], tables: tables() }
+    /// Those within the medium of that number, where neighbouring columns are so many mean free paths `apart`.
+    pub(crate) fn new(seed: u64, medium: u32, apart: f64) -> FreePaths {
+        let hash = mix(mix(seed) ^ u64::from(medium));
+        let halvings = (INDEPENDENT / apart).log2().round().clamp(0.0, HALVINGS as f64) as usize;
+        let (tables, start) = (tables(), (mix(hash) % QUANTILES as u64) as f32);
+        FreePaths { hash, start, walks: &tables.walks[halvings], tables }
     }
 
     /// The path of one column, in mean free paths.
-    pub(crate) fn at(&self, column: usize) -> f32 {
-        let [a, b] = self.ranks(column);
-        self.quantiles()[(a[0] + b[0]) as usize % QUANTILES]
+    pub(crate) fn at(&self, row: RowKey, column: usize) -> f32 {
+        let [a, b, leaves] = self.ranks(row, column);
+        self.tables.quantiles[(a[0] + b[0] + leaves[0] + self.start) as usize]
     }
 
-    /// Two addends of the number of the quantile, for as many columns from this one on as a vector holds.
-    pub(crate) fn ranks(&self, column: usize) -> [&'static [f32]; 2] {
-        let [a, b] = &self.tables.ranks;
-        [&a[(self.offsets[0] + column) % QUANTILES..], &b[(self.offsets[1] + column) % QUANTILES..]]
+    /// Three addends of the number of the quantile, for as many columns from this one on as a vector holds; `start` is the
+    /// fourth.
+    pub(crate) fn ranks(&self, row: RowKey, column: usize) -> [&'static [f32]; 3] {
+        let ([a, b], offsets) = (self.walks, [self.hash as u32, (self.hash >> 32) as u32]);
+        let walked = |k: usize| offsets[k].wrapping_add_signed(row.diagonals[k]) as usize;
+        let leaf = mix(self.hash ^ u64::from(row.number)) as u32 as usize;
+        let from = |table: &'static Vec<f32>, offset: usize| &table[(offset + column) % QUANTILES..];
+        [from(a, walked(0)), from(b, walked(1)), from(&self.tables.leaves, leaf)]
     }
 
-    /// The paths, shortest first, in mean free paths.
+    /// See [`FreePaths::ranks`].
+    pub(crate) fn start(&self) -> f32 {
+        self.start
+    }
+
+    /// The paths, shortest first, in mean free paths; again and again for sums of ranks.
     pub(crate) fn quantiles(&self) -> &'static [f32] {
         &self.tables.quantiles
     }
@@ -74,22 +150,44 @@ impl FreePaths {
 fn tables() -> &'static Tables {
     static TABLES: OnceLock<Tables> = OnceLock::new();
     TABLES.get_or_init(|| Tables {
-        ranks: [1, 2].map(permutation),
+        walks: (0..=HALVINGS).map(|halvings| [1, 2].map(|seed| walk(seed, halvings))).collect(),
+        leaves: padded(
+            (0..QUANTILES as u64).map(|k| if share(4 << 32 | k) < LEAVES { rank(share(3 << 32 | k)) } else { 0.0 }),
+        ),
         quantiles: (0..QUANTILES)
             .map(|k| -((QUANTILES - k) as f64 - 0.5).ln() + (QUANTILES as f64).ln())
             .map(|x| x as f32)
-            .collect(),
+            .collect::<Vec<f32>>()
+            .repeat(4),
     })
 }
 
-/// A random order of 0..QUANTILES: Fisher and Yates.
-fn permutation(seed: u64) -> Vec<f32> {
-    let mut ranks: Vec<f32> = (0..QUANTILES).map(|k| k as f32).collect();
-    for k in (1..QUANTILES).rev() {
-        ranks.swap(k, (mix(seed << 32 | k as u64) % (k as u64 + 1)) as usize);
-    }
+/// A random walk round the quantiles that ends where it began. Its steps are even up to a span, which is all quantiles
+/// without a halving.
+fn walk(seed: u64, halvings: usize) -> Vec<f32> {
+    let span = 0.5_f64.powf(halvings as f64 / 2.0);
+    let step = |k: usize| span * (share(seed << 32 | k as u64) - 0.5);
+    let mut places: Vec<f64> = (0..=QUANTILES).scan(0.0, |at, k| Some(std::mem::replace(at, *at + step(k)))).collect();
+    let end = places.pop().unwrap_or_default();
+    let drift = (end - end.round()) / QUANTILES as f64;
+    padded(places.iter().enumerate().map(|(k, at)| rank((at - drift * k as f64).rem_euclid(1.0))))
+}
+
+/// The number of the quantile that so large a share is below.
+fn rank(share: f64) -> f32 {
+    (share * QUANTILES as f64).floor().min(QUANTILES as f64 - 1.0) as f32
+}
+
+/// A table, and as many of its first entries again as a vector holds.
+fn padded(ranks: impl Iterator<Item = f32>) -> Vec<f32> {
+    let mut ranks: Vec<f32> = ranks.collect();
     ranks.extend_from_within(..WIDEST);
     ranks
+}
+
+/// A random number of 0 to 1.
+fn share(seed: u64) -> f64 {
+    mix(seed) as f64 / 2_f64.powi(64)
 }
 
 /// A hash of 64 bits: Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", 2014 (SplitMix64).

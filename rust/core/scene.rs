@@ -120,7 +120,7 @@ impl Scene {
     /// Origin and direction must be finite, and the direction not 0; it need not have the length 1.
     pub fn closest(&self, origin: DVec3, direction: DVec3, key: FreePathKey) -> Option<SceneHit> {
         let ray = Ray { origin: origin - self.origin, direction };
-        let meet = |body: usize, limit| self.bodies[body].intersect(&ray, limit, || key.path(self.media[body]));
+        let meet = |body: usize, limit| self.bodies[body].intersect(&ray, limit, || self.free_path(body, key));
         let (primitive, hit) = self.bvh.closest(&ray, f32::INFINITY, meet)?;
         Some(self.scene_hit(primitive, hit))
     }
@@ -131,9 +131,14 @@ impl Scene {
         let ray = Ray { origin: origin - self.origin, direction };
         let hits = self.bodies.iter().enumerate();
         let (primitive, hit) = hits
-            .filter_map(|(i, body)| Some((i, body.intersect_all(&ray, || key.path(self.media[i]))?)))
+            .filter_map(|(i, body)| Some((i, body.intersect_all(&ray, || self.free_path(i, key))?)))
             .min_by(|a, b| (a.1.distance as f32).total_cmp(&(b.1.distance as f32)))?;
         Some(self.scene_hit(primitive, hit))
+    }
+
+    fn free_path(&self, medium: usize, key: FreePathKey) -> f32 {
+        let body = &self.bodies[medium];
+        key.path(self.media[medium], body.extinction.unwrap_or(1.0), body.pose.translation)
     }
 
     fn scene_hit(&self, primitive: usize, hit: Hit) -> SceneHit {

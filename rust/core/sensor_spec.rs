@@ -2,6 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use crate::medium::RowKey;
 use crate::{Error, Result};
 
 /// What a pattern is made from; row 0 is the highest beam.
@@ -35,6 +36,16 @@ const FURTHEST: f64 = 1e9;
 pub(crate) const TURN_TOLERANCE: f64 = 1e-9;
 
 impl SensorSpec {
+    /// How far apart columns are [rad].
+    pub(crate) fn column_width(&self) -> f64 {
+        self.azimuth_span / self.columns as f64
+    }
+
+    /// What media need to know of a row.
+    pub(crate) fn row_key(&self, row: usize) -> RowKey {
+        RowKey::new(row, self.elevations[row], self.azimuth_offsets[row], self.column_width())
+    }
+
     /// Checks every number.
     pub(crate) fn check(&self) -> Result<()> {
         self.check_tables()?;

@@ -9,7 +9,10 @@ import numpy as np
 import pytest
 
 from fit_sensor import fit_noise, fit_roughness, report_edges
+from foliage_steps import steps
+from lidardraft import Layout, Primitive, raycast
 from lidardraft.calibration.street_casts import StreetCasts
+from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import Material, diffuse_response
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.sensor_model import MODELS
@@ -104,3 +107,11 @@ def test_a_revolution(packet, profile: str | None, tmp_path: Path) -> None:
     assert ahead[0] == pytest.approx(RANGES[1, 15:17].mean() / 1000 * np.cos(np.deg2rad(10)), rel=0.01)
     assert ahead[2] < 0
     assert sweep.points[1, 8, 1] > 0 > sweep.points[1, 24, 1]  # from left to right
+
+
+def test_steps_in_a_hedge_grow_with_how_far_apart_rays_are():
+    hedge = Primitive(shape="box", center=(10, 0, 1), size=(2, 30, 6), label="vegetation", id="hedge", extinction=2.0)
+    scans = [Sweep.by_azimuth(raycast(Layout([hedge]), PRESETS["pandar64"], seed=seed)) for seed in range(4)]
+    median = [float(np.median(found)) for found in steps(scans) if len(found) > 1000]
+    assert len(median) >= 4
+    assert median == sorted(median) and median[-1] > 2 * median[0]

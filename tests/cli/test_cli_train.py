@@ -228,7 +228,7 @@ def test_the_table_has_a_row_for_each_arm(monkeypatch: pytest.MonkeyPatch, capsy
     assert shown.startswith("1 street, small; base 1 steps, each arm 1 steps\n")
     number = r" +(?:\d+\.\d{3}|nan)"
     rows = re.findall(rf"^(\S.*?){number}{number} +\d\.\d{{3}} +\d+\.\d{{3}} +\d\.\d{{3}}$", shown, re.MULTILINE)
-    assert rows == ["other streets", "no condition", *ARMS]
+    assert rows == ["other streets", "cast passed through", "untrained", "no condition", *ARMS]
     argv = ["evaluate", "table", "--real", "work/scans/other-streets", "--generated"]
     assert cli.main([*argv, "full=work/scans/paper", "bird-eye=work/scans/top-view-not-cast"]) == 0
     assert capsys.readouterr().out.count("these 1 scans") == 2

@@ -18,10 +18,12 @@ from lidardraft.formats.recording import Recording
 from lidardraft.metrics.sweep import Sweep, firing_step
 from lidardraft.scene.sensor import Blocked
 
-_MOST_POINTS = 40_000  # of a laser: more say nothing new
+_MOST_POINTS = 20_000  # of a laser: more say nothing new
 FEWEST_POINTS = 20
+_COUNTED = 12  # scans whose firings are counted
 _SCALE = 0.005  # m off the cone, beyond which a return counts less (Cauchy): a motion, a shake of the head
 _ROUNDS = 12
+_DRAWN = 1e-9
 _ALIKE_HEIGHTS = 0.012  # m
 _FINEST = 1e-3  # m: no recording is less noisy
 _ALIKE = 0.5  # length of the mean direction of a laser's firings, seen from their columns
@@ -59,46 +61,52 @@ class BeamTable:
 
 def fit_beam_table(recordings: Sequence[Recording]) -> BeamTable:
     """The lasers of recordings of one unit. Raises `FormatError` where a laser has too few returns to say."""
-    rings = np.unique(np.concatenate([np.unique(r.ring) for r in recordings]))
-    returns = [_returns(recordings, int(ring)) for ring in rings]
-    elevations, heights, unsure = np.array([cone(*one) for one in returns]).T
+    rings, laser, out, z = returns_of_lasers(recordings, _MOST_POINTS)
+    counts = np.bincount(laser)
+    for few in np.flatnonzero(counts < FEWEST_POINTS)[:1]:
+        raise FormatError(f"ring {rings[few]} has {counts[few]} returns; a laser needs {FEWEST_POINTS} to be fitted")
+    ends = np.cumsum(counts)[:-1]
+    elevations, heights, unsure = cones(laser, out, z)
     if (unsure <= _SURE).any():  # a laser whose returns all lie at one distance starts where the nearest one does
         sure = np.where(unsure <= _SURE, elevations, np.inf)
-        slopes = [math.atan(float(np.median(z / out))) for out, z in returns]
-        heights = np.array([heights[np.argmin(np.abs(sure - slope))] if u > _SURE else h
-                            for h, u, slope in zip(heights, unsure, slopes, strict=True)])  # fmt: skip
+        slopes = np.arctan(_medians(z / out, ends))
+        nearest = np.argmin(np.abs(sure - slopes[:, None]), axis=1)
+        heights = np.where(unsure > _SURE, heights[nearest], heights)
     else:
         heights = np.zeros(len(rings))
     heights = _grouped(heights)
-    elevations = np.array(
-        [math.atan(float(np.median((z - h) / out))) for (out, z), h in zip(returns, heights, strict=True)]
-    )
-    off = [
-        (z - h) * math.cos(e) - out * math.sin(e) for (out, z), h, e in zip(returns, heights, elevations, strict=True)
-    ]
-    angles = [one / np.maximum(np.hypot(out, z), 1.0) for one, (out, z) in zip(off, returns, strict=True)]
+    elevations = np.arctan(_medians((z - heights[laser]) / out, ends))
+    off = off_cones(laser, out, z, elevations, heights)
     order = np.argsort(-elevations, kind="stable")
     if (np.diff(elevations[order]) >= 0).any():
         raise FormatError("two lasers have the same elevation; their rings are not those of one unit")
-    columns = _columns(recordings)
+    columns = _columns(recordings[:: max(1, len(recordings) // _COUNTED)])
     return BeamTable(
         elevations=elevations[order],
         heights=heights[order],
         azimuth_offsets=_azimuth_offsets(recordings, rings[order], columns),
         rings=rings[order],
         columns=columns,
-        residual=_rms(np.concatenate(off)),
-        angle_residual=_rms(np.concatenate(angles)),
+        residual=_rms(off),
+        angle_residual=_rms(off / np.maximum(np.hypot(out, z), 1.0)),
     )
 
 
-def _returns(recordings: Sequence[Recording], ring: int) -> tuple[np.ndarray, np.ndarray]:
-    """Distance from the axis and height of a laser's returns, f64 [N]; raises `FormatError` where there are few."""
-    points = np.concatenate([r.points[r.ring == ring] for r in recordings]).astype(np.float64)
-    if len(points) < FEWEST_POINTS:
-        raise FormatError(f"ring {ring} has {len(points)} returns; a laser needs {FEWEST_POINTS} to be fitted")
-    points = points[:: max(1, len(points) // _MOST_POINTS)]
-    return np.maximum(np.hypot(points[:, 0], points[:, 1]), 1e-3), points[:, 2]
+def returns_of_lasers(recordings: Sequence[Recording], most: int) -> tuple[np.ndarray, ...]:
+    """The rings [R] of recordings, and of some `most` returns of each: the number of its ring, ascending, i64 [N],
+    its distance from the axis and its height, f64 [N]."""
+    ring = np.concatenate([one.ring for one in recordings])
+    counts = np.bincount(ring)
+    rings = np.flatnonzero(counts)
+    order = np.argsort(ring.astype(np.int16), kind="stable")
+    in_ring = np.arange(len(ring)) - np.repeat(np.cumsum(counts) - counts, counts)
+    chosen = order[in_ring % np.repeat(np.maximum(1, counts // most), counts) == 0]
+    x, y, z = np.concatenate([one.points for one in recordings])[chosen].T.astype(np.float64)
+    return rings, np.searchsorted(rings, ring[chosen]), np.maximum(np.hypot(x, y), 1e-3), z
+
+
+def _medians(values: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    return np.array([np.median(part) for part in np.split(values, ends)])
 
 
 def _grouped(heights: np.ndarray) -> np.ndarray:
@@ -114,29 +122,42 @@ def _grouped(heights: np.ndarray) -> np.ndarray:
     return grouped
 
 
-def cone(out: np.ndarray, z: np.ndarray) -> tuple[float, float, float]:
-    """Elevation [rad], height and its standard error [m], by reweighted least squares."""
-    design = np.stack([out, np.ones_like(out)], axis=1)
-    weight = np.ones_like(out)
+def cones(laser: np.ndarray, out: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Elevation [rad], height and its standard error [m] of each laser, f64 [R], by reweighted least squares of its
+    returns: the number of the laser, the distance from the axis and the height of each [N]."""
+    share = np.ones_like(out)
     for _ in range(_ROUNDS):
-        solution, *_ = np.linalg.lstsq(design * weight[:, None], z * weight, rcond=None)
-        weight = 1.0 / np.sqrt(1.0 + ((z - design @ solution) / _SCALE) ** 2)
-    left = max(_rms((z - design @ solution) * weight), _FINEST)
-    error = left / max(_rms(out - out.mean()), 1e-9) * _rms(out) / math.sqrt(len(out))
-    return math.atan(solution[0]), float(solution[1]), error
+        n, x, y, xx, xy = (np.bincount(laser, share * each) for each in (np.ones_like(out), out, z, out * out, out * z))
+        drawn = _DRAWN * n  # to 0, where all returns lie at one distance
+        least = (xx + drawn) * (n + drawn) - x * x
+        slope, height = ((n + drawn) * xy - x * y) / least, ((xx + drawn) * y - x * xy) / least
+        square = (z - slope[laser] * out - height[laser]) ** 2
+        share = 1.0 / (1.0 + square / _SCALE**2)
+    count, mean, squares = (np.bincount(laser, each) for each in (np.ones_like(out), out, out * out))
+    left = np.maximum(np.sqrt(np.bincount(laser, square * share) / count), _FINEST)
+    spread = np.sqrt(np.maximum(squares / count - (mean / count) ** 2, 1e-18))
+    return np.arctan(slope), height, left / spread * np.sqrt(squares) / count
+
+
+def off_cones(
+    laser: np.ndarray, out: np.ndarray, z: np.ndarray, elevations: np.ndarray, heights: np.ndarray
+) -> np.ndarray:
+    """How far returns lie above the cones of their lasers [N], m."""
+    return (z - heights[laser]) * np.cos(elevations)[laser] - out * np.sin(elevations)[laser]
 
 
 def _azimuth_offsets(recordings: Sequence[Recording], rings: np.ndarray, columns: int) -> np.ndarray:
     """By how much each laser looks further to the left than the mean of all, where firings are numbered [rad]."""
-    turned, returns = np.zeros(len(rings), dtype=complex), np.zeros(len(rings))
+    count = int(rings.max()) + 1
+    turned, returns = np.zeros(count, dtype=complex), np.zeros(count)
     for recording in recordings:
         if recording.column is None:
             return np.zeros(len(rings))
-        ahead = np.exp(1j * (_azimuths(recording) + 2 * np.pi * (recording.column + 0.5) / columns - np.pi))
-        for row, ring in enumerate(rings):
-            mine = ahead[recording.ring == ring]
-            turned[row] += mine.sum()
-            returns[row] += len(mine)
+        ahead = _azimuths(recording) + 2 * np.pi * (recording.column + 0.5) / columns - np.pi
+        turned += np.bincount(recording.ring, np.cos(ahead), count)
+        turned += 1j * np.bincount(recording.ring, np.sin(ahead), count)
+        returns += np.bincount(recording.ring, minlength=count)
+    turned, returns = turned[rings], returns[rings]
     if (np.abs(turned) < _ALIKE * returns).any():  # columns that are not firings, or count the other way
         return np.zeros(len(rings))
     offsets = np.angle(turned)
@@ -178,6 +199,7 @@ _FARTHEST = 30.0  # m
 _FLAT = 0.03  # m off the plane, along the rays: the median of a patch
 _STEEPEST = 0.05  # cosine of incidence: at more grazing ones millimetres of height are centimetres of range
 _FEWEST = 20  # patches of a laser
+_MOST_PATCHES = 20_000
 _PLANE_ROUNDS = 5
 _MOST = 0.2  # m
 
@@ -188,7 +210,7 @@ def fit_range_offsets(recorded: Sequence[Sweep], table: BeamTable) -> np.ndarray
     offsets = np.zeros(len(table.heights))
     if len(offsets) < _LASERS:
         return offsets
-    patches, lasers = _patches(recorded)
+    patches, lasers = (some[:: max(1, len(some) // _MOST_PATCHES)] for some in _patches(recorded))
     if not len(patches):
         return offsets
     rays = patches - origins[lasers][:, :, None]
@@ -219,18 +241,18 @@ def _patches(recorded: Sequence[Sweep]) -> tuple[np.ndarray, np.ndarray]:
 
 def _off_plane(points: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """How far beyond the plane of its patch each laser reports [N, _LASERS], m, and which patches are flat [N]."""
-    weight = (np.linalg.norm(points, axis=3) > 0).astype(np.float64)
-    off = np.zeros_like(weight)
+    shape, points, rays = points.shape[:3], *(each.reshape(len(each), -1, 3) for each in (points, rays))
+    weight, drawn = np.ones(points.shape[:2]), 1e-9 * np.eye(3)
     for _ in range(3):
         # planes are n p = 1: those through the sensor are seen by no ray
-        moments = np.einsum("nij,nija,nijb->nab", weight, points, points) + 1e-9 * np.eye(3)
-        normal = np.linalg.solve(moments, np.einsum("nij,nija->na", weight, points)[..., None])[..., 0]
-        along = np.einsum("na,nija->nij", normal, rays)
-        off = (np.einsum("na,nija->nij", normal, points) - 1.0) / np.where(np.abs(along) > 1e-6, along, 1e-6)
-        weight = (weight > 0) / (1.0 + (off / _FLAT) ** 2)
-    steep = np.median(along, axis=(1, 2)) / np.linalg.norm(normal, axis=1)
-    flat: np.ndarray = (np.median(np.abs(off), axis=(1, 2)) < _FLAT) & (steep > _STEEPEST)
-    return np.median(off, axis=2), flat
+        weighted = points * weight[..., None]
+        normal = np.linalg.solve(points.transpose(0, 2, 1) @ weighted + drawn, weighted.sum(axis=1)[..., None])
+        along = (rays @ normal)[..., 0]
+        off = ((points @ normal)[..., 0] - 1.0) / np.where(np.abs(along) > 1e-6, along, 1e-6)
+        weight = 1.0 / (1.0 + (off / _FLAT) ** 2)
+    steep = np.median(along, axis=1) / np.linalg.norm(normal[..., 0], axis=1)
+    flat: np.ndarray = (np.median(np.abs(off), axis=1) < _FLAT) & (steep > _STEEPEST)
+    return np.median(off.reshape(shape), axis=2), flat
 
 
 _DOWN = math.radians(-5.0)  # the road is near there, and returns

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lidardraft.calibration.beam_table import BeamTable, fit_beam_table, fit_blocked, fit_range_offsets
-from lidardraft.calibration.intensity import fit_intensity
+from lidardraft.calibration.intensity import Readings, fit_intensity
 from lidardraft.calibration.receiver import fit_receiver, fit_speckle, fit_texture
 from lidardraft.calibration.street_casts import StreetCasts, with_rays_that_fit
 from lidardraft.errors import FormatError
@@ -19,8 +19,8 @@ from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 
-MOST_COLUMNS = 1024  # that recordings are held against streets with; more take time and say nothing new
-STREETS = 48
+_MOST_COLUMNS = 1024  # of sweeps that are held against streets; more take time and say nothing new
+STREETS = 32
 _LAST, _MANY = 0.95, 15  # so many returns in the last twentieth of all ranges say that there is a limit
 SEED = 3_000_000  # other streets than those of training, and of the reports that a fit is judged by
 
@@ -50,7 +50,7 @@ def fit_sensor(
     """
     table = fit_beam_table(recordings)
     columns = columns or max(table.columns // 4 * 4, 4)
-    recorded = sweeps_of(recordings, table, min(columns, MOST_COLUMNS))
+    recorded = sweeps_of(recordings, table, columns)
     sensor = _geometry(name, table, recorded, like or Sensor(name=name, elevations=(0.0,), columns=1))
     typical = (like or sensor).assumed_model
     # the lasers are known, one by one
@@ -78,9 +78,11 @@ def _with_intensity(
 ) -> tuple[SensorModel, float]:
     """The model with all that decides what it reads, and what is left between the quantiles."""
 
+    readings = Readings.from_sweeps(recorded)
+
     def with_texture(texture: float) -> SensorModel:
         scattered = replace(model, texture=texture)
-        found = fit_intensity(recorded, casts.responses(scattered, sigma))
+        found = fit_intensity(readings, casts.responses(scattered, sigma))
         residuals[texture] = found.residual
         return replace(scattered, compensation_range=math.inf, intensity_curve=found.curve)
 
@@ -90,7 +92,8 @@ def _with_intensity(
 
 
 def sweeps_of(recordings: Sequence[Recording], table: BeamTable, columns: int) -> list[Sweep]:
-    """The scans in the order of a table's lasers and of so many columns."""
+    """The scans in the order of a table's lasers and of so many columns, up to 1024."""
+    columns = min(columns, _MOST_COLUMNS)
     return [
         Sweep.from_points(
             one.points,

@@ -27,6 +27,7 @@ _FEWEST = 100  # returns of a cell: of one group, one laser and one range
 _MOST = 2000  # that count
 _LEVELS = np.linspace(0.025, 0.975, 20)  # of the quantiles
 _KNOTS = 16
+_LEAST = -1.0  # reading of a curve, with its offset
 # Logarithms of gains that are tried of a laser and at a range, and offsets of a laser.
 _GAINS = np.linspace(-2.0, 2.0, 81)
 _FOCUS = np.linspace(-3.0, 1.5, 91)
@@ -53,6 +54,44 @@ class Cells:
     weight: np.ndarray  # [C, 1], roots of returns
 
 
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """What is known of the readings of recorded sweeps, and does not change while a sensor is fitted to them.
+
+    `cells` are quantiles and counts by group, range and laser, of classes where all sweeps are `labelled`; for each
+    laser [H], `cutoffs` is its least reading over 0, or 0 where it hardly ever reads 0, and `zeros` how often it does;
+    `most` is what the brightest read.
+    """
+
+    cells: dict[int, tuple[np.ndarray, int]]
+    labelled: bool
+    cutoffs: np.ndarray
+    zeros: np.ndarray
+    most: float
+
+    @classmethod
+    def from_sweeps(cls, recorded: Sequence[Sweep]) -> Readings:
+        """Of sweeps of one unit, all with intensities."""
+        labelled = all(sweep.label is not None for sweep in recorded)
+        by_laser = [_of_laser(recorded, row)[0] for row in range(len(recorded[0].points))]
+        zeros = np.array([(read == 0).mean() if len(read) else 0.0 for read in by_laser])
+        most = float(np.quantile(np.concatenate(by_laser), _MOST_SHARE))
+        return cls(_by_cell(recorded, labelled), labelled, np.array([*map(_cutoff, by_laser)]), zeros, most)
+
+
+def _of_laser(sweeps: Sequence[Sweep], row: int) -> tuple[np.ndarray, np.ndarray]:
+    """The intensities and ranges of all returns of a laser."""
+    there = [(sweep.valid[row], sweep.intensity, sweep.depth) for sweep in sweeps if sweep.intensity is not None]
+    intensity, depth = zip(*((read[row][seen], depth[row][seen]) for seen, read, depth in there), strict=True)
+    return np.concatenate(intensity), np.concatenate(depth)
+
+
+def _cutoff(read: np.ndarray) -> float:
+    above = read[read > 0]
+    none = len(above) < _FEWEST or len(above) > (1 - _NO_ZEROS) * len(read)
+    return 0.0 if none else float(np.quantile(above, _LEAST_SHARE))
+
+
 @dataclass(frozen=True)
 class IntensityFit:
     """The fitted curve, and the root mean square of what is left between quantiles, of 1."""
@@ -61,12 +100,12 @@ class IntensityFit:
     residual: float
 
 
-def fit_intensity(recorded: Sequence[Sweep], simulated: Sequence[Sweep]) -> IntensityFit:
+def fit_intensity(recorded: Readings, simulated: Sequence[Sweep]) -> IntensityFit:
     """The curve with which simulated sweeps, whose intensities are responses, read as the recorded ones do.
 
     Returns are grouped by class if all recorded sweeps have labels, else by place and shape (`surface_groups.py`).
     """
-    cells, cutoffs = _cells(recorded, simulated), _cutoffs(recorded)
+    cells, cutoffs = _cells(recorded, simulated), recorded.cutoffs
     least, beams = cutoffs[cells.row][:, None], len(cutoffs)
     gains, offsets, focus = np.zeros(beams), np.zeros(beams), np.zeros(len(_DISTANCES))
     known = cells.reading
@@ -90,8 +129,8 @@ def fit_intensity(recorded: Sequence[Sweep], simulated: Sequence[Sweep]) -> Inte
         focuses = focus + _own_focus(cells, strength, _imputed(cells.reading, shown, least), (at, readings))
         own = cells.response + focuses[cells.row, cells.range][:, None]
         readings, shown = _own_curves(cells, own, at, shared, least)
-    cutoffs = _raised(cutoffs, recorded, simulated, focuses, (at, readings))
-    at, readings = np.append(at, at[-1] + _BRIGHTER), np.column_stack([readings, np.full(beams, _most(recorded))])
+    cutoffs = _raised(recorded, simulated, focuses, (at, readings))
+    at, readings = np.append(at, at[-1] + _BRIGHTER), np.column_stack([readings, np.full(beams, recorded.most)])
     left = np.where(shown < cutoffs[cells.row][:, None], 0.0, shown) - cells.reading
     share = np.broadcast_to(cells.weight**2, left.shape)
     fitted = IntensityCurve(
@@ -104,11 +143,9 @@ def fit_intensity(recorded: Sequence[Sweep], simulated: Sequence[Sweep]) -> Inte
     return IntensityFit(fitted, math.sqrt(float((share * left**2).sum() / share.sum())))
 
 
-def _cells(recorded: Sequence[Sweep], simulated: Sequence[Sweep]) -> Cells:
-    labelled = all(sweep.label is not None for sweep in recorded)
-    readings, responses = _by_cell(recorded, labelled), _by_cell(simulated, labelled)
+def _cells(recorded: Readings, simulated: Sequence[Sweep]) -> Cells:
+    readings, responses, beams = recorded.cells, _by_cell(simulated, recorded.labelled), len(recorded.cutoffs)
     both = sorted(set(readings) & set(responses))
-    beams = len(recorded[0].points)
     return Cells(
         row=np.array([key % beams for key in both]),
         range=np.array([key // beams % len(_DISTANCES) for key in both]),
@@ -135,39 +172,17 @@ def _by_cell(sweeps: Sequence[Sweep], labelled: bool) -> dict[int, tuple[np.ndar
     return {name: (np.quantile(value[p], _LEVELS), len(p)) for name, p in pieces if len(p) >= _FEWEST}
 
 
-def _cutoffs(recorded: Sequence[Sweep]) -> np.ndarray:
-    """The least reading of each laser over 0, [H]; 0 where it hardly ever reads 0."""
-    found = []
-    for row in range(len(recorded[0].points)):
-        read = np.concatenate([s.intensity[row][s.valid[row]] for s in recorded if s.intensity is not None])
-        above = read[read > 0]
-        none = len(above) < _FEWEST or (read == 0).mean() < _NO_ZEROS
-        found.append(0.0 if none else float(np.quantile(above, _LEAST_SHARE)))
-    return np.array(found)
-
-
-def _most(recorded: Sequence[Sweep]) -> float:
-    read = np.concatenate([s.intensity[s.valid] for s in recorded if s.intensity is not None])
-    return float(np.quantile(read, _MOST_SHARE))
-
-
 def _raised(
-    cutoffs: np.ndarray,
-    recorded: Sequence[Sweep],
-    simulated: Sequence[Sweep],
-    focuses: np.ndarray,
-    curves: tuple[np.ndarray, np.ndarray],
+    recorded: Readings, simulated: Sequence[Sweep], focuses: np.ndarray, curves: tuple[np.ndarray, np.ndarray]
 ) -> np.ndarray:
     """Cut-offs with which as many simulated readings of each laser are 0 as recorded ones, up to twice as high."""
-    found = cutoffs.copy()
-    for row in np.flatnonzero(cutoffs):
-        zeros = np.concatenate([s.intensity[row][s.valid[row]] == 0 for s in recorded if s.intensity is not None])
-        response = np.concatenate([s.intensity[row][s.valid[row]] for s in simulated if s.intensity is not None])
-        distance = np.concatenate([s.depth[row][s.valid[row]] for s in simulated])
+    found = recorded.cutoffs.copy()
+    for row in np.flatnonzero(found).tolist():
+        response, distance = _of_laser(simulated, row)
         if len(response) >= _FEWEST:
             strength = np.log(np.maximum(response, 1e-5)) + np.interp(distance, _DISTANCES, focuses[row])
             shown = np.interp(strength, curves[0], curves[1][row])
-            found[row] = np.clip(np.quantile(shown, zeros.mean()), cutoffs[row], _MOST_RAISED * cutoffs[row])
+            found[row] = np.clip(np.quantile(shown, recorded.zeros[row]), found[row], _MOST_RAISED * found[row])
     return found
 
 
@@ -223,15 +238,15 @@ def _own_focus(
 
 def _monotone(strength: np.ndarray, reading: np.ndarray, weight: np.ndarray, knots: np.ndarray) -> np.ndarray:
     """The readings at `knots` that never fall and fit best, by least squares of steps of 0 or more."""
-    from scipy.optimize import lsq_linear
+    from scipy.optimize import nnls
 
     rows = np.broadcast_to(weight, strength.shape).ravel()
     steps = [np.interp(strength.ravel(), knots[k : k + 2], [0.0, 1.0]) for k in range(len(knots) - 1)]
     design = np.stack([np.ones_like(rows), *steps], axis=1) * rows[:, None]
     root = np.linalg.cholesky(design.T @ design + 1e-3 * np.mean(rows**2) * np.eye(len(knots)))
     target = np.linalg.solve(root, design.T @ (reading.ravel() * rows))
-    bounds = (np.r_[-1.0, np.zeros(len(knots) - 1)], np.ones(len(knots)))
-    solution: np.ndarray = np.cumsum(lsq_linear(root.T, target, bounds).x)
+    found, _ = nnls(root.T, target - _LEAST * root[0])
+    solution: np.ndarray = np.cumsum(found) + _LEAST
     return solution
 
 

@@ -12,7 +12,7 @@ from lidardraft.metrics.lifelike import Property
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import Sensor
 
-STREETS = 48
+STREETS = 24
 SEED = 4_000_000  # other streets than those that sensors are fitted with
 
 

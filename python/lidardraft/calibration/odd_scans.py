@@ -8,10 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from lidardraft.calibration.beam_table import FEWEST_POINTS, cone
+from lidardraft.calibration.beam_table import FEWEST_POINTS, cones, off_cones, returns_of_lasers
 from lidardraft.formats.recording import Recording
 
 _MORE_LASERS = 4 / 3  # than another scan of the same unit: the highest ones may see nothing but sky
+_LOOKED_AT = 500  # points of each laser
 _OFF_CONES = math.radians(3.0)  # root mean square; points whose lasers are known lie a tenth as far off
 
 
@@ -59,14 +60,10 @@ def _part(recording: Recording, kept: np.ndarray) -> Recording:
 
 def _lasers(recording: Recording) -> tuple[dict[int, float], float]:
     """The elevation of each ring [rad], and how far its points lie off their cones, root mean square [rad]."""
-    elevations, squares = dict[int, float](), 0.0
-    for ring in np.unique(recording.ring).tolist():
-        points = recording.points[recording.ring == ring].astype(np.float64)
-        out, z = np.maximum(np.hypot(points[:, 0], points[:, 1]), 1e-3), points[:, 2]
-        elevations[ring], height, _ = cone(out, z)
-        off = (z - height) * math.cos(elevations[ring]) - out * math.sin(elevations[ring])
-        squares += float(np.sum((off / np.maximum(np.hypot(out, z), 1.0)) ** 2))
-    return elevations, math.sqrt(squares / len(recording.ring))
+    rings, laser, out, z = returns_of_lasers([recording], _LOOKED_AT)
+    elevations, heights, _ = cones(laser, out, z)
+    off = off_cones(laser, out, z, elevations, heights) / np.maximum(np.hypot(out, z), 1.0)
+    return dict(zip(rings.tolist(), elevations.tolist(), strict=True)), float(np.sqrt(np.mean(off**2)))
 
 
 def _difference(

@@ -20,10 +20,11 @@ from lidardraft.scene.sensor_model import SensorModel
 _FAR = returns.RANGE_EDGES[:-1] >= 20.0  # m: where echoes get weak
 _NEAR_GROUND = 12.0  # m: where the ground hardly ever fails
 _LONGEST_HOLE = 3  # firings that are missing on it at once
-_STEPS = 9
-_TEXTURE_STEPS = 5  # each fits an intensity curve
+_STEPS = 6
+_TEXTURE_STEPS = 4  # each fits an intensity curve
 _LEAST_CHANGE = 0.1  # of a figure, from one limit of its constant to the other: what moves it less is not told by it
 _ROUNDS = 2
+_AT_LIMIT = 1 / 32  # of the way from one limit to the other
 _EDGE, _EDGES_WITHIN = 1.0, 20.0  # m between near and far; and the nearer: further off echoes are weak, too
 _ALIKE = 0.5  # m: returns of neighbouring lasers whose ranges differ by less are of one surface
 _FAR_BENDS = (25.0, 60.0)  # m
@@ -51,15 +52,15 @@ def fit_receiver(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorMod
     model = _fitted("edge_drop", edge_drops, recorded, casts, model, sigma)
     near = _near_bend(recorded)
     for _ in range(_ROUNDS):
-        sigma = sigma if math.isnan(near) else _sigma(near, casts, model)
+        sigma = _sigma(near, casts, model, sigma)
         model = _fitted("jitter", _far_bend, recorded, casts, model, sigma)
     return model, sigma
 
 
-def _sigma(near: float, casts: StreetCasts, model: SensorModel) -> float:
+def _sigma(near: float, casts: StreetCasts, model: SensorModel, otherwise: float) -> float:
     """The `range_sigma` [m] with which streets bend as much near by."""
-    limits = _LIMITS["range_sigma"]
-    return bisected(lambda value: _near_bend(casts.observed(model, value)), near, limits, rising=True)
+    found = bisected(lambda value: _near_bend(casts.observed(model, value)), near, _LIMITS["range_sigma"])
+    return otherwise if math.isnan(found) else found
 
 
 def fit_speckle(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel, sigma: float) -> SensorModel:
@@ -82,7 +83,7 @@ def fit_texture(
         lambda one: _likeness(casts.observed(one, sigma)),
         _likeness(recorded),
         _LIMITS["texture"],
-        with_texture(otherwise),
+        otherwise,
         steps=_TEXTURE_STEPS,
     )
 
@@ -95,8 +96,7 @@ def at_limits(model: SensorModel, range_sigma: float) -> dict[str, float]:
         value = range_sigma if name == "range_sigma" else getattr(model, name)
         low, high = map(math.log, limits)
         for limit in limits:
-            # the last step of the coarsest search
-            if value > 0 and abs(math.log(value / limit)) < (high - low) / 2**_TEXTURE_STEPS:
+            if value > 0 and abs(math.log(value / limit)) < _AT_LIMIT * (high - low):
                 found[name] = limit
     return found
 
@@ -115,7 +115,7 @@ def _fitted(
         lambda one: figure(casts.observed(one, sigma)),
         figure(recorded),
         _LIMITS[name],
-        model,
+        getattr(model, name),
     )
 
 
@@ -124,17 +124,14 @@ def _found(
     figure: Callable[[SensorModel], float],
     target: float,
     limits: tuple[float, float],
-    otherwise: SensorModel,
+    otherwise: float,
     steps: int = _STEPS,
 ) -> SensorModel:
-    """The model with the value at which a figure is `target`, or `otherwise` where it is not known or says little."""
-    if math.isnan(target):
-        return otherwise
-    ends = [figure(with_value(limit)) for limit in limits]
-    if not abs(ends[1] - ends[0]) > _LEAST_CHANGE * abs(target):
-        return otherwise
-    rising = ends[1] > ends[0]
-    return with_value(bisected(lambda value: figure(with_value(value)), target, limits, rising=rising, steps=steps))
+    """The model with the value at which a figure is `target`, or with `otherwise` where it is not known or says
+    little."""
+    least = _LEAST_CHANGE * abs(target)
+    found = bisected(lambda value: figure(with_value(value)), target, limits, steps=steps, least=least)
+    return with_value(otherwise if math.isnan(found) else found)
 
 
 def bisected(
@@ -142,18 +139,25 @@ def bisected(
     target: float,
     limits: tuple[float, float],
     *,
-    rising: bool,
     steps: int = _STEPS,
+    least: float = 0.0,
 ) -> float:
-    """The value between two limits over 0 at which a monotone figure is `target`; a limit, where it is at none."""
+    """The value between two limits over 0 at which a monotone figure is `target`; a limit, where it is at none; NaN
+    where the limits do not differ by more than `least`."""
     low, high = map(math.log, limits)
+    under, over = (figure(limit) - target for limit in limits)
+    if not abs(over - under) > least:
+        return math.nan
+    rising = over > under
     for _ in range(steps):
         middle = (low + high) / 2
-        if (figure(math.exp(middle)) < target) == rising:
-            low = middle
+        off = figure(math.exp(middle)) - target
+        if (off < 0) == rising:
+            low, under = middle, off
         else:
-            high = middle
-    return math.exp((low + high) / 2)
+            high, over = middle, off
+    share = under / (under - over) if abs(over - under) > 0 else 0.5
+    return math.exp(low + min(max(share, 0.0), 1.0) * (high - low))
 
 
 def _far_rate(sweeps: Sequence[Sweep]) -> float:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 _MOST_LOST = 0.1  # of the points; of right recordings less than 0.01 are
 _DARK, _NOISE_AT = 0.10, 30.0  # a reflectance, and a range [m], at which figures are printed
+_LOOKED_AT = 4  # scans, evenly spread, whose points are projected
+_MOST_JUDGED = 24  # scans of either side, evenly spread, and of streets
 _HELD_BACK = 0.25  # of the scans judge, the last ones, where no others are named
 
 
@@ -109,10 +111,10 @@ def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
 
 
 def _lost(found: Fit, recordings: list[Recording]) -> tuple[float, float]:
-    """Of all points, the share that the sensor has in another laser's row or in none, and the share that lie in the
-    pixel of another one."""
+    """Of the points of some recordings, the share that the sensor has in another laser's row or in none, and the share
+    that lie in the pixel of another one."""
     points = moved = shared = 0
-    for one in recordings:
+    for one in recordings[:: max(1, len(recordings) // _LOOKED_AT)]:
         row, column, _ = found.sensor.pattern.project(one.points.astype(np.float64))
         points += len(row)
         moved += int((row != found.table.rows(one)).sum())
@@ -124,17 +126,19 @@ def _print_rows(
     found: Fit, like: Sensor | None, recordings: list[Recording], held: list[Recording], num_streets: int
 ) -> None:
     """What the fit moves, on scans that it has not seen."""
-    from lidardraft.calibration.fit import MOST_COLUMNS, sweeps_of
+    from lidardraft.calibration.fit import sweeps_of
     from lidardraft.calibration.judge import judged
 
     usual = like or Sensor(name="typical", elevations=found.sensor.elevations, columns=1)
     before = replace(found.sensor, model=usual.assumed_model, range_sigma=usual.range_sigma, max_range=usual.max_range)
-    columns = min(found.sensor.columns, MOST_COLUMNS)
-    fitted_to, judging = (sweeps_of(scans, found.table, columns) for scans in (recordings, held))
+    fitted_to, judging = (
+        sweeps_of(scans[:: max(1, len(scans) // _MOST_JUDGED)], found.table, found.sensor.columns)
+        for scans in (recordings, held)
+    )
     beside = f"{len(held)} scan{'s' * (len(held) > 1)}"
     print(f"\nscans of streets beside {beside} that nothing was fitted to, before and after:\n")
     print("| property | before | after | fitted scans | ratio before | ratio after |\n|---|---:|---:|---:|---:|---:|")
-    for row in judged(before, found.sensor, fitted_to, judging, num_streets):
+    for row in judged(before, found.sensor, fitted_to, judging, min(num_streets, _MOST_JUDGED)):
         unit = row.recorded if row.recorded > 0 else math.nan
         cells = (row.before, row.after, row.recorded, row.before / unit, row.after / unit)
         print(f"| {row.name} | {' | '.join('-' if math.isnan(cell) else f'{cell:.3g}' for cell in cells)} |")
@@ -154,5 +158,5 @@ def fit_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--like", metavar="SENSOR", help=text)
     text = "firings in a turn of the sensor that is written (default: those of the scans, in fours)"
     parser.add_argument("--columns", type=whole_number(8), metavar="N", help=text)
-    text = "streets to compare the scans with (default 48)"
-    parser.add_argument("--streets", type=whole_number(4), default=48, metavar="N", help=text)
+    text = "streets to compare the scans with (default 32)"
+    parser.add_argument("--streets", type=whole_number(4), default=32, metavar="N", help=text)

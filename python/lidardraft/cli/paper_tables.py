@@ -55,7 +55,7 @@ NAMES = (*_INPUTS, *_ABLATION, "none")
 
 
 def table_lines(ours: Mapping[str, list[Score]]) -> Iterator[str]:
-    """The lines of those tables that one of `ours`, scores by `NAMES`, has a row in."""
+    """The lines of those tables that one of `ours`, scores by name, has a row in; then those of other names."""
     if ours.keys() & {*_INPUTS, "none"}:
         yield _heading("Table 1")
         for name, published in (*_INPUTS.items(), ("none", _UNCONDITIONAL)):
@@ -64,6 +64,10 @@ def table_lines(ours: Mapping[str, list[Score]]) -> Iterator[str]:
         yield _heading("Table 2")
         for name, row in _ABLATION.items():
             yield from _rows(name, {"LiDARDraft": row}, ours.get(name))
+    if others := [name for name in ours if name not in NAMES]:
+        yield _heading("Not in the paper")
+        for name in others:
+            yield from _rows(name, {}, ours[name])
 
 
 def _heading(title: str) -> str:

@@ -11,6 +11,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 import lidardraft
 from lidardraft.cli import evaluate
 from lidardraft.cli.arguments import (
@@ -210,7 +212,7 @@ def segmenter_options(parser: argparse.ArgumentParser) -> None:
 
 def ablation(arguments: argparse.Namespace) -> None:
     """Train the paper's form and what it is compared with, each for as long, and score all; a second call goes on."""
-    from lidardraft.evaluation import OTHER_STREETS, loss_by_other_layouts
+    from lidardraft.evaluation import OTHER_STREETS, loss_by_other_layouts, untrained_weights
     from lidardraft.training import recipes
     from lidardraft.training.loop import check_run_folder, device_for_training
     from lidardraft.training.sources import StreetSource, top_view
@@ -236,8 +238,10 @@ def ablation(arguments: argparse.Namespace) -> None:
     print(f"{'':28}{'objects':>9}{'drop':>9}{'BEV JSD':>9}{'MMD 1e-4':>10}{'heeded':>9}", flush=True)
     _row(arguments, "other streets", pairs, others)
     cast = [pair.condition_image for pair in pairs]
+    _row(arguments, "cast passed through", pairs, cast)
     seen_from_above = [top_view(pair.layout, sensor, pair.pose) for pair in pairs]
     unconditional = begin.base() if begin else _trained_arm(arguments, base, source, "base")
+    _row(arguments, "untrained", pairs, _sampled(untrained_weights(unconditional), cast))
     _row(arguments, "no condition", pairs, _sampled(unconditional, cast))
     for name, arm in recipes.ARMS.items():
         learned_from, images = (from_above, seen_from_above) if arm.from_above else (source, cast)
@@ -289,8 +293,8 @@ def _row(
     for earlier in folder.glob("*.bin"):  # of a call with more streets
         earlier.unlink()
     for number, scan in enumerate(scans):
-        assert scan.intensity is not None
-        write_bin(folder / f"{number:06d}.bin", scan.points(), scan.intensity[scan.valid])
+        intensity = np.zeros(scan.sensor.shape, np.float32) if scan.intensity is None else scan.intensity
+        write_bin(folder / f"{number:06d}.bin", scan.points(), intensity[scan.valid])
     shown = f"{scores.objects:9.3f}{scores.drop:9.3f}{scores.bev:9.3f}{1e4 * mmd:10.3f}{heeded:9.3f}"
     print(f"{name:28}{shown}", flush=True)
 
@@ -302,7 +306,7 @@ def ablation_options(parser: argparse.ArgumentParser) -> None:
         "objects: share of the returns on objects within 0.5 m or 5 % of the layout. drop: share of the rays that hit "
         "the layout and return nothing. heeded: the loss of unseen scans by the layout of another street, over that by "
         "their own, 1 where a network ignores its condition. The row of other streets says what scans of another place "
-        "would get."
+        "would get, those of the cast and of untrained weights what no training has earned."
     )
     add_sensor(parser)
     _add_data(parser)

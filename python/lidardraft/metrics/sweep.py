@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import dataclass
 from functools import cached_property
@@ -71,13 +72,14 @@ class Sweep:
         if len(rows) and (rows.min() < 0 or rows.max() >= height):
             raise LidarDraftError(f"rows are {rows.min()} to {rows.max()}; they must be 0 to {height - 1}")
         turned = (math.pi - np.arctan2(points[:, 1], points[:, 0]).astype(np.float64)) % (2 * math.pi)
-        step = firing_step(turned, rows)
+        order = np.lexsort((turned, rows))
+        turned, sorted_rows = turned[order], rows[order]
+        step = firing_step(turned, sorted_rows)
         chosen = np.full((height, columns), -1)
-        for row in range(height):
-            index = np.flatnonzero(rows == row)
-            index = index[np.argsort(turned[index], kind="stable")]
-            if len(index):
-                chosen[row] = _nearest_firings(turned[index], index, step, columns)
+        starts = np.searchsorted(sorted_rows, np.arange(height + 1)).tolist()
+        for row, (start, end) in enumerate(itertools.pairwise(starts)):
+            if start < end:
+                chosen[row] = _nearest_firings(turned[start:end], order[start:end], step, columns)
         hit = chosen >= 0
 
         def image(values: np.ndarray | None, dtype: type) -> np.ndarray | None:
@@ -94,7 +96,9 @@ class Sweep:
     @cached_property
     def depth(self) -> np.ndarray:
         """Distance f32 [H, W]; 0 where there is no return."""
-        return np.linalg.norm(self.points, axis=2)
+        x, y, z = np.moveaxis(self.points, 2, 0)
+        depth: np.ndarray = np.sqrt(x * x + y * y + z * z)  # a tenth of the time of `np.linalg.norm`
+        return depth
 
     @property
     def valid(self) -> np.ndarray:

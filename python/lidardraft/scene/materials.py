@@ -22,8 +22,9 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
 - `rms_height`: of grass from the rows of terrain in PandaSet within 15 m, whose returns lie 4 mm off the line between
   their neighbours in height (5 mm root mean square) and 38 mm in range (8 to 17 mm); of bark, gravel and soil our
   estimates.
-- `variation`, `grain`: the spread between objects of one material (dirt, age, colour), our estimate, and within
-  one, from the local scatter of PandaSet's intensities (walls 0.09, roads 0.18, leaves 0.22).
+- `variation`, `grain`: the spread between objects of one material (dirt, age, colour), our estimate, and within one
+  from firing to firing, beside what the sensor adds (`speckle`, `texture`): such that neighbouring readings of PandaSet
+  (roads, sidewalks, walls, leaves) and of ika's VLP-32C differ as recorded, see docs/sensor-model.md.
 """
 
 from __future__ import annotations
@@ -61,14 +62,14 @@ class Material:
     transmission: float = 0.0
     retroreflection: float = 0.0
     variation: float = 0.2
-    grain: float = 0.08
+    grain: float = 0.03
     rms_height: float = 0.0
 
 
 MATERIALS: tuple[Material, ...] = (
-    Material("asphalt", 0.12, roughness=1.0, grain=0.18),
+    Material("asphalt", 0.12, roughness=1.0, grain=0.03),
     Material("concrete", 0.32, roughness=0.5),
-    Material("paving", 0.22, roughness=0.8, grain=0.12),
+    Material("paving", 0.22, roughness=0.8, grain=0.04),
     Material("gravel", 0.25, roughness=1.0, grain=0.2, rms_height=0.008),
     Material("plaster", 0.45, roughness=0.35),
     Material("brick", 0.36, roughness=0.35),
@@ -78,7 +79,7 @@ MATERIALS: tuple[Material, ...] = (
     Material("metal", 0.25, roughness=0.3, specular=0.3, rms_slope=0.25, variation=0.35),
     Material("rusty-metal", 0.25, roughness=0.5),
     Material("chrome", 0.03, specular=0.6, rms_slope=0.05),
-    Material("foliage", 0.50, variation=0.15, grain=0.2),
+    Material("foliage", 0.50, variation=0.15, grain=0.23),
     Material("bark", 0.32, roughness=0.6, grain=0.15, rms_height=0.01),
     Material("grass", 0.45, roughness=0.8, variation=0.25, grain=0.2, rms_height=0.008),
     Material("soil", 0.27, roughness=0.8, grain=0.15, rms_height=0.008),
@@ -94,7 +95,7 @@ MATERIALS: tuple[Material, ...] = (
     Material("car-glass", 0.003, specular=2 * _COAT, rms_slope=0.03, transmission=0.45, variation=0.5),
     Material("window", 0.02, specular=2 * _COAT, rms_slope=0.05, transmission=0.70, variation=0.5),
     Material("retroreflector", 0.30, retroreflection=math.pi * 250.0, variation=0.3),
-    Material("road-paint", 0.28, roughness=1.0, variation=0.4, grain=0.3),
+    Material("road-paint", 0.28, roughness=1.0, variation=0.4, grain=0.15),
     Material("sign-back", 0.35, roughness=0.3, specular=0.3, rms_slope=0.2),
 )
 

@@ -69,7 +69,7 @@ class SensorModel:
     detection_threshold: float = 0.10 / 100.0**2  # 1/m2, the response over range squared of power 1; 0 detects all
     last_return: bool = False  # of several echoes the last is reported, not the strongest
     # Scatter of the power.
-    speckle: float = 0.05  # relative, from pulse to pulse
+    speckle: float = 0.08  # relative, from pulse to pulse
     texture: float = 0.15  # relative, from patch to patch of what a beam looks at, 3 / 1024 of a turn long on average
     material_noise: bool = True  # materials add their own grain and roughness
     dust: float = 0.0  # depth of the stains on the window
@@ -247,6 +247,7 @@ def _ouster(degrees: float, reach: float, jitter: float) -> SensorModel:
         offset_spread=0.003,
         edge_drop=0.0,  # their samples lose no more at edges than streets do without
         tilt_spread=0.0,  # each unit's own table comes with it
+        speckle=0.17,  # single photons are counted; as their samples' ground and walls read
         jitter=jitter,
         **_REFLECTIVITY,
     )
@@ -294,6 +295,7 @@ MODELS: dict[str, SensorModel] = {
         jitter=0.04,
         range_step=0.004,
         tilt_spread=2.6e-3,
+        speckle=0.02,
         **_REFLECTIVITY,
     ),
     # Pandar64 manual: 905 nm, 2 cm, 200 m at 0.10. Divergence: an estimate after sensors of its kind. Scale and noise
@@ -303,6 +305,7 @@ MODELS: dict[str, SensorModel] = {
         offset_spread=0.007,
         range_step=0.004,
         tilt_spread=1.8e-3,
+        speckle=0.06,
         full_scale=255.0 / 66.0,
     ),
     "os0-128": _ouster(0.35, 20.0, 0.03),

@@ -13,7 +13,7 @@ from lidardraft.training.sources import PairFolder
 # What is rare in a street and small in an image: pasted from one scan into another.
 _PASTED = [
     BY_NAME[name].id
-    for name in ("person", "rider", "bicycle", "motorcycle", "truck", "bus", "train", "pole", "traffic-sign", "fence")
+    for name in ("person", "rider", "bicycle", "motorcycle", "truck", "bus", "train", "pole", "traffic-sign")
 ]
 _HILLS = (25.0, 100.0)  # m, shortest and longest wave
 

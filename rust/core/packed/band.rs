@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use super::row_lookup::RowLookup;
 use crate::SensorSpec;
+use crate::medium::RowKey;
 use crate::simd::{Lanes, WIDEST};
 
 /// The beams of a pattern that start at the same place and look nearly the same way: a grid of rows and columns.
@@ -22,6 +23,8 @@ pub(crate) struct Band {
     pub(crate) slopes: Vec<f32>,
     /// The length of each row's rays.
     pub(crate) secants: Vec<f32>,
+    /// What media need to know of each row.
+    pub(crate) row_keys: Vec<RowKey>,
     /// The phase of each row, and that as lanes take it.
     pub(crate) phases: Vec<u8>,
     pub(crate) phase_lanes: Vec<f32>,
@@ -89,7 +92,7 @@ impl Band {
         let mut groups: Vec<(Shared, Vec<(usize, usize)>)> = Vec::new();
         // Places in the tables of all phases are whole numbers of f32, too.
         let apart = if spec.columns > MOST_COLUMNS { 0.0 } else { MOST_APART };
-        let apart = apart * spec.azimuth_span / spec.columns as f64;
+        let apart = apart * spec.column_width();
         for (row, elevation) in spec.elevations.iter().enumerate() {
             // Rounding grows with the longest ray of a band, so steep beams do not share one with flat ones.
             let magnitude = (1.0 / elevation.cos()).log2() as i32;
@@ -106,7 +109,7 @@ impl Band {
     }
 
     fn new(spec: &SensorSpec, shared: &Shared, rows: &[(usize, usize)]) -> Band {
-        let width = spec.azimuth_span / spec.columns as f64;
+        let width = spec.column_width();
         let start = |offset: f64| (spec.azimuth_start % TAU + offset % TAU) % TAU;
         let azimuth = |offset: f64, column: usize| start(offset) - (column as f64 + 0.5) * width;
         let padded = padded(spec.columns);
@@ -120,6 +123,7 @@ impl Band {
         let secants: Vec<f32> = elevations().map(|e| (1.0 / e.cos()) as f32).collect();
         Band {
             rows: rows.iter().map(|&(row, _)| row as u32).collect(),
+            row_keys: rows.iter().map(|&(row, _)| spec.row_key(row)).collect(),
             phases: rows.iter().map(|&(_, phase)| phase as u8).collect(),
             phase_lanes: rows.iter().map(|&(_, phase)| phase as f32).collect(),
             phase_count: shared.offsets.len(),

@@ -13,6 +13,7 @@ use super::reference;
 use super::view::View;
 use super::visibility_buffer::VisibilityBuffer;
 use super::write_images::{Owners, Unresolved};
+use crate::medium::ScanKey;
 use crate::packed::Band;
 use crate::simd::{self, Kernel, Lanes, WIDEST};
 use crate::threads::{spread, thread_count};
@@ -43,7 +44,7 @@ struct Scan<'a> {
     /// From the world, and from the origin of the scene.
     poses: &'a [Pose],
     local: Vec<Pose>,
-    seed: u64,
+    key: ScanKey,
     backend: Backend,
 }
 
@@ -58,7 +59,8 @@ pub(super) fn scan(
     threads: usize,
 ) {
     let local = |pose: &Pose| Pose { translation: pose.translation - scene.origin(), ..*pose };
-    let scan = Scan { scene, pattern, poses, local: poses.iter().map(local).collect(), seed, backend };
+    let key = ScanKey::new(scene, pattern, poses, seed);
+    let scan = Scan { scene, pattern, poses, local: poses.iter().map(local).collect(), key, backend };
     let width = if poses.len() > 1 { rolling_width(poses) } else { still_width(pattern, threads) };
     spread(threads, jobs(pattern, images, width), |job| scan.run(job));
 }
@@ -112,7 +114,7 @@ struct RasterizeView<'a> {
 impl Kernel for RasterizeView<'_> {
     #[inline(always)]
     fn run<L: Lanes>(self) {
-        self.rasterizer.rasterize::<L>(self.scan.scene, self.view, self.scan.seed, self.surfaces);
+        self.rasterizer.rasterize::<L>(self.scan.scene, self.view, &self.scan.key, self.surfaces);
     }
 }
 
@@ -156,7 +158,7 @@ impl Scan<'_> {
         RASTERIZER.set(rasterizer);
         for (row, column) in unresolved {
             let (beam, ray) = (job.band.rows[row] as usize, job.columns.start + column);
-            let found = reference::cast_pixel(scene, self.pattern, self.poses, self.seed, [beam, ray]);
+            let found = reference::cast_pixel(scene, self.pattern, self.poses, &self.key, [beam, ray]);
             job.images[row].set(column, found.as_ref());
         }
     }

@@ -23,9 +23,9 @@ use crate::{Backend, Error, ImagesMut, Pose, Result, Scene, SensorPattern};
 /// Casts a scan: the closest return of every ray of a pattern.
 ///
 /// `poses` are world_from_sensor: one, or one for each column (rolling shutter). `seed` decides the free paths of rays
-/// in media: a pure function of seed, primitive, row and column. A surface nearer than the minimum range is not reported,
-/// and occludes what is behind it. `backend` is the fastest if it is not given; `threads` is 0 for as many as
-/// there are cores. The images are the same for any number of threads.
+/// in media: a pure function of seed, primitive, its distance, row and column. A surface nearer than the minimum range
+/// is not reported, and occludes what is behind it. `backend` is the fastest if it is not given; `threads` is 0 for as
+/// many as there are cores. The images are the same for any number of threads.
 ///
 /// # Errors
 /// [`Error::PoseCount`] or [`Error::ImageSize`], before anything is written.

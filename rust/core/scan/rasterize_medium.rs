@@ -4,16 +4,14 @@ use super::pixel_rect::PixelRect;
 use super::ray_tests::{MediumTest, ShapeInView};
 use super::view::View;
 use super::visibility_buffer::{UNRESOLVED, VisibilityBuffer, lanes_within, steps};
-use crate::medium::{FreePaths, QUANTILES};
+use crate::medium::FreePaths;
 use crate::packed::PHASES;
 use crate::simd::{Lanes, Mask, Vector};
 
 /// What makes a body a medium.
 #[derive(Clone, Copy)]
 pub(super) struct Medium {
-    pub(super) seed: u64,
-    /// What decides its free paths, with the seed.
-    pub(super) number: u32,
+    pub(super) paths: FreePaths,
     /// The mean free path [m].
     pub(super) mean: f32,
 }
@@ -111,9 +109,8 @@ fn rasterize_columns<L: Lanes>(
 /// The free paths of rays in a medium, in lengths of their directions: those of a row of the view, from a column on.
 #[inline(always)]
 fn free_paths<L: Lanes>(medium: &Medium, view: &View, row: usize, at: usize) -> L {
-    let paths = FreePaths::new(medium.seed, medium.number, view.band.rows[row]);
-    let [a, b] = paths.ranks(view.columns.start + at);
-    let (rank, count) = (L::load(a, 0) + L::load(b, 0), L::splat(QUANTILES as f32));
-    let rank = L::select(rank.ge(count), rank - count, rank);
+    let paths = &medium.paths;
+    let [a, b, leaves] = paths.ranks(view.band.row_keys[row], view.columns.start + at);
+    let rank = L::load(a, 0) + L::load(b, 0) + L::load(leaves, 0) + L::splat(paths.start());
     rank.gather(paths.quantiles()) * L::splat(medium.mean / view.band.secants[row])
 }

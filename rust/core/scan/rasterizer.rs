@@ -10,6 +10,7 @@ use super::view::View;
 use super::visibility_buffer::VisibilityBuffer;
 use crate::Scene;
 use crate::body::{Body, MeshBody, Solid};
+use crate::medium::ScanKey;
 use crate::packed::{ObbTable, Outline};
 use crate::simd::{Lanes, Matrix, Vector, rows};
 
@@ -34,7 +35,7 @@ struct VisiblePart {
 impl Rasterizer {
     /// Rasterizes all that may be visible; an id is the number of a body or, if asked for, of a surface.
     #[inline(always)]
-    pub(super) fn rasterize<L: Lanes>(&mut self, scene: &Scene, view: &View, seed: u64, surfaces: bool) {
+    pub(super) fn rasterize<L: Lanes>(&mut self, scene: &Scene, view: &View, scan: &ScanKey, surfaces: bool) {
         let (bodies, table) = (scene.bodies(), scene.body_table());
         self.buffer.fit(view);
         self.visible.clear();
@@ -67,8 +68,11 @@ impl Rasterizer {
                     }
                 }
                 solid => {
-                    let mean = body.extinction.map(|extinction| (1.0 / extinction) as f32);
-                    let medium = mean.map(|mean| Medium { seed, number: scene.media()[visible.body as usize], mean });
+                    let medium = body.extinction.map(|extinction| {
+                        let number = scene.media()[visible.body as usize];
+                        let paths = scan.free_paths(number, extinction, body.pose.translation);
+                        Medium { paths, mean: (1.0 / extinction) as f32 }
+                    });
                     rasterize_solid::<L>(solid, &body.pose, (medium, id), &visible.rect, view, &mut self.buffer);
                 }
             }

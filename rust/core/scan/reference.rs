@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::image::Return;
+use crate::medium::ScanKey;
 use crate::threads::spread;
 use crate::{FreePathKey, ImagesMut, Pose, Scene, SensorPattern};
 
@@ -15,10 +16,11 @@ pub(super) fn scan(
     images: &mut ImagesMut<'_>,
     threads: usize,
 ) {
+    let key = ScanKey::new(scene, pattern, poses, seed);
     let rows = images.pieces(pattern.columns()).into_iter().enumerate().collect();
     spread(threads, rows, |(row, mut pixels): (usize, ImagesMut<'_>)| {
         for column in 0..pattern.columns() {
-            pixels.set(column, cast_pixel(scene, pattern, poses, seed, [row, column]).as_ref());
+            pixels.set(column, cast_pixel(scene, pattern, poses, &key, [row, column]).as_ref());
         }
     });
 }
@@ -28,11 +30,11 @@ pub(super) fn cast_pixel(
     scene: &Scene,
     pattern: &SensorPattern,
     poses: &[Pose],
-    seed: u64,
+    key: &ScanKey,
     [row, column]: [usize; 2],
 ) -> Option<Return> {
     let (origin, direction) = ray(pattern, poses, row, column);
-    let key = FreePathKey { seed, row: row as u32, column: column as u32 };
+    let key = FreePathKey { scan: *key, row: pattern.spec().row_key(row), column };
     let hit = scene.closest(origin, direction, key)?;
     let depth = pattern.reported(hit.distance)?;
     Some(Return::new(scene, origin, direction, &hit, depth))

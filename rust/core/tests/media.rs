@@ -2,8 +2,8 @@
 
 use glam::{DMat3, DVec3};
 
-use super::{Random, box_mesh, linear, pattern, primitive, scanned, spec};
-use crate::medium::{FreePaths, QUANTILES};
+use super::{Random, box_mesh, linear, pattern, primitive, spec};
+use crate::medium::{FreePaths, QUANTILES, RowKey};
 use crate::{Backend, FreePathKey, Images, Pose, Primitive, Scene, SceneHit, Shape, TriangleMesh, cast, scan};
 
 /// How far the mean of so many numbers of deviation 1 may be off: 4 standard errors.
@@ -17,8 +17,7 @@ fn medium(shape: Shape, center: [f64; 3], size: [f64; 3], extinction: f64) -> Pr
 
 /// What many rays of the same origin and direction meet, each with a key of its own.
 fn rays(scene: &Scene, origin: DVec3, direction: DVec3, count: usize) -> Vec<Option<SceneHit>> {
-    let key = |k: usize| FreePathKey { seed: 9, row: (k / 1000) as u32, column: (k % 1000) as u32 };
-    (0..count).map(|k| scene.closest(origin, direction, key(k))).collect()
+    (0..count).map(|k| scene.closest(origin, direction, FreePathKey::of_ray(9, k))).collect()
 }
 
 /// The share of rays that pass through primitive 0 is that of Beer and Lambert for so many mean free paths.
@@ -31,23 +30,29 @@ fn transmits(scene: &Scene, origin: DVec3, direction: DVec3, depth: f64) {
     assert!(off < error(count), "{share} of the rays pass, not {expected}");
 }
 
-/// FreePaths of 64 rows of 1024 columns in one body.
-fn paths(seed: u64, body: u32) -> Vec<f64> {
-    let row = |row| (0..1024).map(move |column| f64::from(FreePaths::new(seed, body, row).at(column)));
-    (0..64).flat_map(row).collect()
+/// Free paths of 64 rows of 1024 columns in one body, so many mean free paths apart, for rows and columns that are equally wide.
+fn paths(seed: u64, body: u32, apart: f64) -> Vec<f64> {
+    let of_row = |row| {
+        let place = RowKey::new(row, row as f64, 0.0, 1.0);
+        (0..1024).map(move |column| f64::from(FreePaths::new(seed, body, apart).at(place, column)))
+    };
+    (0..64).flat_map(of_row).collect()
 }
 
 #[test]
 fn free_paths_are_exponential() {
-    for (seed, body) in [(0, 0), (0, 1), (1, 0), (u64::MAX, 700), (123_456_789, 3)] {
-        let mut found = paths(seed, body);
-        let count = found.len();
-        let mean = |f: &dyn Fn(f64) -> f64| found.iter().map(|&x| f(x)).sum::<f64>() / count as f64;
+    for apart in [0.02, 0.2, 2.0, f64::INFINITY] {
+        let many = (0..60).flat_map(|body| paths(u64::from(body) % 7, body, apart).into_iter().step_by(61));
+        let mut found: Vec<f64> = many.collect();
+        // Rays near each other are alike: what counts are the bodies.
+        let count = if apart < 5.0 { 60 } else { found.len() };
+        let mean = |f: &dyn Fn(f64) -> f64| found.iter().map(|&x| f(x)).sum::<f64>() / found.len() as f64;
         assert!((mean(&|x| x) - 1.0).abs() < error(count));
         // The second moment is 2, and its deviation sqrt(24 - 4).
         assert!((mean(&|x| x * x) - 2.0).abs() < 20_f64.sqrt() * error(count));
         found.sort_by(f64::total_cmp);
-        let gap = |(k, x): (usize, &f64)| (1.0 - (-x).exp() - (k as f64 + 0.5) / count as f64).abs();
+        let all = found.len() as f64;
+        let gap = |(k, x): (usize, &f64)| (1.0 - (-x).exp() - (k as f64 + 0.5) / all).abs();
         let gap = found.iter().enumerate().map(gap).fold(0.0, f64::max);
         // Kolmogorov and Smirnov's test, at 1 in 1000.
         assert!(gap < 1.95 / (count as f64).sqrt(), "{gap}");
@@ -55,38 +60,46 @@ fn free_paths_are_exponential() {
     }
 }
 
+fn correlation(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - 1.0) * (b - 1.0)).sum::<f64>() / a.len().min(b.len()) as f64
+}
+
 #[test]
-fn free_paths_are_independent() {
-    let one = paths(5, 3);
-    let correlation = |a: &[f64], b: &[f64]| {
-        a.iter().zip(b).map(|(a, b)| (a - 1.0) * (b - 1.0)).sum::<f64>() / a.len().min(b.len()) as f64
-    };
+fn rays_far_apart_have_independent_free_paths() {
+    let one = paths(5, 3, 5.0);
     for lag in [1, 2, 3, 7, 16, 1023, 1024, 1025, 2048, 8192] {
         let found = correlation(&one, &one[lag..]);
         assert!(found.abs() < error(one.len() - lag), "{found} at a lag of {lag}");
     }
     for (seed, body) in [(5, 2), (5, 4), (4, 3), (6, 3), (3, 5)] {
-        let found = correlation(&one, &paths(seed, body));
+        let found = correlation(&one, &paths(seed, body, 5.0));
         assert!(found.abs() < error(one.len()), "{found} with body {body} of seed {seed}");
     }
-    // Hardly any two rows of a scan, nor of two bodies, show the same paths a few columns apart.
-    let row = |body, row| (0..64).map(move |column| FreePaths::new(1, body, row).at(column).to_bits());
-    let mut runs: Vec<[u32; 4]> = Vec::new();
-    for body in 0..40 {
-        for paths in (0..64).map(|k| row(body, k).collect::<Vec<u32>>()) {
-            runs.extend(paths.windows(4).map(|run| [run[0], run[1], run[2], run[3]]));
-        }
+}
+
+#[test]
+fn rays_near_each_other_get_nearly_as_far() {
+    // In both directions, and less the further they are apart.
+    for direction in [1, 1024] {
+        let found = [1, 2, 4, 8, 16, 32, 64, 128].map(|apart| {
+            let all: Vec<Vec<f64>> = (0..40).map(|body| paths(1, body, 0.03 * f64::from(apart))).collect();
+            all.iter().map(|one| correlation(one, &one[direction..])).sum::<f64>() / all.len() as f64
+        });
+        assert!(found.is_sorted_by(|near, far| near > far), "{found:?}");
+        assert!(found[0] > 0.4 && found[7] < 0.1, "{found:?}");
     }
-    let count = runs.len();
-    runs.sort_unstable();
-    runs.dedup();
-    assert!(count - runs.len() < count / 500, "{} of {count}", count - runs.len());
+    // Half as far apart and a step of two are one distance.
+    let steps = |apart, lag: usize| {
+        let all = (0..40).map(|body| paths(2, body, apart));
+        all.map(|one| correlation(&one, &one[lag..])).sum::<f64>() / 40.0
+    };
+    assert!((steps(0.12, 2) - steps(0.24, 1)).abs() < 0.05);
 }
 
 #[test]
 fn a_row_of_more_columns_than_paths() {
-    let paths = FreePaths::new(2, 3, 4);
-    let (a, b) = (paths.at(5), paths.at(5 + QUANTILES));
+    let (paths, level) = (FreePaths::new(2, 3, 0.1), RowKey::new(4, 0.0, 0.0, 1.0));
+    let (a, b) = (paths.at(level, 5), paths.at(level, 5 + QUANTILES));
     assert_eq!(a, b);
 }
 
@@ -183,7 +196,7 @@ fn a_mesh_is_its_box() {
     let (cuboid, meshes) = (scene(Shape::Box), [box_mesh(), turned].map(|mesh| scene(Shape::Mesh(mesh))));
     let mut random = Random(3);
     let compare = |origin: DVec3, aim: DVec3, k: u32| {
-        let key = FreePathKey { seed: 1, row: k, column: 7 };
+        let key = FreePathKey::of_ray(1, k as usize);
         let expected = cuboid.closest(origin, aim - origin, key).map(|hit| hit.distance);
         for mesh in &meshes {
             let found = mesh.closest(origin, aim - origin, key).map(|hit| hit.distance);
@@ -241,17 +254,23 @@ fn returns_face_the_ray() {
 /// A medium nearer than the minimum range is not reported, and occludes what is behind it.
 #[test]
 fn range_limits() {
-    let mut narrow = spec(vec![0.0], 400);
+    let mut narrow = spec(vec![0.0], 1);
     (narrow.azimuth_start, narrow.azimuth_span) = (0.01, 0.02);
     (narrow.min_range, narrow.max_range) = (2.0, 20.0);
     let fog = medium(Shape::Box, [2.0, 0.0, 0.0], [4.0; 3], 0.5);
     let wall = Primitive { label: 7, ..primitive(Shape::Box, [10.0, 0.0, 0.0], [1.0, 9.0, 9.0]) };
-    let images = scanned(&Scene::new(vec![fog, wall]).unwrap(), &pattern(narrow), &Pose::IDENTITY);
-    let count = |f: &dyn Fn(usize) -> bool| (0..400).filter(|&i| f(i)).count() as f64 / 400.0;
-    let near = |expected: f64, found: f64| assert!((expected - found).abs() < 0.1, "{found} is not {expected}");
-    near(1.0 - (-1.0_f64).exp(), count(&|i| images.depth[i] == 0.0));
-    near((-1.0_f64).exp() - (-2.0_f64).exp(), count(&|i| (2.0..4.1).contains(&images.depth[i])));
-    near((-2.0_f64).exp(), count(&|i| images.label[i] == 7));
+    let (scene, pattern) = (Scene::new(vec![fog, wall]).unwrap(), pattern(narrow));
+    let pixel = |seed| {
+        let mut images = Images::new(1, 1);
+        scan(&scene, &pattern, &[Pose::IDENTITY], seed, &mut images.as_mut(), None, 1).unwrap();
+        (images.depth[0], images.label[0])
+    };
+    let found: Vec<(f32, u8)> = (0..2000).map(pixel).collect();
+    let share = |f: &dyn Fn(&(f32, u8)) -> bool| found.iter().filter(|&one| f(one)).count() as f64 / 2000.0;
+    let near = |expected: f64, found: f64| assert!((expected - found).abs() < 0.05, "{found} is not {expected}");
+    near(1.0 - (-1.0_f64).exp(), share(&|pixel| pixel.0 == 0.0));
+    near((-1.0_f64).exp() - (-2.0_f64).exp(), share(&|pixel| (2.0..4.1).contains(&pixel.0)));
+    near((-2.0_f64).exp(), share(&|pixel| pixel.1 == 7));
 }
 
 #[test]

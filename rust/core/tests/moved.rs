@@ -81,7 +81,7 @@ fn tilted_bodies_in_closed_form() {
         };
         let poses: Vec<Pose> = (0..5).map(at).collect();
         let moved = scene.moved(&[0, 1, 2, 3, 4], &poses).unwrap();
-        let hit = moved.closest(DVec3::ZERO, DVec3::X, FreePathKey::default()).unwrap();
+        let hit = moved.closest(DVec3::ZERO, DVec3::X, FreePathKey::of_ray(0, 0)).unwrap();
         // Along x the body's frame is crossed in the direction (cos, 0, -sin).
         let (half, normal) = match shape {
             Shape::Ellipsoid => {
@@ -115,6 +115,6 @@ fn a_rotation_from_a_float32_text_keeps_its_body_in_shape() {
     rotation.x_axis *= 1.0 + 4e-7;
     rotation.y_axis += rotation.x_axis * 4e-7;
     let ball = scene.moved(&[0], &[Pose { rotation, translation: DVec3::X * 5.0 }]).unwrap();
-    let hit = ball.closest(DVec3::ZERO, DVec3::X, FreePathKey::default()).unwrap();
+    let hit = ball.closest(DVec3::ZERO, DVec3::X, FreePathKey::of_ray(0, 0)).unwrap();
     assert!((hit.distance - 4.0).abs() < 1e-14, "{}", hit.distance);
 }

@@ -5,6 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use glam::{DMat3, DVec3};
 
 use super::{Random, box_mesh, linear, pattern, primitive, random_scene, scanned, spec, swept};
+use crate::medium::ScanKey;
 use crate::{
     Backend, FreePathKey, Images, ImagesMut, Pose, Primitive, Scene, SensorPattern, Shape, TriangleMesh, scan,
     scan_batch,
@@ -18,19 +19,20 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
     Pose { translation: DVec3::new(x, y, z), ..Pose::IDENTITY }
 }
 
-fn key(row: usize, column: usize) -> FreePathKey {
-    FreePathKey { seed: 0, row: row as u32, column: column as u32 }
-}
-
 /// Every pixel is that of the closest of all surfaces, with the normal there.
 fn agrees_with_every_surface(scene: &Scene, pattern: &SensorPattern, pose: &Pose) -> usize {
     let images = scanned(scene, pattern, pose);
+    let media = ScanKey::new(scene, pattern, std::slice::from_ref(pose), 0);
     let mut hits = 0;
     for row in 0..pattern.rows() {
         for column in 0..pattern.columns() {
             let origin = pose.point(pattern.origin(row, column));
             let direction = pose.vector(pattern.direction(row, column));
-            let all = scene.closest_of_all(origin, direction, key(row, column));
+            let all = scene.closest_of_all(
+                origin,
+                direction,
+                FreePathKey { scan: media, row: pattern.spec().row_key(row), column },
+            );
             let all = all.filter(|hit| pattern.reported(hit.distance).is_some());
             let i = row * pattern.columns() + column;
             let seen = (images.depth[i], images.primitive[i], images.label[i], images.instance[i]);
@@ -164,7 +166,7 @@ fn lower_triangle_wins_at_the_same_distance() {
     let mut random = Random(14);
     for _ in 0..1000 {
         let aim = DVec3::new(5.0, random.between(-0.5, 0.5), random.between(-1.0, 0.5));
-        let hit = scene.closest(DVec3::ZERO, aim, FreePathKey::default()).unwrap();
+        let hit = scene.closest(DVec3::ZERO, aim, FreePathKey::of_ray(0, 0)).unwrap();
         assert_eq!((hit.primitive, hit.part), (0, 1));
     }
 }

@@ -35,7 +35,10 @@ fn rays_at_shared_edges_of_a_mesh() {
             let along = [0.0, 0.5, random.between(0.0, 1.0)][k % 3];
             let origin = random.vector(-2.0, 2.0) + DVec3::new(3.0, 1.0, 3.0);
             let direction = (a + (b - a) * along - origin).normalize();
-            assert!(scene.closest(origin, direction, FreePathKey::default()).is_some(), "ray {k} from {origin} leaks");
+            assert!(
+                scene.closest(origin, direction, FreePathKey::of_ray(0, 0)).is_some(),
+                "ray {k} from {origin} leaks"
+            );
         }
     }
 }
@@ -87,11 +90,11 @@ fn room_seen_from_anywhere() {
     for scene in rooms() {
         for _ in 0..40_000 {
             let origin = random.vector(-9.5, 9.5);
-            assert!(scene.closest(origin, random.direction(), FreePathKey::default()).is_some());
+            assert!(scene.closest(origin, random.direction(), FreePathKey::of_ray(0, 0)).is_some());
             // Towards an edge: two coordinates on walls.
             let mut target = random.vector(-10.0, 10.0);
             (target.x, target.y) = (10.0, -10.0);
-            assert!(scene.closest(origin, (target - origin).normalize(), FreePathKey::default()).is_some());
+            assert!(scene.closest(origin, (target - origin).normalize(), FreePathKey::of_ray(0, 0)).is_some());
         }
     }
 }
