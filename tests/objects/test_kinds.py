@@ -11,12 +11,11 @@ from built_objects import SIZES, build, is_closed, placed, vertices
 
 import lidardraft.objects
 from lidardraft import CLASSES
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.errors import LayoutError
 from lidardraft.objects.buildings import BALCONY, EAVES
 from lidardraft.objects.cars import BODIES
 from lidardraft.objects.coarse_shapes import MOST_LOBES
-from lidardraft.objects.kinds import KINDS, kind_of
+from lidardraft.objects.kinds import KINDS, SENTENCE_KINDS, kind_of
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.semantics import BY_NAME
 

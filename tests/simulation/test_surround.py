@@ -25,8 +25,8 @@ from lidardraft import (
 )  # fmt: skip
 from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.scene_spec import ACTIVITIES, DISTRICTS, PLACES, ROADS, ObjectGroup, RoadSpec, SceneSpec
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.errors import LayoutError, LidarDraftError
+from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.scene import edit
 from lidardraft.scene.check import check, objects
 from lidardraft.semantics import BY_NAME, GROUND

@@ -17,9 +17,8 @@ from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import Frame, fill, greened, sample_lights
 from lidardraft.arranging.street_mix import StreetMix
 from lidardraft.drafting.solver.scene_spec import SceneSpec
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.errors import LayoutError, check_seed, check_type
-from lidardraft.objects.kinds import KINDS, kind_of
+from lidardraft.objects.kinds import KINDS, SENTENCE_KINDS, kind_of
 from lidardraft.objects.mesh import quads
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.check import EGO_SIZE, SIZE_RANGES, VEHICLE_LABELS, LayoutGround, objects

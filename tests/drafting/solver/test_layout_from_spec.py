@@ -21,9 +21,9 @@ from lidardraft.drafting.solver.scene_spec import (
     RoadSpec,
     SceneSpec,
 )
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.text.layout import layout_from_text
 from lidardraft.errors import LayoutError
+from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.scene.check import check, objects
 from lidardraft.scene.layout import object_of
 from spec_checker import broken

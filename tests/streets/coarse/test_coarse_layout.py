@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scanned import EGO, NAMES, OBJECTS, SCAN, SENSOR, STREET, VISIBLE, ids, in_street, labels, made
 
-from lidardraft.drafting.solver.sentence_kinds import FAMILIES, SENTENCE_KINDS
 from lidardraft.objects.coarse_shapes import MOST_LOBES
-from lidardraft.objects.kinds import KINDS, kind_of
+from lidardraft.objects.kinds import FAMILIES, KINDS, SENTENCE_KINDS, kind_of
 from lidardraft.scene.labelling import agrees
 from lidardraft.scene.layout import SHAPES, object_of
 from lidardraft.scene.raycast import Raycaster

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.drafting.solver.poses import BACKWARDS, Lane, RoadPose, Try, lot_edge, row_poses
-from lidardraft.drafting.solver.sentence_kinds import SentenceKind
+from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.road import Road
 
 # Estimates of ours: gaps between two objects [m], smallest and largest, where no distance is asked for.
