@@ -186,7 +186,7 @@ class RelativePoses:
         most = _MOVED_EXACTLY if exactly else _MOVED_BETWEEN if in_between else max(_MOVED, beside)
         if self._on_sidewalk and self.relation in ("near", "beside"):
             most = _MOVED_TO_SIDEWALK
-        if moved > most or (side and apart < 0.3):
+        if moved > most or (side and apart < max(0.3, self.size[1] / 4)):
             return None
         towards = reference.half_across < abs(reference.pose.across) - abs(found)
         if self.relation == "in-front-of" and not (towards or reference.kind.drives or reference.kind.walks):
