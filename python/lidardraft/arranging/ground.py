@@ -113,7 +113,7 @@ _GARDEN_DROP, _GRASS_DROP = 0.03, 0.02  # m from a sidewalk down to gardens and 
 _FAR, _FAR_DROP = 500.0, 0.5  # m, the extents of the land far away, and how far under the lowest ground it lies
 _MEDIAN_GAP = 1.0  # m from the crossing road to where the median begins
 _PIECES, _PAVED = 3, 0.04  # pieces of a driveway, and m that it lies over the land
-_PAINT, _COAT = "road-paint", 0.005  # m that markings lie over the road
+PAINT, COAT = "road-paint", 0.005  # m that markings lie over the road
 # Level pieces, estimates: m that one may leave the ground at its ends, m of the shortest, and of the longest in
 # bends of this curvature [1/m].
 _OFF_GROUND, _LEAST_PIECE, _BEND_PIECE, _BEND = 0.12, 3.0, 7.0, 0.002
@@ -260,17 +260,17 @@ class Ground:
                 primitives.append(Primitive.from_mesh(*quads(mine), label=label, id=name, material=material))
         if len(self._painted):
             corners = self._coat(self._painted)
-            primitives.append(Primitive.from_mesh(*quads(corners), label="road", id="markings", material=_PAINT))
+            primitives.append(Primitive.from_mesh(*quads(corners), label="road", id="markings", material=PAINT))
         if self._driveways:
             primitives.append(Primitive.from_mesh(*quads(self.drives()), label="sidewalk", id="drives"))
         return primitives
 
     def _coat(self, spans: np.ndarray) -> np.ndarray:
         """Corners [Q, 4, 3] of painted rectangles, cut at the lines of the mesh so that they lie on it."""
-        spans = _cut(_cut(spans, self._along, 0), self._across, 1)
+        spans = cut(cut(spans, self._along, 0), self._across, 1)
         along, across = spans[:, [0, 1, 1, 0]], spans[:, [2, 2, 3, 3]]
         height = self.heights(along.ravel(), across.ravel()).reshape(along.shape)
-        return np.concatenate([self.road.points(along, across), (height + _COAT)[..., None]], axis=-1)
+        return np.concatenate([self.road.points(along, across), (height + COAT)[..., None]], axis=-1)
 
     def drives(self) -> np.ndarray:
         """Corners [Q, 4, 3] of the driveways, each in pieces that follow the land."""
@@ -366,7 +366,7 @@ def _cells(
     return vertices, kinds.ravel()[cell]
 
 
-def _cut(spans: np.ndarray, lines: np.ndarray, axis: int) -> np.ndarray:
+def cut(spans: np.ndarray, lines: np.ndarray, axis: int) -> np.ndarray:
     """Spans [n, 4] cut where lines [m], sorted, cross them: along (axis 0) or across (1)."""
     low, high = spans[:, 2 * axis], spans[:, 2 * axis + 1]
     first, last = np.searchsorted(lines, low, side="right"), np.searchsorted(lines, high, side="left")

@@ -29,7 +29,7 @@ from lidardraft.scene.road import KERB_HEIGHT, Road
 from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.sights import SENSOR, Sights
-from lidardraft.simulation.street_frame import NoStreetError, StreetFrame, street_frame
+from lidardraft.simulation.street_frame import NoStreetError, StreetFrame, only_district, street_frame
 
 _STREAM = 5  # of random numbers, apart from those that made the layout
 # How often a street that nothing is said of lies in a district, by its lanes each way: estimates.
@@ -231,10 +231,8 @@ class _Scene:
 
 def _sample_district(road: Road, spec: SceneSpec, rng: np.random.Generator) -> str:
     """The name of a district that such a road may lead through."""
-    if road.paved_areas:
-        return "retail"
-    if road.sidewalk == 0:
-        return "motorway" if road.median > 0 or spec.road.kind == "motorway" else "country"
+    if only := only_district(road, spec.road.kind):
+        return only
     shares = _NARROW if road.lanes == 1 else _WIDE
     kinds = {group.kind for group in spec.groups}
     if "house" in kinds:
