@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lidardraft import Layout, Primitive, Raycaster
-from lidardraft.arranging.ground import Ground, RoundaboutMesh, _cut
+from lidardraft.arranging.ground import Ground, RoundaboutMesh, cut
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.relief import SECTION, Land, Relief
 from lidardraft.scene.road import LEFT, Road
@@ -124,9 +124,9 @@ def test_levels_are_those_of_the_coarse_ground():
 
 def test_spans_are_cut_where_lines_cross_them():
     spans = np.array([(0.0, 10.0, 0.0, 1.0), (3.5, 4.5, 2.0, 3.0)])
-    pieces = _cut(spans, np.array([-5.0, 2.0, 3.0, 10.0]), 0)
+    pieces = cut(spans, np.array([-5.0, 2.0, 3.0, 10.0]), 0)
     assert pieces.tolist() == [[0, 2, 0, 1], [2, 3, 0, 1], [3, 10, 0, 1], [3.5, 4.5, 2, 3]]
-    assert _cut(spans, np.array([2.5]), 1).tolist() == [[0, 10, 0, 1], [3.5, 4.5, 2, 2.5], [3.5, 4.5, 2.5, 3]]
+    assert cut(spans, np.array([2.5]), 1).tolist() == [[0, 10, 0, 1], [3.5, 4.5, 2, 2.5], [3.5, 4.5, 2.5, 3]]
 
 
 def test_long_objects_follow_the_ground():
