@@ -162,20 +162,8 @@ class Ground:
         lines, columns = self._along, self._across
         return bool(lines[0] <= along <= lines[-1] and columns[0] <= across <= columns[-1])
 
-    def surface(self, along: float, across: float) -> str:
-        """The class of the ground: "road", "sidewalk" or "terrain"."""
-        return _LABELS[int(self.kinds(np.array(along), np.array(across)))]
-
-    def level(self, along: float, across: float) -> float:
-        """The height of the flat surface that a coarse layout has there [m]."""
-        return float(self.levels(np.array(along), np.array(across)))
-
-    def height(self, along: float, across: float) -> float:
-        """The height of the ground [m]."""
-        return float(self.heights(np.array([along]), np.array([across]))[0])
-
     def levels(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """`level` of many points."""
+        """The heights [n] of the flat surfaces that a coarse layout has at points [n] [m]."""
         kinds = self.kinds(along, across)
         side = np.abs(across)
         walk = np.isin(kinds, (1, 3)) & (side > self.road.edge) & (side <= self.road.verge)
@@ -189,7 +177,7 @@ class Ground:
         return np.where(kinds == 0, 0.0, np.where(walk, KERB_HEIGHT, plain))
 
     def heights(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """`height` of points [n], as the mesh has it."""
+        """The heights [n] of the ground at points [n], as the mesh has it [m]."""
         level = self._levels[self.kinds(along, across)] if self.plain is None else self.levels(along, across)
         row = np.clip(np.searchsorted(self._along, along) - 1, 0, len(self._along) - 2)
         column = np.clip(np.searchsorted(self._across, across) - 1, 0, len(self._across) - 2)
