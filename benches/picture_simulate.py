@@ -1,11 +1,12 @@
 """Simulated scans in one picture, beside streets and recordings.
 
     python benches/picture_simulate.py [--data FOLDER] [-o simulated.png]
+    python benches/picture_simulate.py --surroundings 5 -o docs/surroundings.png
 
 Row by row: ten sentences in streets; clusterings of five recorded sweeps, and three coarse layouts of streets; then, to
 hold them against, two of these sweeps as recorded, and three scans of the streets themselves. Colours are classes,
 brightness is intensity. The recordings, PandaSet's and ika's in FOLDER (by default LIDARDRAFT_DATA), may be shown by
-anyone.
+anyone. With --surroundings there are so many of 25 ordinary sentences, without and with the street around them.
 """
 
 from __future__ import annotations
@@ -29,6 +30,34 @@ from report_detail import SENTENCES
 
 SENSOR = PRESETS["hdl64e"]
 STREETS = (2, 7, 11)  # pairs of seed 0
+ORDINARY = (
+    "two pedestrians at a crosswalk",
+    "a bus 15 m ahead, three parked cars on the right",
+    "a motorway with two trucks ahead",
+    "a narrow alley between tall buildings, two people ahead",
+    "a busy downtown intersection",
+    "a quiet residential street with parked cars on both sides",
+    "a crossroads with traffic lights, a bus waits",
+    "a child runs onto the street between two parked cars",
+    "a roundabout with three cars",
+    "a country road with a tractor ahead",
+    "a van overtakes a cyclist",
+    "people waiting at a bus stop on the right",
+    "a village street, an old man crosses the road",
+    "a car comes towards us around a bend",
+    "roadworks with cones on the right lane",
+    "a tram ahead and cars on both sides",
+    "a parking lot with many cars and a woman with a pram",
+    "a school in the morning with many children",
+    "a forest road, a deer 30 m ahead",
+    "a fire truck at a T-junction",
+    "a delivery van double parked, cars behind us",
+    "an empty street at night",
+    "an industrial area with a truck turning left",
+    "a shopping street with a market stall and cyclists",
+    "four cars in a queue at a red light",
+)
+SPLIT, SPLIT_HEIGHT = PRESETS["os1-128"], 400  # the sensor and rows of pictures without and with a street
 COLUMNS, GAP = 6, 4
 COLOURS = 160
 TITLE, TITLE_HEIGHT = (210, 210, 210), 15
@@ -106,13 +135,29 @@ def sheet(pictures: list[np.ndarray]) -> np.ndarray:
     return whole
 
 
+def pairs_of_sentences(count: int) -> Iterator[np.ndarray]:
+    """Scans of sentences as `Scan.picture` has them, without the street around them and with it."""
+    for seed, sentence in enumerate(ORDINARY[:count]):
+        bare = layout_from_text(sentence, seed=seed)
+        for layout in (bare, surround(bare, seed=seed)):
+            scan = simulate(layout, SPLIT, seed=seed)
+            points, boxes = view.points_on_road(scan.image), layout.boxes()
+            whole = view.render_returns(scan.image, points, boxes=boxes, title=sentence, height=SPLIT_HEIGHT)
+            yield whole[:SPLIT_HEIGHT, : SPLIT_HEIGHT * 7 // 4]
+
+
 def main() -> None:
     """Write the picture."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
+    parser.add_argument("--surroundings", type=int, metavar="N", help="N of 25 sentences, without and with a street")
     parser.add_argument("-o", "--output", type=Path, default=Path("simulated.png"), metavar="FILE")
     given = parser.parse_args()
     folder = None if given.data is None else Path(given.data)
+    if given.surroundings is not None:
+        pairs = Image.fromarray(view.sheet(list(pairs_of_sentences(given.surroundings))) & 0xFC)  # as `render_large`
+        pairs.save(given.output, optimize=True)
+        return
     picture = Image.fromarray(sheet(list(cells(folder))))
     picture.quantize(COLOURS, dither=Image.Dither.NONE).save(given.output, optimize=True)
 

@@ -20,6 +20,11 @@ def empty(road: Road) -> Occupancy:
     return Occupancy(road, Ground(road, np.random.default_rng(0), FLAT))
 
 
+def surface(ground: Ground, along: float, across: float) -> str:
+    """The class of the ground at a place."""
+    return ("road", "sidewalk", "terrain", "terrain")[int(ground.kinds(np.array(along), np.array(across)))]
+
+
 @cache
 def plans() -> list[tuple[Occupancy, tuple[Lane, ...], str]]:
     return [plan_street(np.random.default_rng([seed, 9]), 90.0) for seed in range(120)]

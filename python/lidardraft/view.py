@@ -239,8 +239,8 @@ def _eyes(boxes: Sequence[Box], height: int) -> tuple[Eye, Eye]:
 
 
 def _shown(boxes: Sequence[Box]) -> np.ndarray:
-    """The corners [N, 3] of the boxes that are to be seen: the nearest ones, of what was asked for if there is any."""
-    asked = [box for box in boxes if not box.id.startswith(AROUND)] or boxes
+    """The corners [N, 3] of the boxes that are to be seen: the nearest ones, but of no surroundings."""
+    asked = [box for box in boxes if not box.id.startswith(AROUND)]
     near = sorted(asked, key=lambda box: math.hypot(*box.center[:2]))[:_SHOWN]
     near = [box for number, box in enumerate(near) if not number or math.hypot(*box.center[:2]) < _SHOWN_WITHIN]
     return corners_of(near).reshape(-1, 3)

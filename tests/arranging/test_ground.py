@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from lidardraft import Layout, Primitive, Raycaster
-from lidardraft.arranging.ground import Ground, RoundaboutMesh, _cut
+from lidardraft.arranging.ground import Ground, RoundaboutMesh, cut
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.relief import SECTION, Land, Relief
 from lidardraft.scene.road import LEFT, Road
-from planned import frame_corners, occupancies
+from planned import frame_corners, occupancies, surface
 
 
 def test_the_road_rises_and_falls():
@@ -30,7 +30,7 @@ def horizon(occupancy: Occupancy) -> np.ndarray:
     heights = occupancy.ground.heights(along.ravel(), across.ravel())
     distance = np.hypot(along.ravel(), across.ravel())
     far = distance > 15.0
-    elevation = np.arctan2(heights[far] - occupancy.ground.height(0.0, 0.0) - 1.73, distance[far])
+    elevation = np.arctan2(heights[far] - occupancy.ground.heights(np.zeros(1), np.zeros(1))[0] - 1.73, distance[far])
     sector = ((np.arctan2(across.ravel(), along.ravel())[far] + math.pi) / (2 * math.pi) * 24).astype(int) % 24
     return np.array([elevation[sector == number].max() for number in range(24)])
 
@@ -79,12 +79,13 @@ LONG = {"fence", "garden_wall", "mesh_fence", "wall", "barrier"}
 def test_the_ground_has_kerbs_and_covers_the_street():
     road = Road(junction=20.0, side_roads=(LEFT,))
     ground = Ground(road, np.random.default_rng(2))
-    assert ground.surface(0.0, 0.0) == "road"
-    assert ground.surface(0.0, road.edge + 0.5) == "sidewalk"
-    assert ground.surface(0.0, road.verge + 5.0) == "terrain"
-    assert ground.surface(20.0, road.verge + 5.0) == "road"
-    assert ground.surface(20.0, -road.verge - 5.0) == "terrain"
-    assert ground.height(0.0, road.edge + 0.01) - ground.height(0.0, road.edge - 0.01) == pytest.approx(0.12, abs=0.01)
+    assert surface(ground, 0.0, 0.0) == "road"
+    assert surface(ground, 0.0, road.edge + 0.5) == "sidewalk"
+    assert surface(ground, 0.0, road.verge + 5.0) == "terrain"
+    assert surface(ground, 20.0, road.verge + 5.0) == "road"
+    assert surface(ground, 20.0, -road.verge - 5.0) == "terrain"
+    low, high = ground.heights(np.zeros(2), road.edge + np.array([-0.01, 0.01]))
+    assert high - low == pytest.approx(0.12, abs=0.01)
     surfaces: dict[str, Primitive] = {p.id: p for p in ground.surfaces()}
     assert set(surfaces) == {"far", "road", "sidewalk", "terrain"}
 
@@ -124,9 +125,9 @@ def test_levels_are_those_of_the_coarse_ground():
 
 def test_spans_are_cut_where_lines_cross_them():
     spans = np.array([(0.0, 10.0, 0.0, 1.0), (3.5, 4.5, 2.0, 3.0)])
-    pieces = _cut(spans, np.array([-5.0, 2.0, 3.0, 10.0]), 0)
+    pieces = cut(spans, np.array([-5.0, 2.0, 3.0, 10.0]), 0)
     assert pieces.tolist() == [[0, 2, 0, 1], [2, 3, 0, 1], [3, 10, 0, 1], [3.5, 4.5, 2, 3]]
-    assert _cut(spans, np.array([2.5]), 1).tolist() == [[0, 10, 0, 1], [3.5, 4.5, 2, 2.5], [3.5, 4.5, 2.5, 3]]
+    assert cut(spans, np.array([2.5]), 1).tolist() == [[0, 10, 0, 1], [3.5, 4.5, 2, 2.5], [3.5, 4.5, 2.5, 3]]
 
 
 def test_long_objects_follow_the_ground():

@@ -14,7 +14,7 @@ from lidardraft.arranging.markings import road_markings
 from lidardraft.arranging.traffic import place_parked_vehicles, place_traffic
 from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import LEFT, RIGHT, Road
-from planned import empty, occupancies, plans
+from planned import empty, occupancies, plans, surface
 
 
 def test_lanes_lie_on_the_road():
@@ -122,7 +122,7 @@ def test_traffic_drives_on_the_road():
         for index, placed in enumerate(occupancy.objects):
             if placed.kind in ("bus", "truck", "trailer_truck", "motorcyclist", "cyclist", "tram"):
                 placed = occupancy._placed[index]
-                assert occupancy.ground.surface(placed.along, placed.across) == "road", (name, placed)
+                assert surface(occupancy.ground, placed.along, placed.across) == "road", (name, placed)
 
 
 def test_traffic_keeps_its_distance():

@@ -11,12 +11,12 @@ from built_objects import SIZES, build, is_closed, placed, vertices
 
 import lidardraft.objects
 from lidardraft import CLASSES
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.errors import LayoutError
 from lidardraft.objects.buildings import BALCONY, EAVES
 from lidardraft.objects.cars import BODIES
 from lidardraft.objects.coarse_shapes import MOST_LOBES
-from lidardraft.objects.kinds import KINDS, kind_of
+from lidardraft.objects.kinds import KINDS, SENTENCE_KINDS, kind_of
+from lidardraft.scene import class_names
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.semantics import BY_NAME
 
@@ -94,6 +94,12 @@ def test_who_is_counted_and_how_often():
 
 def test_words_are_those_of_sentences():
     assert {kind.word for kind in KINDS.values()} - {None} <= set(SENTENCE_KINDS)
+
+
+def test_names_of_models_say_kinds_of_the_table() -> None:
+    said = [meaning.split(" ") for meaning in class_names._MEANING.values() if " " in meaning]
+    assert len(said) > 20
+    assert all(SENTENCE_KINDS[kind].label == label for label, kind in said)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -7,10 +7,12 @@ import pytest
 from coarse_boxes import box
 
 from lidardraft import Layout, Primitive, detail, layout_from_text
+from lidardraft.scene import edit
 from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import KERB_HEIGHT, PavedArea, Road
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 from lidardraft.simulation.ground import _lanes
+from lidardraft.simulation.street_frame import road_of
 from lidardraft.simulation.surroundings import RoadStrip, Surroundings, road_strips
 
 
@@ -94,12 +96,50 @@ def test_no_line_crosses_a_roundabout_and_a_car_park_has_no_lanes() -> None:
 
 def test_the_cars_of_a_parking_lot_stand_between_the_lines_of_its_bays() -> None:
     layout = layout_from_text("a parking lot with parked cars on both sides", seed=4)
-    lines = primitive_mesh({p.id: p for p in detail(layout)}["bays.markings"]).vertices
+    lines = primitive_mesh({p.id: p for p in detail(layout)}["road.markings"]).vertices
     cars = [p for p in layout if p.label == "car" and abs(math.sin(p.yaw)) > 0.9]
     assert len(cars) > 4
     for car in cars:
         near = lines[np.abs(lines - car.center)[:, 1] < 4.0, 0] - car.center[0]
         assert 0.9 < np.abs(near).min() < 1.4
+
+
+def marked(layout: Layout) -> tuple[Road, np.ndarray]:
+    """The road of a sentence, and along and across of its paint [N, 2]."""
+    road = road_of(layout.provenance["road"])
+    vertices = primitive_mesh({p.id: p for p in detail(layout)}["road.markings"]).vertices
+    return road, np.column_stack(road.along_across(vertices[:, 0], vertices[:, 1]))
+
+
+def test_traffic_waits_behind_a_line_where_a_crossroads_has_lights() -> None:
+    for sentence, lines in (("a crossroads downtown with traffic lights", True), ("a crossroads downtown", False)):
+        layout = layout_from_text(sentence, seed=3)
+        road, paint = marked(layout)
+        assert road.junction is not None
+        before = road.junction - road.verge - paint[:, 0]
+        own = (before > 0.4) & (before < 1.1) & (paint[:, 1] < 0.0)
+        assert own.any() == lines
+        if lines:
+            assert np.ptp(paint[own, 1]) > 2.0  # across a lane
+
+
+@pytest.mark.parametrize("sentence", ["two pedestrians cross the street", "a crossroads, a child crosses the street"])
+def test_people_cross_on_a_zebra(sentence: str) -> None:
+    layout = layout_from_text(sentence, seed=2)
+    road, paint = marked(layout)
+    (x, y, _), *_ = (p.center for p in layout if p.label == "person")
+    along, _ = road.along_across(x, y)
+    bars = paint[np.abs(paint[:, 0] - along) < 3.5]  # a bar a metre, with two sides
+    assert len({round(float(across), 1) for across in bars[:, 1]}) > 2 * (2 * road.edge - 2.0)
+    if road.junction is not None:
+        assert (np.abs(bars[:, 0] - road.junction) > road.edge).all()
+
+
+def test_a_road_that_was_moved_is_marked_where_it_is_now() -> None:
+    layout = layout_from_text("two cars ahead on a road with two lanes in each direction", seed=1)
+    moved = edit.move(layout, "road", by=(0.0, 30.0, 0.0))
+    off = [primitive_mesh({p.id: p for p in detail(one)}["road.markings"]).vertices[:, 1] for one in (layout, moved)]
+    assert off[1].mean() - off[0].mean() == pytest.approx(30.0, abs=1.0)
 
 
 def test_only_clusterings_know_no_front_from_back() -> None:

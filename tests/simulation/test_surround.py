@@ -3,6 +3,7 @@
 import itertools
 import math
 import time
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -25,11 +26,12 @@ from lidardraft import (
 )  # fmt: skip
 from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.scene_spec import ACTIVITIES, DISTRICTS, PLACES, ROADS, ObjectGroup, RoadSpec, SceneSpec
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.errors import LayoutError, LidarDraftError
+from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.scene import edit
 from lidardraft.scene.check import check, objects
 from lidardraft.semantics import BY_NAME, GROUND
+from random_spec import random_spec
 from spec_checker import broken
 
 ROOT = Path(__file__).parents[2]
@@ -181,6 +183,35 @@ def test_any_spec_keeps_what_it_asks_for(road, kinds, counts, places, absent, di
     whole = surround(bare, seed)
     assert broken(spec, edit.remove(whole, "around/*")) == []
     assert faults(bare, whole) == []
+
+
+# Side roads of a bend, and what is seen beside other things that were asked for.
+@pytest.mark.parametrize(
+    "numbers",
+    [
+        (*range(8), 228, 417, 684),
+        *(pytest.param(range(n, n + 100), marks=pytest.mark.slow) for n in range(0, 1000, 100)),
+    ],
+)
+def test_random_specs_keep_what_they_ask_for(numbers: Iterable[int]) -> None:
+    for number in numbers:
+        spec = random_spec(np.random.default_rng([7, number]))
+        try:
+            bare = layout_from_spec(spec, seed=number)
+        except LayoutError:
+            continue
+        whole = surround(bare, number)
+        assert broken(spec, edit.remove(whole, "around/*")) == [], number
+        assert faults(bare, whole) == [], number
+
+
+def test_it_is_said_what_cannot_be_seen_for_something_else_that_was_asked_for() -> None:
+    for sentence, hidden in (
+        ("a truck 8 m ahead, a motorcycle in front of it", {"motorcycle_1": "truck_1"}),
+        ("a truck 8 m ahead, a motorcycle behind it", None),
+    ):
+        said = surround(layout_from_text(sentence, seed=1), 1).provenance["surroundings"]
+        assert (said["in_sight"], said.get("hidden")) == (1.0, hidden)
 
 
 @pytest.mark.parametrize("kind", ["garden", "bench", "hedge"])

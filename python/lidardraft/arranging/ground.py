@@ -113,7 +113,7 @@ _GARDEN_DROP, _GRASS_DROP = 0.03, 0.02  # m from a sidewalk down to gardens and 
 _FAR, _FAR_DROP = 500.0, 0.5  # m, the extents of the land far away, and how far under the lowest ground it lies
 _MEDIAN_GAP = 1.0  # m from the crossing road to where the median begins
 _PIECES, _PAVED = 3, 0.04  # pieces of a driveway, and m that it lies over the land
-_PAINT, _COAT = "road-paint", 0.005  # m that markings lie over the road
+PAINT, COAT = "road-paint", 0.005  # m that markings lie over the road
 # Level pieces, estimates: m that one may leave the ground at its ends, m of the shortest, and of the longest in
 # bends of this curvature [1/m].
 _OFF_GROUND, _LEAST_PIECE, _BEND_PIECE, _BEND = 0.12, 3.0, 7.0, 0.002
@@ -162,20 +162,8 @@ class Ground:
         lines, columns = self._along, self._across
         return bool(lines[0] <= along <= lines[-1] and columns[0] <= across <= columns[-1])
 
-    def surface(self, along: float, across: float) -> str:
-        """The class of the ground: "road", "sidewalk" or "terrain"."""
-        return _LABELS[int(self.kinds(np.array(along), np.array(across)))]
-
-    def level(self, along: float, across: float) -> float:
-        """The height of the flat surface that a coarse layout has there [m]."""
-        return float(self.levels(np.array(along), np.array(across)))
-
-    def height(self, along: float, across: float) -> float:
-        """The height of the ground [m]."""
-        return float(self.heights(np.array([along]), np.array([across]))[0])
-
     def levels(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """`level` of many points."""
+        """The heights [n] of the flat surfaces that a coarse layout has at points [n] [m]."""
         kinds = self.kinds(along, across)
         side = np.abs(across)
         walk = np.isin(kinds, (1, 3)) & (side > self.road.edge) & (side <= self.road.verge)
@@ -189,7 +177,7 @@ class Ground:
         return np.where(kinds == 0, 0.0, np.where(walk, KERB_HEIGHT, plain))
 
     def heights(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """`height` of points [n], as the mesh has it."""
+        """The heights [n] of the ground at points [n], as the mesh has it [m]."""
         level = self._levels[self.kinds(along, across)] if self.plain is None else self.levels(along, across)
         row = np.clip(np.searchsorted(self._along, along) - 1, 0, len(self._along) - 2)
         column = np.clip(np.searchsorted(self._across, across) - 1, 0, len(self._across) - 2)
@@ -260,17 +248,17 @@ class Ground:
                 primitives.append(Primitive.from_mesh(*quads(mine), label=label, id=name, material=material))
         if len(self._painted):
             corners = self._coat(self._painted)
-            primitives.append(Primitive.from_mesh(*quads(corners), label="road", id="markings", material=_PAINT))
+            primitives.append(Primitive.from_mesh(*quads(corners), label="road", id="markings", material=PAINT))
         if self._driveways:
             primitives.append(Primitive.from_mesh(*quads(self.drives()), label="sidewalk", id="drives"))
         return primitives
 
     def _coat(self, spans: np.ndarray) -> np.ndarray:
         """Corners [Q, 4, 3] of painted rectangles, cut at the lines of the mesh so that they lie on it."""
-        spans = _cut(_cut(spans, self._along, 0), self._across, 1)
+        spans = cut(cut(spans, self._along, 0), self._across, 1)
         along, across = spans[:, [0, 1, 1, 0]], spans[:, [2, 2, 3, 3]]
         height = self.heights(along.ravel(), across.ravel()).reshape(along.shape)
-        return np.concatenate([self.road.points(along, across), (height + _COAT)[..., None]], axis=-1)
+        return np.concatenate([self.road.points(along, across), (height + COAT)[..., None]], axis=-1)
 
     def drives(self) -> np.ndarray:
         """Corners [Q, 4, 3] of the driveways, each in pieces that follow the land."""
@@ -366,7 +354,7 @@ def _cells(
     return vertices, kinds.ravel()[cell]
 
 
-def _cut(spans: np.ndarray, lines: np.ndarray, axis: int) -> np.ndarray:
+def cut(spans: np.ndarray, lines: np.ndarray, axis: int) -> np.ndarray:
     """Spans [n, 4] cut where lines [m], sorted, cross them: along (axis 0) or across (1)."""
     low, high = spans[:, 2 * axis], spans[:, 2 * axis + 1]
     first, last = np.searchsorted(lines, low, side="right"), np.searchsorted(lines, high, side="left")

@@ -82,12 +82,13 @@ def driven_lanes(
 ) -> tuple[Lane, ...]:
     """The lanes of a road, of its side roads, its roundabout and its car park.
 
-    Parked cars take the outermost of several lanes, or a strip beside the only one.
+    Parked cars take the outermost of several lanes, or a strip beside the only one. The side roads of a bend, in whose
+    frame they would widen, have none.
     """
     lanes: list[Lane] = []
     for across, direction, outer in _offsets(road, parking, oneway):
         lanes += _main_lanes(road, across, direction, district.speed, outer=outer, lights=lights)
-    if road.junction is not None:
+    if road.junction is not None and not road.curvature:
         for side in road.side_roads:
             lanes += _side_road_lanes(road, road.junction, side, district.speed, lights)
     if road.roundabout_radius is not None and road.junction is not None:

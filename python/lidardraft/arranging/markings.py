@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,7 +23,7 @@ Span = tuple[float, float, float, float]  # from and to along, from and to acros
 
 
 @dataclass(frozen=True, slots=True)
-class _Pattern:
+class Pattern:
     """How the lines of a road are painted: m of line and gap, widths [m] of lane lines and edge lines."""
 
     dash: float
@@ -33,7 +33,7 @@ class _Pattern:
 
 
 @dataclass(frozen=True, slots=True)
-class _Line:
+class Line:
     """A line along the road: `across` and `width`, and m of line and gap; solid with a gap of 0."""
 
     across: float
@@ -44,16 +44,16 @@ class _Line:
 
 # RMS-1
 _THIN = 0.12
-_TOWN = _Pattern(3.0, 6.0, _THIN, _THIN)
-_COUNTRY = _Pattern(4.0, 8.0, _THIN, _THIN)
-_MOTORWAY = _Pattern(6.0, 12.0, 0.15, 0.3)
+TOWN = Pattern(3.0, 6.0, _THIN, _THIN)
+COUNTRY = Pattern(4.0, 8.0, _THIN, _THIN)
+_MOTORWAY = Pattern(6.0, 12.0, 0.15, 0.3)
 _STOP_WIDTH = 0.5
 _MEDIAN_LINE = 0.15
 
 # Estimates of ours.
 _LINED = 0.15  # share of calm streets with lines
 _FIRST_DASH = (0.0, 9.0)  # m from the end of the street
-_EDGE_OFF, _MEDIAN_OFF = 0.25, 0.35  # m from edge lines to the edge of the road, and to the median
+EDGE_OFF, _MEDIAN_OFF = 0.25, 0.35  # m from edge lines to the edge of the road, and to the median
 _CLEAR_ROUNDABOUT = 4.5  # m before a roundabout without lines
 _STOP_AHEAD = 0.75  # m from where traffic waits to the middle of the line
 _STOP_LENGTH, _STOP_SHARE = 2.4, 0.48  # m, within the narrowest lane; of the half width of a side road at most
@@ -66,44 +66,52 @@ _BAY_END, _BAY_SIDE, _BAY_GATE = 0.1, 0.1, 3.0  # m to the ends of bays and of t
 
 
 def road_markings(
-    road: Road, lanes: tuple[Lane, ...], car_park: CarPark | None, speed: float, rng: np.random.Generator
+    road: Road,
+    lanes: tuple[Lane, ...],
+    car_park: CarPark | None,
+    speed: float,
+    rng: np.random.Generator,
+    *,
+    crossings: Sequence[float] = (),
 ) -> np.ndarray:
     """Painted rectangles [n, 4] of the road's frame: from and to along, from and to across [m].
 
-    `speed` [m/s] is the limit on the road.
+    `speed` [m/s] is the limit on the road. There are zebras at `crossings` [m along], or else perhaps one.
     """
     spans: list[Span] = []
     # quiet streets have no lines
-    if speed > CALM or rng.random() < _LINED:
+    if speed > CALM or road.lanes > 1 or rng.random() < _LINED:
         for line in _lines(road, lanes, speed):
             spans += _pieces(road, line, rng.uniform(*_FIRST_DASH))
         spans += [_stop_line(road, lane) for lane in lanes if lane.stop is not None]
     if car_park is not None:
         rows = [across for across, _ in car_park.rows]
         spans += bay_lines(car_park.paved_area.along, rows, car_park.gate)
-    if road.sidewalk > 0 and speed > CALM and rng.random() < _ZEBRAS:
-        spans += _zebra(road, rng)
+    if not crossings and road.sidewalk > 0 and speed > CALM and rng.random() < _ZEBRAS:
+        place = rng.uniform(-_ZEBRA_PLACE, _ZEBRA_PLACE) * road.half_length
+        crossings = () if road.in_junction(place, _ZEBRA_JUNCTION) else (place,)
+    spans += [bar for along in crossings for bar in _zebra(road, along)]
     return np.array(spans).reshape(-1, 4)
 
 
-def _lines(road: Road, lanes: tuple[Lane, ...], speed: float) -> list[_Line]:
+def _lines(road: Road, lanes: tuple[Lane, ...], speed: float) -> list[Line]:
     """Dashed lines between the lanes; on fast roads solid ones along the edges and the median."""
-    pattern = _TOWN if speed <= FAST else _MOTORWAY if road.median > 0 else _COUNTRY
+    pattern = TOWN if speed <= FAST else _MOTORWAY if road.median > 0 else COUNTRY
     offsets = sorted({lane.at(0.0)[1] for lane in lanes if lane.kind == MAIN_ROAD})
     lines = []
     for low, high in itertools.pairwise(offsets):
         in_median = low * high < 0 and road.median > 0
         if not in_median:
-            lines.append(_Line((low + high) / 2, pattern.lane_line, pattern.dash, pattern.gap))
+            lines.append(Line((low + high) / 2, pattern.lane_line, pattern.dash, pattern.gap))
     if speed > FAST:
-        edge = road.edge - (road.parking or _EDGE_OFF)
-        lines += [_Line(side * edge, pattern.edge_line) for side in SIDES]
+        edge = road.edge - (road.parking or EDGE_OFF)
+        lines += [Line(side * edge, pattern.edge_line) for side in SIDES]
         if road.median > 0:
-            lines += [_Line(side * (road.median / 2 + _MEDIAN_OFF), _MEDIAN_LINE) for side in SIDES]
+            lines += [Line(side * (road.median / 2 + _MEDIAN_OFF), _MEDIAN_LINE) for side in SIDES]
     return lines
 
 
-def _pieces(road: Road, line: _Line, first: float) -> list[Span]:
+def _pieces(road: Road, line: Line, first: float) -> list[Span]:
     """A line from end to end, but for the junction; dashes begin `first` [m] from the end."""
     low, high, end = line.across - line.width / 2, line.across + line.width / 2, road.half_length
     gap = road.verge
@@ -129,11 +137,8 @@ def _stop_line(road: Road, lane: Lane) -> Span:
     return along - thick, along + thick, across - half, across + half
 
 
-def _zebra(road: Road, rng: np.random.Generator) -> list[Span]:
+def _zebra(road: Road, along: float) -> list[Span]:
     """Bars from kerb to kerb."""
-    along = rng.uniform(-_ZEBRA_PLACE, _ZEBRA_PLACE) * road.half_length
-    if road.in_junction(along, _ZEBRA_JUNCTION):
-        return []
     bars = np.arange(-road.edge + _ZEBRA_EDGES[0], road.edge - _ZEBRA_EDGES[1], _BAR_SPACING).tolist()
     half = _BAR_LENGTH / 2
     off = road.median / 2 + _ZEBRA_MEDIAN

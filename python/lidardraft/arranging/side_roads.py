@@ -81,8 +81,9 @@ class SideRoadEdge:
 
 
 def _side_road_edges(occupancy: Occupancy) -> Iterator[SideRoadEdge]:
+    """Those of a straight road: the frame of a bend is wider the further out."""
     road = occupancy.road
-    if road.junction is not None:
+    if road.junction is not None and not road.curvature:
         for side in SIDES:
             if side in road.side_roads:
                 yield from (SideRoadEdge(road.junction, side, left) for left in SIDES)

@@ -277,10 +277,12 @@ def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> L
 
 
 def notes_on(layout: Layout) -> list[str]:
-    """What of its sentence was not understood, and what had to be left out: a line each."""
+    """What of its sentence was not understood, had to be left out, or cannot be seen: a line each."""
     told = layout.provenance
+    around = told.get("surroundings", {})
     notes = [*told.get("notes", ()), *told.get("findings", ())]
-    notes += [note] if (note := told.get("surroundings", {}).get("note")) else []
+    notes += [around["note"]] if "note" in around else []
+    notes += [f"{name} cannot be seen: {by} stands before it" for name, by in around.get("hidden", {}).items()]
     if len(notes) > _MOST_NOTES:
         notes[_MOST_NOTES:] = [f"and {len(notes) - _MOST_NOTES} more, in the layout's provenance"]
     if told.get("not_understood"):

@@ -27,7 +27,8 @@ _LOBE_WIDTHS, _LOBE_HEIGHT = (1.0, 0.78, 0.72), 0.86
 _LOBE_TURN = 2.4  # rad per m of x, the golden angle: lobes of neighbours do not line up
 _TRUNK_IN_CROWN = 0.25  # of the height of the crown: so far the trunk rises into it
 # Diameters of posts [m] and what else an annotator would see.
-_SIGN_POST, _LIGHT_POST, _GANTRY_POST, _BOARD_POST = 0.08, 0.15, 0.3, 0.2
+_POSTS = {"traffic-sign": 0.08, "traffic-light": 0.15}
+_GANTRY_POST, _BOARD_POST = 0.3, 0.2
 _LOWEST_BOARD = 0.1  # m: boards with less clearance stand on the ground
 _GANTRY_SIGNS = 0.75  # of the height, where they begin if nothing else is known
 _TRACTOR = 0.36  # of the length of a trailer truck: 6 of 16.5 m, Directive 96/53/EC
@@ -40,7 +41,6 @@ _RIDER_SHARE, _RIDDEN_SHARE = 0.9, 0.5  # of the width of both
 # Of sentences.
 TRUNK_DIAMETER = (0.25, 0.5)  # m, smallest and largest
 CROWN_BASE = (1.6, 2.4)  # m from the ground to where a crown begins, smallest and largest
-LIGHTS_HEIGHT = 0.9  # m, of the box of a traffic light
 
 
 class CoarseShape(NamedTuple):
@@ -114,16 +114,11 @@ def street_light_parts(height: float) -> list[CoarseShape]:
     return [_post(0.18, height, name="mast"), lamp]
 
 
-def traffic_light_parts(post: float) -> list[CoarseShape]:
-    """A pole `post` [m] high with the box of the lights on top."""
-    center, size = (0.0, 0.0, post + LIGHTS_HEIGHT / 2), (0.35, 0.35, LIGHTS_HEIGHT)
-    return [_post(_LIGHT_POST, post, name="pole"), CoarseShape("box", center, size, "traffic-light", name="light")]
-
-
-def traffic_sign_parts(height: float, width: float) -> list[CoarseShape]:
-    """A pole `height` [m] high with a square plate `width` [m] wide at its top, towards who comes."""
-    center, size = (-0.08, 0.0, height - width / 2), (0.05, width, width)
-    return [_post(_SIGN_POST, height, name="pole"), CoarseShape("box", center, size, "traffic-sign", name="sign")]
+def on_post(label: str, size: Vector, clearance: float) -> list[CoarseShape]:
+    """A plate or a signal of a class, `size` [m] with its post: that up to `clearance` [m], and over it the other."""
+    length, width, height = size
+    head = CoarseShape("box", (0.0, 0.0, (clearance + height) / 2), (length, width, height - clearance), label)
+    return [_post(_POSTS[label], clearance, name="pole"), head._replace(name=label.rpartition("-")[2])]
 
 
 def rider_on(machine: CoarseShape, top: float, width: float = RIDER_WIDTH, name: str = "") -> CoarseShape:
@@ -183,12 +178,14 @@ def mast(placed: PlacedObject) -> list[CoarseShape]:
     return [_post(placed.size[0], placed.size[2])]
 
 
-def _headed(diameter: float, label: str, placed: PlacedObject) -> list[CoarseShape]:
-    """A post up to `clearance`, and over it the plate or the signal."""
-    return [_post(diameter, placed.clearance), _plate(placed, label, placed.clearance)]
+def sign(placed: PlacedObject) -> list[CoarseShape]:
+    """A plate on its post."""
+    return on_post("traffic-sign", placed.size, placed.clearance)
 
 
-sign, traffic_light = partial(_headed, _SIGN_POST, "traffic-sign"), partial(_headed, _LIGHT_POST, "traffic-light")
+def traffic_light(placed: PlacedObject) -> list[CoarseShape]:
+    """A signal on its post."""
+    return on_post("traffic-light", placed.size, placed.clearance)
 
 
 def gantry(placed: PlacedObject) -> list[CoarseShape]:

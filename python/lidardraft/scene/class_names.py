@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from lidardraft.errors import LayoutError, check_type, one_of, printable
 from lidardraft.semantics import BY_NAME
 
-# The words that say a class, and some its kind too (`drafting/solver/sentence_kinds.py`): of two in one name the last
+# The words that say a class, and some its kind too (`objects/kinds.py`): of two in one name the last
 # one counts ("street lamp").
 _WORDS = {
     "road": "road street asphalt tarmac lane highway motorway carriageway driveway intersection junction crossroads "

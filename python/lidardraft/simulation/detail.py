@@ -86,7 +86,7 @@ def detail(layout: Layout, seed: int = 0) -> Layout:
             parts = _named(detailed[name], name, taken)
             primitives += [_in_paint(part, painted[name]) for part in parts] if name in painted else parts
             detailed[name] = []
-    primitives += ground_parts(layout, surroundings.strips)
+    primitives += ground_parts(layout, surroundings.strips, seed)
     return dataclasses.replace(layout, primitives=tuple(primitives))
 
 

@@ -16,16 +16,14 @@ from zlib import crc32
 
 import numpy as np
 
-from lidardraft.arranging.district import SETTINGS
 from lidardraft.scene.layout import AROUND, Layout
 from lidardraft.scene.road import LEFT, RIGHT, Road
 from lidardraft.scene.scenario import AlongLane, Track
 from lidardraft.scene.solids import Solid
-from lidardraft.simulation.street_frame import NoStreetError, street_frame
+from lidardraft.simulation.street_frame import NoStreetError, district_of, street_frame
 from lidardraft.simulation.surroundings import RoadStrip
 
 STEP = 0.05  # s between the places of a track
-_TOWN = 50 / 3.6  # m/s, of a road that nothing is known of
 _STATION = 2.0  # m between the points of a lane that bends
 _TURN = 0.35  # rad against its lane; what is turned by more does not drive along it
 _AHEAD = 2.0  # s for which whoever follows no lane is expected to go on as now
@@ -125,10 +123,7 @@ def lanes_of(layout: Layout) -> list[Lane]:
         road, (x, y, yaw), _, _, _, ends = street_frame(given)
     except NoStreetError:
         return []
-    district = layout.provenance.get("surroundings", {}).get("district") or given.provenance.get("spec", {}).get(
-        "district"
-    )
-    speed = SETTINGS[district].speed if district in SETTINGS else _TOWN
+    speed = district_of(layout, road).speed
     cos, sin = math.cos(yaw), math.sin(yaw)
     turn = np.array([[cos, sin], [-sin, cos]])
     ends = ends or (-road.half_length, road.half_length)

@@ -1,30 +1,29 @@
-"""What the ground gets on top: lines on roads whose frame is known, and kerbstones where sidewalks meet them.
+"""What the ground gets on top: the markings of roads, and kerbstones where sidewalks meet them.
 
-Widths and patterns are those of the German guide to road markings (RMS-1): lines of 0.12 m, 3 m of line and 6 m of gap
-in towns, 4 and 8 m outside. Shapes of the ground keep their places; their materials are those of their classes.
+A road that a layout says of is marked as those of streets are (`arranging/markings.py`). Of others the shapes tell the
+lanes, and the lines between. Shapes of the ground keep their places; their materials are those of their classes.
 """
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from lidardraft.arranging.markings import bay_lines
-from lidardraft.drafting.solver.poses import row_poses
+from lidardraft.arranging.ground import COAT, PAINT, cut
+from lidardraft.arranging.lanes import driven_lanes
+from lidardraft.arranging.markings import COUNTRY, EDGE_OFF, TOWN, Line, bay_lines, road_markings
+from lidardraft.drafting.solver.poses import half_of, row_poses
 from lidardraft.objects.mesh import quads
-from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.scene.road import Road
-from lidardraft.simulation.street_frame import road_of
+from lidardraft.simulation.coarse_object import generator_of
+from lidardraft.simulation.street_frame import district_of, road_of
 from lidardraft.simulation.surroundings import RoadStrip, strip_rows
 
-_COAT = 0.005  # m that paint lies over the road
-_LINE = 0.12  # m wide
-_TOWN, _COUNTRY = (3.0, 6.0), (4.0, 8.0)  # m of line and gap
-_EDGE_OFF = 0.25  # m from an edge line to the edge of the road
 _LANE = (2.9, 4.0)  # m, widths of lanes that are looked for
 _PARKING = (1.7, 3.5)  # m, widths of strips for parked cars, or hard shoulders
 _AMID = 0.2  # m from the middle of a one-way road that the ego vehicle is at most
@@ -37,12 +36,9 @@ _CLEAR = 3.0  # m from lines to a crossing road
 _BESIDE = 1.0  # m from a road within which a sidewalk has a kerb
 _KERB, _KERB_PROUD = 0.15, 0.003  # m wide; m that kerbstones stand out
 _STRAIGHT = 20.0  # m: solid lines are painted in pieces
-
-
-class _Line(NamedTuple):
-    across: float
-    dash: float  # m of line, and of gap; solid with a gap of 0
-    gap: float
+_BEND_PIECE = 4.0  # m, of what is painted on a bend
+_LIGHTS = 12.0  # m from a crossing road within which lights are its own
+_ZEBRA_BEFORE, _ZEBRAS_APART = 2.3, 8.0  # m from a crossing road to the middle of a zebra, and between two
 
 
 class _Lanes(NamedTuple):
@@ -52,16 +48,62 @@ class _Lanes(NamedTuple):
     two_way: bool = True
 
 
-def ground_parts(layout: Layout, strips: tuple[RoadStrip, ...]) -> list[Primitive]:
-    """The lines and kerbstones of a layout."""
+def ground_parts(layout: Layout, strips: tuple[RoadStrip, ...], seed: int) -> list[Primitive]:
+    """The markings and kerbstones of a layout."""
     walks = [p for p in layout if p.label == "sidewalk" and p.material is None]
-    taken = {p.id for p in layout}
+    taken = {p.id: p for p in layout}
+    made, marked = [], set[str]()
+    road = road_of(layout.provenance["road"]) if "road" in layout.provenance else None
+    if road is not None and all(taken.get(p.id) == p for p in road.surfaces() if p.label == "road"):
+        made, marked = _known_markings(road, layout, seed), {"road", "road_back"}
     rounds = _rounds(layout, strips) if strips else []
-    made = [p for strip in strips if (p := _markings(strip, strips, rounds, bool(walks))) is not None]
+    for strip in strips:
+        if strip.id not in marked and (lines := _markings(strip, strips, rounds, bool(walks))) is not None:
+            made.append(lines)
     made += [p for walk in walks if (p := _kerb(walk, strips)) is not None]
-    if {"patch_1", "patch_2"} & taken and "road" in layout.provenance:
-        made += _bays(road_of(layout.provenance["road"]))
     return [p for p in made if p.id not in taken]
+
+
+def _known_markings(road: Road, layout: Layout, seed: int) -> list[Primitive]:
+    """Those of a road as the solver of sentences makes it."""
+    if road.paved_areas:
+        sides = [(area.along, row_poses(road, 1 if area.across[1] > 0 else -1)) for area in road.paved_areas]
+        spans = np.array([line for along, rows in sides for line in bay_lines(along, [across for across, _ in rows])])
+    else:
+        middle = (math.inf, math.inf) if road.junction is None else road.at(road.junction, 0.0)[:2]
+        near = road.edge + _LIGHTS
+        lights = any(p.label == "traffic-light" and math.dist(p.center[:2], middle) < near for p in layout)
+        district = district_of(layout, road)
+        lanes = driven_lanes(road, district, (), None, oneway=False, lights=lights)
+        rng, crossings = generator_of(seed, "markings"), _crossings(road, layout)
+        spans = road_markings(road, lanes, None, district.speed, rng, crossings=crossings)
+    if road.curvature and len(spans):
+        spans = cut(spans, np.arange(-road.half_length, road.half_length, _BEND_PIECE), 0)
+    plane = road.points(spans[:, [0, 1, 1, 0]], spans[:, [2, 2, 3, 3]]) if len(spans) else np.zeros((0, 4, 2))
+    return [_painted(plane, 0.0, "road.markings")] if len(spans) else []
+
+
+def _crossings(road: Road, layout: Layout) -> Sequence[float]:
+    """Where people of a sentence cross the road [m along], before or behind another that crosses it."""
+    groups = layout.provenance.get("spec", {}).get("groups", ())
+    numbers = layout.provenance.get("objects", {})
+    cross = {name for name, number in numbers.items() if str(groups[number].get("heading")).startswith("across")}
+    found: list[float] = []
+    for person in layout:
+        if person.label == "person" and object_of(person) in cross and road.sidewalk > 0:
+            along, _ = road.along_across(*person.center[:2])
+            if road.junction is not None and road.in_junction(along, _ZEBRA_BEFORE):
+                off = along - road.junction
+                along = road.junction + math.copysign(half_of(road) + _ZEBRA_BEFORE, off)
+            if all(abs(along - other) > _ZEBRAS_APART for other in found):
+                found.append(along)
+    return found
+
+
+def _painted(plane: np.ndarray, top: float, id: str) -> Primitive:
+    """Paint on rectangles with corners x, y [Q, 4, 2] at a height [m]."""
+    corners = np.concatenate([plane, np.full((*plane.shape[:2], 1), top + COAT)], axis=-1)
+    return Primitive.from_mesh(*quads(corners), label="road", id=id, material=PAINT)
 
 
 def _markings(
@@ -85,26 +127,8 @@ def _markings(
     if not len(low):
         return None
     along = np.stack([low, high, high, low], axis=1)
-    side = across[:, None] + _LINE / 2 * np.array([-1, -1, 1, 1])
-    corners = np.concatenate([strip.at(along, side), np.full((*along.shape, 1), strip.top + _COAT)], axis=-1)
-    return Primitive.from_mesh(*quads(corners), label="road", id=f"{strip.id}.markings", material="road-paint")
-
-
-def _bays(road: Road) -> Iterator[Primitive]:
-    """The lines between the bays of a parking lot as the solver of sentences makes them."""
-    spans = np.array(
-        [
-            span
-            for area in road.paved_areas
-            for span in bay_lines(
-                area.along, [across for across, _ in row_poses(road, 1 if area.across[1] > 0 else -1)]
-            )
-        ]
-    )
-    if len(spans):
-        plane = road.points(spans[:, [0, 1, 1, 0]], spans[:, [2, 2, 3, 3]])
-        corners = np.concatenate([plane, np.full((*plane.shape[:2], 1), _COAT)], axis=-1)
-        yield Primitive.from_mesh(*quads(corners), label="road", id="bays.markings", material="road-paint")
+    side = across[:, None] + TOWN.lane_line / 2 * np.array([-1, -1, 1, 1])
+    return _painted(strip.at(along, side), strip.top, f"{strip.id}.markings")
 
 
 def _rounds(layout: Layout, strips: tuple[RoadStrip, ...]) -> list[tuple[float, float, float]]:
@@ -114,20 +138,21 @@ def _rounds(layout: Layout, strips: tuple[RoadStrip, ...]) -> list[tuple[float, 
     return [(p.center[0], p.center[1], max(p.size[:2]) / 2) for p in others if max(p.size[:2]) < _WIDEST_ROUND]
 
 
-def _lines(strip: RoadStrip, town: bool) -> list[_Line]:
+def _lines(strip: RoadStrip, town: bool) -> list[Line]:
     """Between lanes, along parked cars, and, outside towns, along the edges."""
     lanes = _lanes(strip)
     if 2 * strip.half < _TWO_LANES:
         return []
-    dash, gap = _TOWN if town else _COUNTRY
+    pattern = TOWN if town else COUNTRY
+    thin, dash, gap = pattern.lane_line, pattern.dash, pattern.gap
     if lanes.two_way:
-        lines = [_Line(0.0, dash, 0.0 if lanes.number > 1 else gap)]
-        lines += [_Line(side * k * lanes.width, dash, gap) for k in range(1, lanes.number) for side in (-1, 1)]
+        lines = [Line(0.0, thin, dash, 0.0 if lanes.number > 1 else gap)]
+        lines += [Line(side * k * lanes.width, thin, dash, gap) for k in range(1, lanes.number) for side in (-1, 1)]
     else:
-        lines = [_Line((k - lanes.number / 2) * lanes.width, dash, gap) for k in range(1, lanes.number)]
+        lines = [Line((k - lanes.number / 2) * lanes.width, thin, dash, gap) for k in range(1, lanes.number)]
     if not town or lanes.parking > 0.0:
-        edge = strip.half - (lanes.parking or _EDGE_OFF)
-        lines += [_Line(side * edge, dash, 0.0) for side in (-1, 1)]
+        edge = strip.half - (lanes.parking or EDGE_OFF)
+        lines += [Line(side * edge, thin, dash) for side in (-1, 1)]
     return lines
 
 
@@ -161,7 +186,7 @@ def _one_way(half: float) -> _Lanes:
     return _Lanes(1, 2 * half, 0.0, two_way=False)
 
 
-def _pieces(strip: RoadStrip, line: _Line) -> list[tuple[float, float, float]]:
+def _pieces(strip: RoadStrip, line: Line) -> list[tuple[float, float, float]]:
     """From, to and across [m]; what is solid is cut into pieces that follow a bend."""
     if line.gap > 0.0:
         starts = np.arange(line.gap / 2, strip.length - line.dash, line.dash + line.gap)

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.errors import LayoutError, one_of
 from lidardraft.json_fields import are_numbers
 from lidardraft.objects.coarse_shapes import CoarseShape, extents, resized, standing
+from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.objects.placed_object import Vector
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.pose import upright

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lidardraft.arranging.district import SETTINGS, District
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import VEHICLE_LABELS, LayoutGround
 from lidardraft.scene.layout import Layout
@@ -75,6 +76,22 @@ def road_of(fields: dict[str, Any]) -> Road:
     """The road of the provenance of a layout from a spec."""
     areas = tuple(PavedArea(tuple(area["along"]), tuple(area["across"])) for area in fields["paved_areas"])
     return Road(**{**fields, "paved_areas": areas, "side_roads": tuple(fields["side_roads"])})
+
+
+def district_of(layout: Layout, road: Road) -> District:
+    """Where a road of a layout leads: as its surroundings or its sentence say, or as it looks."""
+    spec = layout.provenance.get("spec", {})
+    said = layout.provenance.get("surroundings", {}).get("district", spec.get("district"))
+    return SETTINGS[said or only_district(road, spec.get("road", {}).get("kind")) or "urban"]
+
+
+def only_district(road: Road, kind: str | None) -> str | None:
+    """The name of the district that a road of a spec's `kind` leads through, if it can be no other."""
+    if road.paved_areas:
+        return "retail"
+    if road.sidewalk == 0:
+        return "motorway" if road.median > 0 or kind == "motorway" else "country"
+    return None
 
 
 def _road_of_boxes(layout: Layout) -> Road:

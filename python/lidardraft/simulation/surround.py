@@ -17,20 +17,19 @@ from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import Frame, fill, greened, sample_lights
 from lidardraft.arranging.street_mix import StreetMix
 from lidardraft.drafting.solver.scene_spec import SceneSpec
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.errors import LayoutError, check_seed, check_type
-from lidardraft.objects.kinds import KINDS, kind_of
+from lidardraft.objects.kinds import KINDS, SENTENCE_KINDS, kind_of
 from lidardraft.objects.mesh import quads
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.check import EGO_SIZE, SIZE_RANGES, VEHICLE_LABELS, LayoutGround, objects
 from lidardraft.scene.edit import placed
 from lidardraft.scene.layout import AROUND, MOST_PRIMITIVES, Layout, Primitive
 from lidardraft.scene.pose import in_frame, place_around
-from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.road import KERB_HEIGHT, Road
 from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.street_frame import NoStreetError, StreetFrame, street_frame
+from lidardraft.simulation.sights import SENSOR, Sights
+from lidardraft.simulation.street_frame import NoStreetError, StreetFrame, only_district, street_frame
 
 _STREAM = 5  # of random numbers, apart from those that made the layout
 # How often a street that nothing is said of lies in a district, by its lanes each way: estimates.
@@ -42,10 +41,7 @@ _ACTIVITY = {"busy": StreetMix(traffic=2.5, people=4.0), "quiet": StreetMix(traf
 _GAP = 0.3  # to all that was asked for
 _AT_HOUSES = {"bicycle", "bin", "letterbox"}
 _AHEAD, _ASIDE = 5.0, 1.0  # of traffic along its lane and beside it
-_SEEN_WIDTH = 4.0  # of a building, a hedge and the like that stays in sight, in the middle
-_UNSEEN, _LEVEL_SEEN = 0.2, 2.5  # m over the ground that may be hidden, and up to where most rays go
-_SENSOR = (1.5, 2.2)  # m over the road, lowest and highest
-_SIGHT_PIECE, _SIGHT_BEGINS, _MOST_SIGHTS = 8.0, 2.5, 200  # m of a piece, m from the ego, objects
+_VIEW_PIECE = 8.0  # m of a piece of what a picture shows
 _HIGH = 50.0  # m over and under anything
 _REACH = 112.0  # m, a little less than sensors reach: beyond it nothing is added
 _OVER_ROAD, _BEYOND = 4.0, 80.0  # m over roads that stay free, m beyond the end of one
@@ -59,7 +55,8 @@ def surround(layout: Layout, seed: int = 0) -> Layout:
     All primitives of the layout stay as they are; those that come with the street have ids such as "around/tree_12",
     and `edit.remove(layout, "around/*")` takes them away. What a sentence counts or denies is not added, nothing
     touches what was asked for, and sight lines to it stay open. `provenance["surroundings"]` says the district, the
-    number of objects, and the share of the sight lines that is open; or in "note" why there is no street.
+    number of objects, the share of the sight lines that is open, and which objects are `hidden` by which that were
+    asked for too; or in "note" why there is no street.
 
     Raises `LayoutError` on a seed that is no integer >= 0, and where the layout has surroundings already.
     """
@@ -80,7 +77,9 @@ def surround(layout: Layout, seed: int = 0) -> Layout:
         return dataclasses.replace(layout, provenance=layout.provenance | {"surroundings": {"note": str(error)}})
     whole = dataclasses.replace(layout, primitives=(*layout.primitives, *around))
     said: dict[str, Any] = {"district": name, "seed": seed, "objects": len(standing)}
-    said["in_sight"] = _share_in_sight(whole, list(scene.watched))
+    said["in_sight"] = scene.sights.share_open(whole)
+    if hidden := {name: by for name, by in scene.sights.hidden.items() if name not in scene.free}:
+        said["hidden"] = hidden
     return dataclasses.replace(whole, provenance=layout.provenance | {"surroundings": said})
 
 
@@ -98,11 +97,12 @@ class _Scene:
         self.coverage = layout.coverage
         self.counted = {p.label for p in layout} if "road" not in provenance and self.coverage is None else set()
         many = {number for number, group in enumerate(self.spec.groups) if group.count in ("some", "many")}
-        free = {name for name, number in provenance.get("objects", {}).items() if number in many}
+        self.free = {name for name, number in provenance.get("objects", {}).items() if number in many}
         # more of "houses on both sides", or of what "downtown" implies, may well stand in front of them
-        self.watched = {
-            name: parts for name, parts in self.asked.items() if name not in free or BY_NAME[parts[0].label].is_thing
+        watched = {
+            name for name, some in self.asked.items() if name not in self.free or BY_NAME[some[0].label].is_thing
         }
+        self.sights = Sights(layout, watched)
 
     def frame(self, rng: np.random.Generator) -> tuple[Frame, str]:
         """The frame to fill, with all that was asked for reserved, and the name of its district."""
@@ -117,8 +117,10 @@ class _Scene:
         denied = _denied(self.spec, self.counted) | (set() if district.built_up else _AT_HOUSES)
         instances = max((primitive.instance for primitive in self.given), default=0)
         occupancy = Occupancy(road, ground, denied=denied, instances=instances)
-        for space in (*self._footprints(), *self._sights(), *self._view(), *self._beyond_ends()):
+        for space in (*self._footprints(), *self._view(), *self._beyond_ends()):
             occupancy.reserve(space)
+        for place, size, bottom, top in self.sights.spaces(_REACH):
+            occupancy.reserve(Solid.box(*in_frame(place, self.ego), size, bottom, top))
         for area in road.paved_areas:
             x, y, yaw = road.at(sum(area.along) / 2, sum(area.across) / 2)
             occupancy.reserve(Solid.box(x, y, yaw, (np.ptp(area.along), np.ptp(area.across)), -_HIGH, _OVER_ROAD))
@@ -185,26 +187,9 @@ class _Scene:
             low, high = z - height / 2, z + height / 2
             yield Solid.box(x, y, primitive.yaw, (length + 2 * _GAP, width + 2 * _GAP), low - 1.0, high + _GAP)
             along, across = self.road.along_across(x, y)
-            if abs(across) < self.road.edge and low < _SENSOR[1]:
+            if abs(across) < self.road.edge and low < SENSOR[1]:
                 size = (max(length, width) + 2 * _AHEAD, width + 2 * _ASIDE)
-                yield Solid.box(x, y, self.road.at(along, across)[2], size, 0.0, _SENSOR[1])
-
-    def _sights(self) -> Iterator[Solid]:
-        """The space between the ego vehicle and each object, in pieces that widen towards it."""
-        eye = self.ego[:2]
-        nearest = sorted(self.watched.values(), key=lambda parts: math.dist(parts[0].center[:2], eye))
-        for parts in nearest[:_MOST_SIGHTS]:
-            x, y, distance, half, low, high = _silhouette(parts, eye)
-            heading, begin = math.atan2(y - eye[1], x - eye[0]), _SIGHT_BEGINS
-            while begin < min(distance, _REACH):
-                stop = min(begin + _SIGHT_PIECE, distance)
-                near, far = begin / distance, stop / distance
-                bottom = min(_SENSOR[0] * (1 - share) + low * share for share in (near, far))
-                top = max(_SENSOR[1] * (1 - share) + high * share for share in (near, far))
-                ahead = (begin + stop) / 2 / distance
-                place = (eye[0] + ahead * (x - eye[0]), eye[1] + ahead * (y - eye[1]), heading)
-                yield Solid.box(*place, (stop - begin, 2 * half * far + 0.2), bottom, top)
-                begin = stop
+                yield Solid.box(x, y, self.road.at(along, across)[2], size, 0.0, SENSOR[1])
 
     def _view(self) -> Iterator[Solid]:
         """What a picture shows, in which only what it shows is to stand."""
@@ -212,10 +197,10 @@ class _Scene:
             return
         start, end = self.coverage
         heading, half = (start + end) / 2, (end - start) / 2
-        for near in np.arange(0.0, _REACH, _SIGHT_PIECE).tolist():
-            middle, far = near + _SIGHT_PIECE / 2, near + _SIGHT_PIECE
+        for near in np.arange(0.0, _REACH, _VIEW_PIECE).tolist():
+            middle, far = near + _VIEW_PIECE / 2, near + _VIEW_PIECE
             place = (middle * math.cos(heading), middle * math.sin(heading), heading)
-            yield Solid.box(*place, (_SIGHT_PIECE, 2 * far * math.tan(half)), -_HIGH, _HIGH)
+            yield Solid.box(*place, (_VIEW_PIECE, 2 * far * math.tan(half)), -_HIGH, _HIGH)
 
     def _beyond_ends(self) -> Iterator[Solid]:
         """Where a drawn road would go on."""
@@ -246,10 +231,8 @@ class _Scene:
 
 def _sample_district(road: Road, spec: SceneSpec, rng: np.random.Generator) -> str:
     """The name of a district that such a road may lead through."""
-    if road.paved_areas:
-        return "retail"
-    if road.sidewalk == 0:
-        return "motorway" if road.median > 0 or spec.road.kind == "motorway" else "country"
+    if only := only_district(road, spec.road.kind):
+        return only
     shares = _NARROW if road.lanes == 1 else _WIDE
     kinds = {group.kind for group in spec.groups}
     if "house" in kinds:
@@ -286,21 +269,6 @@ def _denied(spec: SceneSpec, counted: set[str]) -> frozenset[str]:
     return frozenset(denied | {"grass"})  # of which a coarse layout has nothing
 
 
-def _silhouette(
-    parts: Sequence[Primitive], eye: tuple[float, float] = (0.0, 0.0)
-) -> tuple[float, float, float, float, float, float]:
-    """Middle x, y, distance, half width, and heights from and to [m], of what an `eye` is to see of an object."""
-    body = max(parts, key=lambda part: math.prod(part.size))
-    x, y, _ = body.center
-    distance = max(math.dist((x, y), eye), 1e-6)
-    turn = body.yaw - math.atan2(y - eye[1], x - eye[0])
-    half = (abs(math.sin(turn)) * body.size[0] + abs(math.cos(turn)) * body.size[1]) / 2
-    half = half if BY_NAME[body.label].is_thing else min(half, _SEEN_WIDTH / 2)
-    low = min(part.center[2] - part.size[2] / 2 for part in parts)
-    high = max(part.center[2] + part.size[2] / 2 for part in parts)
-    return x, y, distance, half, low + min(0.1 * (high - low), _UNSEEN), high
-
-
 def _shapes(standing: Sequence[PlacedObject]) -> Iterator[Primitive]:
     """The coarse shapes of what was placed."""
     for one in standing:
@@ -308,24 +276,3 @@ def _shapes(standing: Sequence[PlacedObject]) -> Iterator[Primitive]:
         for number, shape in enumerate(shapes):
             id = f"{AROUND}{one.id}.{number}" if number else f"{AROUND}{one.id}"
             yield shape.placed(one.place, one.z, id, one.instance + shape.instance_offset if one.instance else 0)
-
-
-def _share_in_sight(layout: Layout, names: Sequence[str]) -> float:
-    """The share of the lines from the sensor to the objects of a layout that its surroundings leave open."""
-    found = objects(layout)
-    groups = {name: found[name] for name in names}
-    if not groups:
-        return 1.0
-    grid = np.array([(a, b) for a in (-0.7, 0.0, 0.7) for b in (0.15, 0.5, 0.85)])
-    targets = []
-    for parts in groups.values():
-        x, y, distance, half, low, high = _silhouette(parts)
-        aside = grid[:, :1] * half * np.array([-y, x]) / distance
-        up = low + grid[:, 1] * (min(high, low + _LEVEL_SEEN) - low)
-        targets.append(np.column_stack([x + aside[:, 0], y + aside[:, 1], up]))
-    ways = np.concatenate(targets) - (0.0, 0.0, sum(_SENSOR) / 2)
-    lengths = np.linalg.norm(ways, axis=1)
-    origins = np.tile([0.0, 0.0, sum(_SENSOR) / 2], (len(ways), 1))
-    hits = Raycaster(layout).cast(origins, ways / lengths[:, None], threads=1)
-    hides = np.array([*(primitive.id.startswith(AROUND) for primitive in layout), False])
-    return round(1.0 - float(np.mean(hides[hits.primitive] & (hits.distance < lengths))), 3)

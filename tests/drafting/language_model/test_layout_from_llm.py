@@ -29,9 +29,10 @@ from lidardraft.drafting.solver.scene_spec import (
     RoadSpec,
     SceneSpec,
 )
-from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS
 from lidardraft.drafting.text.layout import spec_from_text
 from lidardraft.errors import LanguageModelError, LayoutError, TextError
+from lidardraft.objects.kinds import SENTENCE_KINDS
+from lidardraft.objects.sentence_kind import COUNTS
 from lidardraft.scene.check import check
 from lidardraft.semantics import CLASSES
 from replay_server import DIALECTS, Answer, ReplayServer, openai

@@ -27,7 +27,7 @@ from lidardraft.drafting.solver.poses import (
 from lidardraft.drafting.solver.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.solver.road_zones import along_row, zone_of
 from lidardraft.drafting.solver.scene_spec import ObjectGroup
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
+from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.scene.road import LEFT, RIGHT, PavedArea, Road
 
 ROAD = Road(lanes=2, parking=2.2, sidewalk=2.0, junction=40.0)

@@ -16,9 +16,10 @@ from lidardraft.drafting.solver.scene_spec import (
     SceneSpec,
     relations,
 )
-from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS
 from lidardraft.errors import LidarDraftError
 from lidardraft.json_fields import parse_object
+from lidardraft.objects.kinds import SENTENCE_KINDS
+from lidardraft.objects.sentence_kind import COUNTS
 
 kinds_and_surfaces = st.sampled_from(sorted(SENTENCE_KINDS)).map(lambda kind: (kind, None)) | st.sampled_from(
     [("person", "road"), ("person", "sidewalk"), ("bicycle", "sidewalk"), ("car", "road"), ("bench", "sidewalk")]

@@ -16,12 +16,12 @@ from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec, relations
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.text.explanation import Explanation
 from lidardraft.drafting.text.layout import explain, layout_from_text, spec_from_text
 from lidardraft.drafting.text.lexicon import lexicon
 from lidardraft.errors import LayoutError, TextError
 from lidardraft.objects.cars import PAINTS
+from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.scene.check import check, objects
 from lidardraft.scene.road import Road
 from lidardraft.scene.sensor import Sensor

@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from scanned import EGO, NAMES, OBJECTS, SCAN, SENSOR, STREET, VISIBLE, ids, in_street, labels, made
 
-from lidardraft.drafting.solver.sentence_kinds import FAMILIES, SENTENCE_KINDS
 from lidardraft.objects.coarse_shapes import MOST_LOBES
-from lidardraft.objects.kinds import KINDS, kind_of
+from lidardraft.objects.kinds import FAMILIES, KINDS, SENTENCE_KINDS, kind_of
 from lidardraft.scene.labelling import agrees
 from lidardraft.scene.layout import SHAPES, object_of
 from lidardraft.scene.raycast import Raycaster
@@ -210,7 +209,7 @@ def test_the_mesh_follows_the_ground():
     places = np.array([STREET.occupancy.road.at(s, d)[:2] for s, d in zip(along, across, strict=True)])
     hits = caster.cast(np.column_stack([places, np.full(60, 60.0)]), np.tile([0.0, 0.0, -1.0], (60, 1)))
     bare = hits.label == NAMES.index("road")
-    true = np.array([STREET.occupancy.ground.height(s, d) for s, d in zip(along, across, strict=True)])
+    true = STREET.occupancy.ground.heights(np.array(along), np.array(across))
     wrong = np.abs(60.0 - hits.distance - true)[bare]
     assert bare.mean() > 0.5
     assert np.median(wrong) < 0.03

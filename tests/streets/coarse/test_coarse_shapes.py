@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
-from lidardraft.objects.kinds import KINDS, kind_of
+from lidardraft.objects.kinds import KINDS, SENTENCE_KINDS, kind_of
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.road import Road
 from lidardraft.streets.coarse.coarse_street import ShapeColumns

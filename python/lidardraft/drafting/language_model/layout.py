@@ -30,10 +30,11 @@ from lidardraft.drafting.solver.scene_spec import (
     SceneSpec,
     relations,
 )
-from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS
 from lidardraft.errors import LayoutError, TextError, check_seed, check_type
 from lidardraft.files import named
 from lidardraft.json_fields import check_fields, parse_object
+from lidardraft.objects.kinds import SENTENCE_KINDS
+from lidardraft.objects.sentence_kind import COUNTS
 from lidardraft.scene.check import check
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.weather import WEATHERS

@@ -1,6 +1,6 @@
 """Blobs become objects, and strokes of plants and walls rows of parts: in the places, sizes and turns that were drawn.
 
-What a view from above does not say, heights above all, is drawn at random from the sizes of `sentence_kinds`.
+What a view from above does not say, heights above all, is drawn at random from the sizes of `SENTENCE_KINDS`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from itertools import pairwise
 import numpy as np
 
 from lidardraft.drafting.sketch.shapes import Blob, Stroke
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.objects.coarse_shapes import (
     CROWN_BASE,
     TRUNK_DIAMETER,
@@ -21,6 +20,8 @@ from lidardraft.objects.coarse_shapes import (
     resized,
     tree_parts,
 )
+from lidardraft.objects.kinds import SENTENCE_KINDS
+from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene import class_names
 from lidardraft.scene.check import SIZE_RANGES
 from lidardraft.scene.pose import point_at
@@ -39,7 +40,7 @@ _ROUND = 2 / math.sqrt(3)  # diameters of a disc to a side of the square with th
 _CROWN = (1.0, 14.0)  # m across; wider vegetation is several trees
 _STAND_CROWN = 6.0  # m across, of the trees of a stand
 _TREE_HEIGHT = (4.0, 16.0)  # m
-_HEIGHT_PER_CROWN = 1.9  # the middle of what `sentence_kinds` says of trees
+_HEIGHT_PER_CROWN = 1.9  # the middle of what `SENTENCE_KINDS` says of trees
 _WIDEST_HEDGE = 2.2  # m; a wider stroke of vegetation is a row of trees
 _TREE_SPACING = 1.15  # crowns from one tree of a row to the next
 _CORNER = 0.4  # m that a hedge, fence or wall may be beside its stroke

@@ -23,8 +23,9 @@ from lidardraft.drafting.solver.scene_spec import (
     group_relations,
     split_place,
 )
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.errors import LayoutError, check_seed
+from lidardraft.objects.kinds import SENTENCE_KINDS
+from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.layout import Layout
 
 TRIES = 60  # of places for one object

@@ -10,8 +10,8 @@ import numpy as np
 
 from lidardraft.arranging.car_parks import AISLE_WIDTH, BAY_LENGTH, BAY_WIDTH
 from lidardraft.drafting.solver.scene_spec import ObjectGroup
-from lidardraft.drafting.solver.sentence_kinds import SentenceKind
 from lidardraft.objects.coarse_shapes import STANDING, CoarseShape
+from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.road import LEFT, RIGHT, RING, Road
 
 BACKWARDS = math.pi  # rad, against the ego's direction

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.drafting.solver.poses import BACKWARDS, Lane, RoadPose, Try, lot_edge, row_poses
-from lidardraft.drafting.solver.sentence_kinds import SentenceKind
+from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.road import Road
 
 # Estimates of ours: gaps between two objects [m], smallest and largest, where no distance is asked for.
@@ -186,7 +186,7 @@ class RelativePoses:
         most = _MOVED_EXACTLY if exactly else _MOVED_BETWEEN if in_between else max(_MOVED, beside)
         if self._on_sidewalk and self.relation in ("near", "beside"):
             most = _MOVED_TO_SIDEWALK
-        if moved > most or (side and apart < 0.3):
+        if moved > most or (side and apart < max(0.3, self.size[1] / 4)):
             return None
         towards = reference.half_across < abs(reference.pose.across) - abs(found)
         if self.relation == "in-front-of" and not (towards or reference.kind.drives or reference.kind.walks):

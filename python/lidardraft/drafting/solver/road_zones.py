@@ -30,7 +30,7 @@ from lidardraft.drafting.solver.poses import (
     set_down,
 )
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, split_place
-from lidardraft.drafting.solver.sentence_kinds import SentenceKind
+from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.check import EGO_SIZE
 from lidardraft.scene.road import Road
 

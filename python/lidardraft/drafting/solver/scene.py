@@ -12,9 +12,9 @@ import numpy as np
 from lidardraft.drafting.solver.poses import RoadPose, lot_edge, with_near_side_at
 from lidardraft.drafting.solver.relative_poses import Footprint
 from lidardraft.drafting.solver.scene_spec import EXTENTS, ObjectGroup, split_place
-from lidardraft.drafting.solver.sentence_kinds import SentenceKind
 from lidardraft.errors import LayoutError
 from lidardraft.objects.coarse_shapes import STANDING, CoarseShape, extents, in_segments, resized
+from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.check import EGO, MAX_RANGE, SIZE_RANGES, LayoutGround
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.road import RING, Road

@@ -9,9 +9,10 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 
 from lidardraft.arranging.district import SETTINGS
-from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind
 from lidardraft.errors import LayoutError, one_of
 from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number
+from lidardraft.objects.kinds import SENTENCE_KINDS
+from lidardraft.objects.sentence_kind import COUNTS, SentenceKind
 from lidardraft.scene.weather import WEATHERS
 
 ROADS = (

@@ -6,7 +6,6 @@ import dataclasses
 import itertools
 from collections.abc import Iterable, Iterator
 
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import (
@@ -28,6 +27,7 @@ from lidardraft.drafting.text.tree import (
     street_of,
     tokens_of,
 )
+from lidardraft.objects.kinds import SENTENCE_KINDS
 
 LINKS = (",", ":", "(", ")", "and", "or", "with", "has", "but", "except", "which")
 _WEAK = (",", ":", "(", ")")  # that say less than the word beside them

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.text.tree import Clause, Item, Manner, Modifier, NounPhrase, Place, Relation
+from lidardraft.objects.kinds import SENTENCE_KINDS
 
 _MANY = 4  # of a kind; what stands at one thing with so many others has no room
 

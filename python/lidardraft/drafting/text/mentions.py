@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.drafting.text.positions import ANYWHERE, Place, Position
 from lidardraft.drafting.text.tree import NO_SCALE, NO_SIZE, Count, Manner, NounPhrase, Sizes, Tokens
 from lidardraft.drafting.text.tree import Place as PlaceSaid
+from lidardraft.objects.kinds import SENTENCE_KINDS
+from lidardraft.objects.sentence_kind import SentenceKind
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.positions import ANYWHERE, Position
+from lidardraft.objects.kinds import SENTENCE_KINDS
 
 Count = int | str | tuple[int, int]  # a number, a word for one, or a range
 Sizes = tuple[float | None, float | None, float | None]

@@ -13,8 +13,8 @@ from typing import ClassVar, TypeAlias
 import numpy as np
 
 from lidardraft.drafting.cloud.layout import layout_from_cloud
-from lidardraft.drafting.solver.sentence_kinds import FAMILIES
 from lidardraft.objects.coarse_shapes import MOST_LOBES
+from lidardraft.objects.kinds import FAMILIES
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.streets.coarse.coarse_street import CoarseStreet, place_of

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.drafting.cloud.rules import GROUND_PLANE_DROP, GROUND_PLANE_SIZE
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS
 from lidardraft.objects.coarse_shapes import CoarseShape
-from lidardraft.objects.kinds import kind_of
+from lidardraft.objects.kinds import SENTENCE_KINDS, kind_of
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.layout import SHAPES, Layout, Primitive, object_of
 from lidardraft.scene.mesh import TriangleMesh

@@ -11,15 +11,15 @@ import numpy as np
 from lidardraft.arranging.district import PARKING_STRIP
 from lidardraft.drafting.solver.poses import LANE_OFFSET, YAW_DEVIATION
 from lidardraft.drafting.solver.scene import GAP
-from lidardraft.drafting.solver.sentence_kinds import SENTENCE_KINDS, SentenceKind
 from lidardraft.objects.coarse_shapes import (
     CROWN_BASE,
     CoarseShape,
     standing,
     street_light_parts,
 )
-from lidardraft.objects.kinds import Kind, kind_of
+from lidardraft.objects.kinds import SENTENCE_KINDS, Kind, kind_of
 from lidardraft.objects.placed_object import PlacedObject, Vector
+from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.road import Road
 
 # Sizes are changed by no more than this: a network that learned from layouts further off would learn to ignore them.

@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 
 from lidardraft.drafting.solver.scene_spec import SURFACES
-from lidardraft.drafting.solver.sentence_kinds import COUNTS, SENTENCE_KINDS, SentenceKind, with_rider
 from lidardraft.objects.coarse_shapes import (
     CoarseShape,
     extents,
     in_segments,
+    on_post,
     street_light_parts,
-    traffic_light_parts,
-    traffic_sign_parts,
     tree_parts,
 )
+from lidardraft.objects.kinds import SENTENCE_KINDS
+from lidardraft.objects.sentence_kind import COUNTS, SentenceKind, with_rider
 from lidardraft.semantics import BY_NAME, GROUND
 
 SLACK = 0.08  # m; half of a lamp is over its mast
@@ -87,8 +87,8 @@ def test_a_rider_sits_on_what_is_ridden() -> None:
     [
         (tree_parts(8.0, 4.0, 0.3, 2.0), 8.0),
         (street_light_parts(7.0), 7.075),
-        (traffic_light_parts(2.5), 3.4),
-        (traffic_sign_parts(2.3, 0.7), 2.3),
+        (on_post("traffic-light", (0.35, 0.35, 3.4), 2.5), 3.4),
+        (on_post("traffic-sign", (0.1, 0.7, 2.3), 1.6), 2.3),
     ],
 )
 def test_objects_on_posts_are_as_high_as_asked_and_hang_together(parts: list[CoarseShape], top: float) -> None:

@@ -1,37 +1,30 @@
-"""The kinds of object that a sentence can ask for: one record each, from which everything else about a kind follows.
-
-The words for a kind are a row of `drafting/text/words.txt`. How objects of these kinds are built in detail is in
-`objects/kinds.py`.
-"""
+"""What sentences need to know of a kind that they can ask for: its sizes and parts, and where it stands or moves."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
 from lidardraft.objects.coarse_shapes import (
     CROWN_BASE,
-    LIGHTS_HEIGHT,
     TRUNK_DIAMETER,
     CoarseShape,
+    on_post,
     rider_on,
     standing,
     street_light_parts,
-    traffic_light_parts,
-    traffic_sign_parts,
     tree_parts,
 )
 from lidardraft.objects.placed_object import Vector
-from lidardraft.semantics import BY_NAME
 
 _HEDGE_HEIGHT = (0.6, 1.1)  # m, of a garden; that of its bushes, and how far behind the hedge they stand
 _BUSH_HEIGHT, _BUSHES_BEHIND = (0.7, 1.2), 1.3
 _RIDER_TOP = (1.6, 1.85)  # m
 _CONE_FOOT = 0.04  # m high
+_LIGHTS_HEIGHT = 0.9  # m, of the box of a traffic light
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,9 +137,21 @@ def sample_animal(sizes: Sizes, label: str, rng: np.random.Generator) -> list[Co
     ]
 
 
-def sample_traffic_light(sizes: Sizes, _label: str, rng: np.random.Generator) -> list[CoarseShape]:
+def sample_street_light(sizes: Sizes, _label: str, rng: np.random.Generator) -> list[CoarseShape]:
+    """A mast and its lamp."""
+    return street_light_parts(between(sizes, 2, rng))
+
+
+def sample_traffic_light(sizes: Sizes, label: str, rng: np.random.Generator) -> list[CoarseShape]:
     """A pole and its lights."""
-    return traffic_light_parts(float(rng.uniform(sizes.smallest[2] - LIGHTS_HEIGHT, sizes.largest[2] - LIGHTS_HEIGHT)))
+    height = between(sizes, 2, rng)
+    return on_post(label, (*sizes.smallest[:2], height), height - _LIGHTS_HEIGHT)
+
+
+def sample_traffic_sign(sizes: Sizes, label: str, rng: np.random.Generator) -> list[CoarseShape]:
+    """A pole and a square plate."""
+    height, width = between(sizes, 2, rng), between(sizes, 1, rng)
+    return on_post(label, (sizes.smallest[0], width, height), height - width)
 
 
 def between(sizes: Sizes, axis: int, rng: np.random.Generator) -> float:
@@ -234,101 +239,3 @@ class SentenceKind:
         assert self.sizes is not None, f"{self.name} stands for other kinds"
         parts = self.shapes(self.sizes, self.label, rng)
         return with_rider(parts[0], rng) if self.is_ridden and not parked else parts
-
-
-_MACHINE = (0.10, 0.04, 0.08)  # how much sizes vary, as shares of length, width and height
-_TWO_WHEELER = (0.08, 0.10, 0.06)
-
-
-def _class_sizes(label: str, spread: tuple[float, float, float]) -> SizeAround:
-    """Around the typical size in the class table."""
-    typical = BY_NAME[label].size
-    assert typical is not None, f"{label} has no typical size"
-    return SizeAround(typical, spread)
-
-
-# Numbers are estimates of ours. Vans are cars in Cityscapes; their size is that of common European ones. Lengths of
-# what stands beside the road are along it.
-_vehicle = partial(SentenceKind, counts=CountRanges(), surfaces=("road",), is_vehicle=True)
-_large = partial(_vehicle, parking_width=3.0)
-_ANYWHERE = ("road", "sidewalk")
-_thing = partial(SentenceKind, surfaces=_ANYWHERE)
-_plant = partial(SentenceKind, label="vegetation")
-_building = partial(
-    SentenceKind, label="building", family="buildings", counts=CountRanges(some=(3, 5)), yaw_deviation=0.02
-)
-_strip = partial(SentenceKind, counts=CountRanges((1, 2), (2, 3), (3, 4)), surfaces=("road",), follows_road=True)
-_enclosure = partial(_strip, family="enclosures")
-_pole = partial(_thing, family="poles")
-_furniture = partial(_thing, label="other", family="furniture", is_square=True)
-_KINDS = (
-    _large("vehicle", None, "car", precedence=7),
-    _vehicle("car", _class_sizes("car", _MACHINE), "car", precedence=6, traffic_share=0.76),
-    _vehicle("van", SizeAround((5.3, 2.0, 2.2), _MACHINE), "car", precedence=8, traffic_share=0.12),
-    _large("truck", _class_sizes("truck", _MACHINE), "truck", precedence=9, traffic_share=0.08, lane_length=18.0),
-    _large("bus", _class_sizes("bus", _MACHINE), "bus", precedence=10, traffic_share=0.04, lane_length=21.0),
-    _large("tram", _class_sizes("train", _MACHINE), "train", precedence=11, lane_length=38.0),
-    _vehicle(
-        "motorcycle", _class_sizes("motorcycle", _TWO_WHEELER), "motorcycle", family="people", is_ridden=True
-    ),
-    _thing(
-        "bicycle", _class_sizes("bicycle", _TWO_WHEELER), "bicycle", family="people", counts=CountRanges(),
-        cycles=True, is_ridden=True,
-    ),
-    _thing(
-        "person", SizeBetween((0.4, 0.45, 1.5), (0.8, 0.65, 1.9)), "person", family="people",
-        counts=CountRanges(many=(6, 9)), walks=True,
-    ),
-    _building("house", SizeBetween((8.0, 7.0, 5.0), (13.0, 10.0, 8.5)), precedence=12, setback=(9.0, 12.0, 22.0)),
-    _building("building", SizeBetween((12.0, 10.0, 9.0), (22.0, 14.0, 20.0)), precedence=13, setback=(8.0, 11.0, 24.0)),
-    _plant(
-        "tree", SizeBetween((2.8, 2.8, 5.0), (5.0, 5.0, 10.0)), family="trees", surfaces=_ANYWHERE, shapes=sample_tree,
-        precedence=1, setback=(1.3, 3.0, 14.0),
-    ),
-    _plant(
-        "bush", SizeBetween((0.8, 0.8, 0.7), (2.2, 2.2, 1.8)), family="greenery", surfaces=_ANYWHERE,
-        shapes=partial(sample_round, "ellipsoid"), setback=(1.4, 3.0, 10.0),
-    ),
-    _plant(
-        "garden", SizeBetween((5.0, 1.95, 0.7), (9.0, 2.2, 1.2)), shapes=sample_garden, precedence=2,
-        setback=(0.6, 1.0, 4.0),
-    ),
-    _strip(
-        "hedge", SizeBetween((6.0, 0.6, 0.9), (16.0, 1.2, 2.0)), "vegetation", family="greenery", precedence=3,
-        setback=(0.9, 1.2, 5.0),
-    ),
-    _enclosure(
-        "fence", SizeBetween((10.0, 0.06, 0.9), (30.0, 0.15, 1.8)), "fence", precedence=4, setback=(0.4, 0.8, 5.0)
-    ),
-    # of steel or, from 0.8 m on, of concrete
-    _enclosure(
-        "barrier", SizeBetween((10.0, 0.3, 0.7), (30.0, 0.6, 0.9)), "fence", precedence=4, setback=(0.4, 0.8, 5.0)
-    ),
-    _enclosure("wall", SizeBetween((10.0, 0.2, 1.5), (30.0, 0.4, 3.0)), "wall", precedence=5, setback=(0.5, 0.9, 5.0)),
-    _pole("pole", SizeBetween((0.1, 0.1, 2.5), (0.2, 0.2, 5.0)), "pole", shapes=partial(sample_round, "cylinder")),
-    _pole(
-        "street-light", SizeBetween((0.3, 1.2, 6.0), (0.3, 1.2, 8.5)), "pole",
-        shapes=lambda sizes, _, rng: street_light_parts(between(sizes, 2, rng)),
-    ),
-    _pole(
-        "traffic-light", SizeBetween((0.35, 0.35, 3.1), (0.35, 0.35, 3.9)), "traffic-light",
-        shapes=sample_traffic_light, counts=CountRanges((1, 2), (2, 2), (3, 4)), is_square=True, at_junction=True,
-    ),
-    _pole(
-        "traffic-sign", SizeBetween((0.145, 0.6, 2.0), (0.145, 0.9, 2.6)), "traffic-sign", is_square=True,
-        shapes=lambda sizes, _, rng: traffic_sign_parts(between(sizes, 2, rng), between(sizes, 1, rng)),
-    ),
-    _furniture("bin", SizeBetween((0.5, 0.5, 0.9), (0.8, 0.7, 1.2))),
-    _furniture("bench", SizeBetween((1.4, 0.5, 0.75), (1.9, 0.6, 0.9)), setback=(0.7, 1.0, 3.0)),
-    _furniture("shelter", SizeBetween((2.6, 1.2, 2.3), (5.0, 1.8, 2.8)), precedence=3, setback=(0.8, 1.1, 3.0)),
-    _thing("box", SizeBetween((0.5, 0.4, 0.4), (0.7, 0.6, 0.6)), "other", set_down=True),
-    _thing("animal", SizeBetween((1.8, 0.5, 1.3), (2.3, 0.7, 1.6)), "other", shapes=sample_animal, walks=True),
-    _vehicle("trailer", SizeBetween((3.0, 1.8, 1.6), (6.0, 2.3, 2.6)), "other", precedence=5),
-    # 0.75 m for motorways and 0.5 m for other roads in the German rules for road works (RSA 21)
-    _thing("cone", SizeBetween((0.28, 0.28, 0.5), (0.4, 0.4, 0.75)), "other", shapes=sample_cone, set_down=True),
-)  # fmt: skip
-# How often a sentence about a street names each family of kinds.
-FAMILIES = {
-    "people": 0.85, "buildings": 0.9, "trees": 0.9, "greenery": 0.6, "enclosures": 0.6, "poles": 0.5, "furniture": 0.4
-}  # fmt: skip
-SENTENCE_KINDS: dict[str, SentenceKind] = {kind.name: kind for kind in _KINDS}
