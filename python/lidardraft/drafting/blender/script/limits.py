@@ -6,9 +6,7 @@ made at once, and the clock bounds what takes long. So every script ends, in bou
 
 from __future__ import annotations
 
-import ast
 import time
-from collections.abc import Container
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -79,7 +77,6 @@ class Script:
         self.line = 1
         self.notes: dict[str, int] = {}
         self.modules: dict[str, Any] = {}  # that it may import
-        self.generators: Container[ast.AST] = ()  # its functions with a `yield`
         self.handled: RaisedError | None = None  # what a bare `raise` raises again
 
     def note(self, message: str, line: int | None = None) -> None:
