@@ -145,8 +145,8 @@ def test_what_is_not_read_gets_one_line(tmp_path: Path, change: dict[str, Any], 
 @pytest.mark.parametrize(
     ("accessor", "said"),
     [
-        ({"sparse": {"count": 1}}, "accessor 0 is sparse; that is not read"),
-        ({"componentType": 5123}, "positions that are not float32"),
+        ({"sparse": {"count": 1}}, "accessor 0 is sparse; only plain ones are read"),
+        ({"componentType": 5123}, "positions must be float32"),
         ({"count": 10**9}, "accessor 0 of 1000000000 values reaches to byte"),
         ({"count": -1}, "count is -1; it must be a whole number"),
         ({"componentType": [5126]}, "accessor 0 is no VEC3 of numbers"),
@@ -247,12 +247,12 @@ def test_shapes_stand_upright_along_y_as_along_z(tmp_path: Path) -> None:
         (b"", "no GLB: 0 bytes"),
         (b"glTF" + bytes(20), "glTF 0; version 2 is read"),
         (b"PK\3\4" + bytes(20), "it does not begin with glTF"),
-        (struct.pack("<5I", 0x46546C67, 2, 999, 4, 0x4E4F534A) + b"{}  ", "a broken GLB: its header tells of 999"),
+        (struct.pack("<5I", 0x46546C67, 2, 999, 4, 0x4E4F534A) + b"{}  ", "a broken GLB: its header says 999"),
         (struct.pack("<5I", 0x46546C67, 2, 24, 99, 0x4E4F534A) + b"{}  ", "99 of JSON"),
         (struct.pack("<5I", 0x46546C67, 2, 24, 4, 0x4E4F534A) + b"[]  ", "is not a JSON object"),
         (
             glb_bytes({}, b"1234").replace(struct.pack("<2I", 4, 0x004E4942), struct.pack("<2I", 99, 0x004E4942)),
-            "its second chunk tells of 99 bytes",
+            "its second chunk says 99 bytes",
         ),
     ],
 )

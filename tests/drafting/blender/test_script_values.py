@@ -66,7 +66,7 @@ REFUSED: list[tuple[str, str, int]] = [
     ("[1, 2][5]", "a list of 2 has no place 5", 1),
     ("{'a': 1}['b']", "the key 'b' is not in the dict", 1),
     # formats that are not read
-    ("f'{1:>300}'", "a width of 300 characters; 200 are the most", 1),
+    ("f'{1:>300}'", "a width of 300 characters; the limit is 200", 1),
     ("f'{1:y}'", "not supported: Unknown format code 'y'", 1),
     ("f'{\"a\":d}'", "not supported: Unknown format code 'd'", 1),
     ("f'{[]:5}'", "a list cannot be formatted as '5'", 1),

@@ -120,7 +120,7 @@ def primitives_of(scene: Scene, classes: Mapping[str, str], *, strict: bool) -> 
     meshes = _meshes_of(scene)
     limit = scene.script.limits.vertices
     if (total := sum(shape.vertices for _, _, shape in meshes if shape.shape in ("mesh", "any"))) > limit:
-        raise RefusalError(f"the scene has {total} vertices; {limit} are the most", 1)
+        raise RefusalError(f"the scene has {total} vertices; the limit is {limit}", 1)
     found = [(item, mesh, shape, _class_of(item, classes)) for item, mesh, shape in meshes]
     nameless = {item.name: item.line for item, *_, label in found if label is None}
     if nameless and strict:

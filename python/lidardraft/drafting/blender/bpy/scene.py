@@ -155,7 +155,7 @@ class Scene:
     def add(self, name: str, data: Value) -> SceneObject:
         """A new object in the scene, which is then the only selected one, and active."""
         if self.edit_mode:
-            raise RefusalError("objects are not added in the edit mode; leave it first")
+            raise RefusalError("operators add objects in the object mode; leave the edit mode first")
         item: SceneObject = self.objects.new(name, data)
         self.collection().link(item)
         self.objects.select_only(item)

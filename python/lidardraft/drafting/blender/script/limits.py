@@ -107,7 +107,7 @@ class Script:
     def take_cells(self, count: int) -> None:
         """Count so many elements of a value that is made as a whole."""
         if count > self.limits.length:
-            raise RefusalError(f"a value of {count} elements; {self.limits.length} are the most")
+            raise RefusalError(f"a value of {count} elements; the limit is {self.limits.length}")
         self.cells -= max(count, 0)
         if self.cells < 0:
             raise RefusalError(f"all values together have more than {self.limits.cells} elements")
@@ -115,7 +115,7 @@ class Script:
     def take_text(self, characters: int) -> None:
         """Count the characters of a text, eight to a cell, before it is made."""
         if characters > 8 * self.limits.length:
-            raise RefusalError(f"a text of {characters} characters; {8 * self.limits.length} are the most")
+            raise RefusalError(f"a text of {characters} characters; the limit is {8 * self.limits.length}")
         self.take_cells(characters // 8 + 1)
 
     def take_made(self, value: object) -> None:

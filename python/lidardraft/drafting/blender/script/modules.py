@@ -254,7 +254,7 @@ def _collections(script: Script) -> Methods:
 def _suppress(*errors: Value) -> Suppress:
     names = [each.error for each in errors if isinstance(each, BaseMarker) and each.error is not None]
     if len(names) != len(errors):
-        raise RefusalError("suppress of what is no class of errors of Python's own")
+        raise RefusalError("suppress takes Python's own classes of errors")
     return Suppress(names)
 
 
@@ -272,7 +272,7 @@ class Annotations(Record):
 
 def _leave(code: Value = None) -> None:
     said = "" if code is None else f"{code:.200}" if isinstance(code, str) else describe(code)
-    raise RaisedError("SystemExit", "the script ends itself here", said)
+    raise RaisedError("SystemExit", "the script ends here", said)
 
 
 def _os_path(script: Script) -> Methods:
@@ -294,7 +294,7 @@ def _no_file(asked: str, script: Script) -> bool:
 def _name_of(value: Value) -> str:
     name = str(value.pure) if isinstance(value, FilePath) else text(value, "the name of a file")
     if len(name) > _LONGEST_PATH:
-        raise RefusalError(f"a path of {len(name)} characters; {_LONGEST_PATH} are the most")
+        raise RefusalError(f"a path of {len(name)} characters; the limit is {_LONGEST_PATH}")
     return name
 
 

@@ -146,7 +146,7 @@ def _decorated(value: Value, decorators: list[ast.expr], frame: Frame) -> Value:
 
 def _class(node: ast.ClassDef, frame: Frame) -> object:
     if node.keywords or len(node.bases) > 1:
-        raise RefusalError("a class with a metaclass, or derived from several, is not supported")
+        raise RefusalError("a class may have one base class and no metaclass")
     base = value_of(node.bases[0], frame) if node.bases else None
     if not isinstance(base, ScriptClass | BaseMarker | None):
         raise RefusalError(f"a class derived from {describe(base)} is not supported")
@@ -211,7 +211,7 @@ def _with(node: ast.With, frame: Frame) -> object:
 def _try(node: ast.Try, frame: Frame) -> object:
     for handler in node.handlers:
         if handler.type is not None and not _names(handler.type):
-            raise RefusalError("`except` of what is no name is not supported", handler.lineno)
+            raise RefusalError("`except` takes names of errors", handler.lineno)
     try:
         ended = _guarded(node, frame)
     except RaisedError:
@@ -242,7 +242,7 @@ def _guarded(node: ast.Try, frame: Frame) -> object:
 
 def _assert(node: ast.Assert, frame: Frame) -> None:
     if not value_of(node.test, frame):
-        raise RaisedError("AssertionError", "what the script asserts is not so", "")
+        raise RaisedError("AssertionError", "an assertion of the script fails", "")
 
 
 def _raise(node: ast.Raise, frame: Frame) -> None:
@@ -251,11 +251,11 @@ def _raise(node: ast.Raise, frame: Frame) -> None:
         raise script.handled
     names = _names(node.exc.func if isinstance(node.exc, ast.Call) else node.exc)
     if not names:
-        raise RefusalError("the script ends itself here with an error")
+        raise RefusalError("the script raises an error here")
     arguments = values_of(node.exc.args, frame) if isinstance(node.exc, ast.Call) else []
     said = to_text(arguments[0], script) if arguments else ""
     shown = f": {said[:200]!r}" if said else ""
-    raise RaisedError(names[0], f"the script ends itself here with {names[0]:.60}{shown}", said)
+    raise RaisedError(names[0], f"the script ends here with {names[0]:.60}{shown}", said)
 
 
 def _is_caught(error: RaisedError, names: list[str]) -> bool:
@@ -281,7 +281,7 @@ def _import(node: ast.Import, frame: Frame) -> None:
 
 def _import_from(node: ast.ImportFrom, frame: Frame) -> None:
     if node.level or node.module is None:
-        raise RefusalError("an import relative to another file is not supported")
+        raise RefusalError("a script cannot import from other files")
     found = _module(node.module, frame)
     for alias in node.names:
         if alias.name != "*":
