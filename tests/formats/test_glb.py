@@ -115,8 +115,8 @@ def test_classes_come_from_extras_names_and_materials(tmp_path: Path) -> None:
     ("change", "said"),
     [
         ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "needs extensions that are not read, .*draco"),
-        ({"buffers": [{"uri": "http://x/a.bin", "byteLength": 168}]}, "in another file; only its own are read"),
-        ({"buffers": [{"byteLength": 168}, {"byteLength": 5}]}, "in another file; only its own are read"),
+        ({"buffers": [{"uri": "http://x/a.bin", "byteLength": 168}]}, "in another file .export it as glTF Binary"),
+        ({"buffers": [{"byteLength": 168}, {"byteLength": 5}]}, "in another file .export it as glTF Binary"),
         ({"buffers": [{"uri": "data:;base64,%%%", "byteLength": 5}]}, "not base64: "),
         ({"buffers": [{"uri": "data:text/plain,abc", "byteLength": 3}]}, "in another file"),
         ({"bufferViews": [{"buffer": 1, "byteLength": 9}]}, "buffer 1 is not there; the file has 1"),

@@ -117,7 +117,7 @@ def test_numbered_parts_are_one_thing(tmp_path):
     """As Blender writes objects with the option of material groups."""
     corners = "v 0 0 0\nv 1 0 0\nv 0 0 1\n"
     (tmp_path / "a.obj").write_text(
-        "".join(f"o {name}\n{corners}f -3 -2 -1\n" for name in ("Car_1.Paint", "Car_1_Glass", "Car_2_Paint"))
+        "".join(f"o {name}\n{corners}f -3 -2 -1\n" for name in ("Car_1_Paint", "Car_1_Glass", "Car_2_Paint"))
     )
     assert [(p.id, p.instance) for p in layout_from_obj(tmp_path / "a.obj")] == [
         ("Car_1.Paint", 1),
