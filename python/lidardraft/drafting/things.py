@@ -55,6 +55,7 @@ class Things:
         self._distinct_wholes, self._distinct_ids = _Distinct(), _Distinct()
         taken = {number for number in given if type(number) is int}
         self._numbers = defaultdict[str, int](filterfalse(taken.__contains__, count(1)).__next__)
+        self._found: dict[tuple[Node, str], tuple[str, str]] = {}  # wholes and parts
         self._of_one_thing: dict[Node, str | None] = {}
         self._groups = self._groups_of(nodes)
         # Those that are no part, by the words of their names and the suffix of a copy, and where they are [N, 3].
@@ -88,12 +89,14 @@ class Things:
         It is a part of the uppermost node above it that is one thing of its class, or else of "Car_1" if its name is
         "Car_1_Wheel".
         """
-        above = (each for each in node.up() if each is not node and each not in self._groups)
-        whole_nodes = [each for each in above if self._thing_of(each) == label]
-        if not whole_nodes:
-            return self._named(node, label)
-        whole, _ = self._named(whole_nodes[-1], label)
-        return whole + node.suffix, node.name.removeprefix(whole).lstrip("._ -") or node.name
+        if (node, label) not in self._found:
+            above = (each for each in node.up() if each is not node and each not in self._groups)
+            things = [each for each in above if self._thing_of(each) == label]
+            whole, part = self._named(things[-1] if things else node, label)
+            if things:
+                whole, part = whole + node.suffix, node.name.removeprefix(whole).lstrip("._ -") or node.name
+            self._found[node, label] = whole, part
+        return self._found[node, label]
 
     def _named(self, node: Node, label: str | None) -> tuple[str, str]:
         """The whole and the part that its name says."""

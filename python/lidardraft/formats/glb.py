@@ -146,9 +146,7 @@ class GlbFile:
         indices = self.array(piece.part["indices"], "SCALAR") if "indices" in piece.part else np.arange(len(positions))
         most = max(len(positions), len(indices) // 3)
         if indices.dtype.kind not in "iu" or len(indices) < 3 or most > MOST_VERTICES:
-            raise FormatError(
-                f"{len(positions)} positions and {len(indices)} indices: too many, or no triangle"
-            )
+            raise FormatError(f"{len(positions)} positions and {len(indices)} indices: too many, or no triangle")
         faces = indices[: len(indices) // 3 * 3].astype(np.int64).reshape(-1, 3)
         return TriangleMesh(positions, faces)  # names a vertex that is not finite and a face that has no vertex
 

@@ -25,7 +25,10 @@ REFUSED: list[tuple[str, str]] = [
     ("car.scale = (1, 2, float('inf'))", "the scale is inf"),
     ("car.modifiers.new('a', 'ARRAY').count = 1001", "the count of an array is 1001; it must be 1 to 1000"),
     ("car.modifiers.new('a', 'ARRAY').fit_type = 'FIT_LENGTH'", "'fit_type' of an array modifier cannot be set"),
-    ("for i in range(2):\n    car.modifiers.new('a', 'ARRAY').count = 99", "^line 3: .* make 9801 copies; the limit is 1000"),
+    (
+        "for i in range(2):\n    car.modifiers.new('a', 'ARRAY').count = 99",
+        "^line 3: .* 9801 copies; the limit is 1000",
+    ),
     ("bpy.ops.import_scene.obj(filepath='a.obj')", "^line 6: bpy.ops.import_scene.obj is not supported"),
     ("bpy.ops.mesh()", "bpy.ops.mesh cannot be called"),
     ("bpy.types.Operator", "bpy.types.Operator is not supported"),
