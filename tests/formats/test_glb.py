@@ -58,7 +58,7 @@ def test_a_layout_comes_back_but_for_float32(tmp_path: Path, layout: Layout) -> 
         if was.id == "cone":  # a cylinder under the name of a mesh
             assert is_.shape == "cylinder"
             is_ = dataclasses.replace(is_, shape="mesh", mesh=was.mesh)
-        for name in ("shape", "label", "id", "instance", "material", "extinction"):
+        for name in ("shape", "label", "id", "instance", "material", "extinction", "open"):
             assert getattr(was, name) == getattr(is_, name)
         off = 1e-9 if was.mesh is None else 1e-6 * max(was.size)
         np.testing.assert_allclose(

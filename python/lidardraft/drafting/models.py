@@ -17,7 +17,7 @@ from lidardraft.formats.glb import MOST_VERTICES, GlbFile, Piece, extras_of, ope
 from lidardraft.formats.obj import obj_meshes
 from lidardraft.json_fields import is_number
 from lidardraft.scene.box import FURTHEST
-from lidardraft.scene.class_names import PROPERTIES, check_classes, class_of
+from lidardraft.scene.class_names import check_classes, class_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.placed_mesh import MOST_RECOGNISED, placed_mesh, recognised_shape
@@ -77,11 +77,10 @@ def layout_from_obj(
         for (name, material, mesh), label in zip(objects, labels, strict=True):
             nodes.setdefault(name or material, Node(name or material, label, place=partial(_middle, mesh)))
         things = Things(list(nodes.values()), classes)
-        fields: list[dict[str, Any]] = []
-        for (name, material, _), label in zip(objects, labels, strict=True):
-            node = nodes[name or material]
-            id, instance = things.id_of(node, label), things.number_of(node, label)
-            fields.append({"label": label, "id": id, "instance": instance})
+        fields = [
+            things.fields_of(nodes[name or material], label, {})
+            for (name, material, _), label in zip(objects, labels, strict=True)
+        ]
         primitives = _obj_primitives([shape for _, _, shape in objects], scale * _FRAMES[up][:3, :3].T, fields)
         return Layout(primitives=tuple(primitives), provenance={"source": os.path.basename(os.fspath(path))})
 
@@ -128,13 +127,8 @@ def _glb_primitives(
         spent += max(len(vertices), len(faces))
         if spent > MOST_VERTICES:
             raise FormatError(f"more than {MOST_VERTICES} vertices or triangles in all nodes")
-        extras = {name: value for name, value in piece.extras.items() if name in PROPERTIES and name != "class"}
-        node = nodes[piece.indices[0]]
-        if "id" not in extras:
-            extras["id"] = things.id_of(node, label)
-        if "instance" not in extras:
-            extras["instance"] = things.number_of(node, label)
-        primitive = placed_mesh(matrix, vertices, faces, shape=shape, label=label, **extras)
+        fields = things.fields_of(nodes[piece.indices[0]], label, piece.extras)
+        primitive = placed_mesh(matrix, vertices, faces, shape=shape, **fields)
         if primitive is not None:
             yield primitive
 

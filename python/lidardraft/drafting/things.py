@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft.scene.class_names import class_of, class_of_last_word, id_of, says_many, whole_and_part, without_number
+from lidardraft.scene.layout import MORE
 from lidardraft.semantics import BY_NAME
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
@@ -65,6 +66,15 @@ class Things:
             name = _Name(node.name)
             if _is_thing(node.label) and not name.is_part:
                 self._known.setdefault((name.keys[0], node.suffix), []).append(node)
+
+    def fields_of(self, node: Node, label: str, properties: Mapping[str, Any]) -> dict[str, Any]:
+        """The fields of a primitive for one more surface of a node, of a class; what the object's own properties say
+        comes first."""
+        fields = {name: properties[name] for name in ("instance", *MORE) if name in properties}
+        fields |= {"label": label, "id": properties.get("id") or self.id_of(node, label)}
+        if "instance" not in fields:
+            fields["instance"] = self.number_of(node, label)
+        return fields
 
     def id_of(self, node: Node, label: str) -> str:
         """The id of one more surface of a node, of a class: that of its whole or, behind a dot, of a part of it."""

@@ -267,8 +267,6 @@ def write_glb(path: str | os.PathLike[str], layout: Layout) -> None:
 
 
 def _node(primitive: Primitive, mesh: int) -> dict[str, Any]:
-    extras: dict[str, Any] = {"class": primitive.label, "id": primitive.id, "instance": primitive.instance}
-    extras |= {name: value for name in ("material", "extinction", "open") if (value := getattr(primitive, name))}
     half = primitive.yaw / 2
     return {
         "name": primitive.id,
@@ -276,7 +274,7 @@ def _node(primitive: Primitive, mesh: int) -> dict[str, Any]:
         "translation": list(primitive.center),
         "rotation": [0.0, 0.0, math.sin(half), math.cos(half)],
         "scale": [extent or 1.0 for extent in primitive.size],
-        "extras": extras,
+        "extras": {"class": primitive.label, "id": primitive.id, "instance": primitive.instance, **primitive.more()},
     }
 
 

@@ -67,7 +67,6 @@ _MANY = ("people",)  # plurals without -s
 _PLURAL = re.compile(r"(?<=[a-z]{2})(?:(?<=ch|sh|ss)es|(?<!s)s)$")
 _NUMBERED = re.compile(r"(?<![A-Za-z])([A-Za-z]+)[\d._ -]*\d(?=[._ -]+\D)")  # a word, its number, and more behind
 OUTRIGHT = "class:"  # before the class, in a name that says nothing else
-PROPERTIES = ("class", "id", "instance", "material", "extinction")  # that an object may carry, which come before names
 
 
 def check_classes(classes: Mapping[str, str]) -> None:

@@ -28,6 +28,7 @@ SCHEMA = "lidardraft.layout/1"
 SHAPES = ("box", "ellipsoid", "cylinder", "plane", "mesh")
 _INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of instance
 AROUND = "around/"  # what the ids of surroundings begin with (`surround`)
+MORE = ("material", "extinction", "open")  # fields that few primitives have
 MOST_PRIMITIVES = 100_000  # which are read in a second or two
 
 
@@ -147,10 +148,14 @@ class Primitive:
         required = ("shape", "center", "size", "yaw", "label", "id", "instance")
         fields: dict[str, Any] = {name: getattr(self, name) for name in required}
         fields |= {"center": list(self.center), "size": list(self.size)}
-        fields |= {name: value for name in ("material", "extinction", "open") if (value := getattr(self, name))}
+        fields |= self.more()
         if self.mesh is not None:
             fields["vertices"], fields["faces"] = self.mesh.vertices.tolist(), self.mesh.faces.tolist()
         return fields
+
+    def more(self) -> dict[str, Any]:
+        """Those of `MORE` that it has."""
+        return {name: value for name in MORE if (value := getattr(self, name))}
 
     @classmethod
     def from_dict(cls, fields: Mapping[str, Any]) -> Primitive:
@@ -158,7 +163,7 @@ class Primitive:
         fields = dict(fields)
         with named(str(fields.get("id", "a primitive"))):
             required = ("shape", "center", "size", "label", "id")
-            check_fields(fields, required, ("yaw", "instance", "material", "extinction", "open", "vertices", "faces"))
+            check_fields(fields, required, ("yaw", "instance", *MORE, "vertices", "faces"))
             vertices, faces = fields.pop("vertices", None), fields.pop("faces", None)
             if vertices is not None or faces is not None:
                 fields["mesh"] = TriangleMesh(vertices, faces)

@@ -39,7 +39,6 @@ _DEFAULT_LIMITS = Limits()
 PROVENANCE = "lidardraft"  # the property of the scene in which a layout's provenance and coverage travel
 _MOST_NAMES = 50  # in one message
 _DEEPEST = 100  # parents of an object
-_FIELDS = ("instance", "material", "extinction", "open")  # of a shape, that properties of an object say
 _REMEDY = "say which by --class NAME=CLASS (`classes` in Python)"
 
 
@@ -133,13 +132,8 @@ def primitives_of(scene: Scene, classes: Mapping[str, str], *, strict: bool) -> 
     things = Things(nodes, classes, (item.properties.get("instance") for item, *_ in meshes))
     primitives = []
     for (item, mesh, shape, said), node in zip(found, nodes, strict=True):
-        label = said or "other"
-        fields = {name: item.properties[name] for name in _FIELDS if name in item.properties}
-        fields |= {"label": label, "id": item.properties.get("id") or things.id_of(node, label)}
-        if "instance" not in fields:
-            fields["instance"] = things.number_of(node, label)
         try:
-            primitive = _placed_shape(item, mesh, shape, **fields)
+            primitive = _placed_shape(item, mesh, shape, **things.fields_of(node, said or "other", item.properties))
         except LayoutError as error:
             raise RefusalError(f"{error!s:.300}", item.line) from None
         if primitive is None:
