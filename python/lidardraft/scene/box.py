@@ -43,7 +43,7 @@ class Box:
             raise LayoutError(f"{self.id}: size is {list(self.size)}; no extent may be negative")
         if not isinstance(self.label, str) or self.label not in BY_NAME:
             raise LayoutError(f"{self.id}: label is {self.label!r}; it must be {one_of(BY_NAME, self.label)}")
-        checked_yaw(self.id, self.yaw)
+        object.__setattr__(self, "yaw", checked_yaw(self.id, self.yaw))
         if type(self.instance) is not int or self.instance < 0:
             raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be a whole number >= 0")
         if self.velocity is not None:
