@@ -18,7 +18,7 @@ import numpy as np
 from lidardraft.errors import FormatError, LayoutError, one_of
 from lidardraft.files import named, read_text, write_text
 from lidardraft.json_fields import check_brackets, check_fields, check_lists, check_object, is_number, parse_document
-from lidardraft.scene.box import FURTHEST, THINNEST, Box, check_id, checked_vector, checked_yaw
+from lidardraft.scene.box import FURTHEST, THINNEST, Box, check_id, checked_instance, checked_vector, checked_yaw
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.mesh import TriangleMesh, has_surface, unit_mesh, unit_vertices
 from lidardraft.scene.pose import point_at
@@ -70,8 +70,7 @@ class Primitive:
             known = one_of(list(BY_NAME)[1:], self.label)
             raise LayoutError(f"{self.id}: label is {self.label!r}; it must be {known}")
         object.__setattr__(self, "yaw", checked_yaw(self.id, self.yaw))
-        if type(self.instance) is not int or not 0 <= self.instance <= _INSTANCE_LIMIT:
-            raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be 0 to {_INSTANCE_LIMIT}")
+        object.__setattr__(self, "instance", checked_instance(self.id, self.instance, _INSTANCE_LIMIT))
         if self.material is not None and self.material not in tuple(MATERIAL_BY_NAME):
             known = one_of(MATERIAL_BY_NAME, self.material)
             raise LayoutError(f"{self.id}: material is {self.material!r}; it must be {known}")
