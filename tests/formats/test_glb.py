@@ -142,6 +142,11 @@ def test_what_is_not_read_gets_one_line(tmp_path: Path, change: dict[str, Any], 
         read(tmp_path, node, **change)
 
 
+def test_a_file_that_is_not_there_is_named_once() -> None:
+    with pytest.raises(FormatError, match=r"^none\.glb: No such file or directory$"):
+        layout_from_glb("none.glb")
+
+
 @pytest.mark.parametrize(
     ("accessor", "said"),
     [

@@ -130,7 +130,7 @@ def test_a_frame_is_saved_and_read_and_leaves_with_its_time(tmp_path: Path) -> N
     made = simulator(street(car(12, 0)), Scenario(AlongLane(6.0)), hz=5.0)
     scans = list(made)
     scans[1].save(tmp_path / "000001", picture=False)
-    read = Scan.load(tmp_path / "000001")
+    read = Scan.load(tmp_path / "000001.bin")
     assert (read.time, read.speed, read.turn) == (scans[1].time, scans[1].speed, scans[1].turn)
     assert read.velocities == scans[1].velocities
     assert [box.velocity for box in read.boxes()] == [box.velocity for box in scans[1].boxes()]

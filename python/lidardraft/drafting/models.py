@@ -40,8 +40,8 @@ def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] 
     names that say no class.
     """
     classes = _checked(path, classes, up)
+    file = open_glb(path)
     with named(path):
-        file = open_glb(path)
         pieces = list(file.pieces(_FRAMES[up]))
         labels = _labels((piece.name, _class_of(piece, classes)) for piece in pieces)
         primitives = list(_glb_primitives(file, pieces, labels, classes))

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import expecting, read_bytes, written_whole
+from lidardraft.files import expecting, named, read_bytes, written_whole
 from lidardraft.json_fields import are_numbers, check_object, is_number, parse_object
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh, unit_mesh
@@ -152,8 +152,11 @@ class GlbFile:
 
 
 def open_glb(path: str | os.PathLike[str]) -> GlbFile:
-    """The chunks of a file. Raises `FormatError` for anything but a whole binary glTF 2 that needs no other file."""
-    return parse_glb(read_bytes(path))
+    """The chunks of a file. Raises `FormatError`, which names it, for anything but a whole binary glTF 2 that needs no
+    other file."""
+    data = read_bytes(path)
+    with named(path):
+        return parse_glb(data)
 
 
 def parse_glb(data: bytes) -> GlbFile:
