@@ -306,7 +306,7 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
     add_inputs(parser, "text-file", "map", bare="bare, as the weights `street` make up what is left open")
     world = parser.add_argument_group("world")
     add_speed(world, "; in a sequence that of the road")
-    text = "an earlier scan, NAME of its NAME.npz: what it made up stays where the layout leaves it open"
+    text = "an earlier scan, its NAME.bin: what it made up stays where the layout leaves it open"
     world.add_argument("--after", metavar="SCAN", help=text)
     _add_sequence(parser)
     parser.set_defaults(weather=[], jobs=1)
