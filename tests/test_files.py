@@ -196,6 +196,26 @@ def test_a_lock_ends_with_a_process_that_is_killed(tmp_path: Path) -> None:
             pass
 
 
+def test_a_lock_that_is_removed_while_it_is_waited_for_is_taken_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Else two writers would hold a lock each, of which only one has a name."""
+    lock, taken = files._lock, list[int]()
+
+    def after_its_holder(file: int) -> None:
+        if not taken:
+            (tmp_path / files.LOCK).unlink()
+        taken.append(file)
+        lock(file)
+
+    monkeypatch.setattr(files, "_lock", after_its_holder)
+    with locked_folder(tmp_path):
+        assert len(taken) == 2
+        with pytest.raises(FormatError, match="is being written by"), locked_folder(tmp_path):
+            pass
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.parametrize(
     ("error", "said"),
     [

@@ -3,6 +3,7 @@
 import dataclasses
 import math
 import warnings
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from lidardraft import Layout, Pipeline, RangeImage, Scan, Sensor, layout_from_t
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.sensor_limits import SensorLimits
-from lidardraft.errors import CheckpointError
+from lidardraft.errors import CheckpointError, LidarDraftError
 from lidardraft.pipeline import _cast_and_open, merged
 from lidardraft.scene import edit
 from lidardraft.scene.semantic_map import standing_on_ground
@@ -251,3 +252,12 @@ def test_other_weights_and_sensors_go_on_from_no_scan(pipeline: Pipeline, layout
             one(layout, sensor=sensor, after=scan)
     with pytest.raises(CheckpointError, match="go on from an earlier scan"):
         next(of(CONTROLLED).frames(SequenceSimulator(layout, SMALL, frames=2)))
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"steps": 0}, {"steps": 1.5}, {"langevin": 0}, {"guidance": -1.0}, {"guidance": math.nan}]
+)
+def test_a_pipeline_that_cannot_be(pipeline: Pipeline, wrong: dict[str, Any]) -> None:
+    (name,) = wrong
+    with pytest.raises(LidarDraftError, match=f"^{name} is "):
+        Pipeline(pipeline.denoiser, **wrong)

@@ -66,7 +66,7 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
         assert cli.main(words) == 0, f"{line}\n{capsys.readouterr().err}"
     assert (tmp_path / "crossroads/000003.bin").exists()
     assert (tmp_path / "crossroads/000000.view.png").exists()
-    assert (tmp_path / "streets.png").exists()
+    assert (tmp_path / "pairs/00000.view.png").exists()
     assert (tmp_path / "pairs/index.json").exists()
 
 

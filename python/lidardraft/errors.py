@@ -1,7 +1,9 @@
 """The errors that bad input gets. Each message names the thing, the value and the limit."""
 
+import operator
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from typing import Any
 
 
 def one_of(names: Iterable[str], value: object) -> str:
@@ -33,10 +35,25 @@ def check_type(name: str, value: object, *types: type) -> None:
         raise TypeError(f"{name} is a {type(value).__name__}; it must be a {wanted}")
 
 
-def check_seed(seed: object) -> None:
-    """Raise `LayoutError` on a seed that is not an integer >= 0."""
-    if type(seed) is not int or seed < 0:
-        raise LayoutError(f"seed is {seed!r}; it must be an integer >= 0")
+def as_int(value: Any) -> int | None:
+    """The int that an integer is, also one of numpy; None for anything else, and for True and False."""
+    try:
+        return None if isinstance(value, bool) else operator.index(value)
+    except TypeError:
+        return None
+
+
+def check_number(name: str, value: Any, *, least: int = 0) -> int:
+    """The value as an int; raises `LayoutError` where it is no integer or less than `least`."""
+    number = as_int(value)
+    if number is None or number < least:
+        raise LayoutError(f"{name} is {value!r}; it must be an integer >= {least}")
+    return number
+
+
+def check_seed(seed: Any) -> int:
+    """The seed as an int; raises `LayoutError` where it is no integer >= 0."""
+    return check_number("seed", seed)
 
 
 _LONGEST = 2000  # characters of a message

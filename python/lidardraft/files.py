@@ -10,7 +10,7 @@ import stat
 import sys
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
 from lidardraft.errors import FormatError, LidarDraftError
@@ -221,21 +221,31 @@ def expecting(what: str) -> Iterator[None]:
 
 @contextmanager
 def locked_folder(folder: Path, lock: str = LOCK) -> Iterator[None]:
-    """Hold a lock of an existing folder while the block runs; the file of its name stays in it.
+    """Hold a lock of an existing folder while the block runs: a file of its name, which goes at the end.
 
     Raises `FormatError` naming the process that holds the lock.
     """
     path = folder / lock
-    # the system closes the file, and so ends the lock, when this process ends; processes started by it do not get it
-    with path.open("a+") as file:
-        try:
-            _lock(file.fileno())
-        except (BlockingIOError, PermissionError):
-            holder = path.read_text().strip() or "another process"
-            raise FormatError(f"{folder} is being written by {holder}; wait for it, or use another folder") from None
-        except OSError as error:
-            raise FormatError(f"{folder} cannot be locked: {error.strerror}") from None
+    with ExitStack() as opened:
+        while True:
+            # the system closes the file, and so ends the lock, when this process ends; others that it starts have none
+            file = opened.enter_context(path.open("a+"))
+            try:
+                _lock(file.fileno())
+            except (BlockingIOError, PermissionError):
+                file.seek(0)
+                held = f"{folder} is being written by {file.read().strip() or 'another process'}"
+                raise FormatError(f"{held}; wait for it, or use another folder") from None
+            except OSError as error:
+                raise FormatError(f"{folder} cannot be locked: {error.strerror}") from None
+            with suppress(FileNotFoundError):
+                if os.path.samestat(os.fstat(file.fileno()), os.stat(path)):
+                    break  # and the last holder has not removed it since it was opened
         file.truncate(0)
         file.write(f"process {os.getpid()} on {platform.node()}")
         file.flush()
-        yield
+        try:
+            yield
+        finally:
+            with suppress(OSError):  # Windows keeps what is open
+                path.unlink()

@@ -16,7 +16,8 @@ from lidardraft.diffusion.denoiser_config import GUIDANCE, STEPS
 from lidardraft.diffusion.sampler import sample
 from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.drafting.text.layout import layout_from_text
-from lidardraft.errors import CheckpointError, check_type
+from lidardraft.errors import CheckpointError, LidarDraftError, check_number, check_type
+from lidardraft.json_fields import is_number
 from lidardraft.networks import weight_file
 from lidardraft.scan import Scan
 from lidardraft.scene.labelling import label_by_agreement
@@ -53,10 +54,12 @@ class Pipeline:
         trained: SensorLimits | None = None,
     ) -> None:
         check_type("denoiser", denoiser, Denoiser)
+        if not (is_number(guidance) and guidance >= 0):
+            raise LidarDraftError(f"guidance is {guidance!r}; it must be a finite number of 0 or more")
         self.denoiser = denoiser.eval()
-        self.steps = steps
-        self.guidance = guidance
-        self.langevin = langevin
+        self.steps = check_number("steps", steps, least=1)
+        self.guidance = float(guidance)
+        self.langevin = None if langevin is None else check_number("langevin", langevin, least=1)
         self.trained = trained
 
     @classmethod

@@ -166,11 +166,11 @@ class Scan:
 
     @classmethod
     def load(cls, name: str | os.PathLike[str]) -> Scan:
-        """The scan that was saved as `NAME`; one of `save_observed` has an empty layout.
-
-        Raises `FormatError` where `NAME.npz` or `NAME.layout.json` is missing or broken.
+        """The scan that was saved as `NAME`, which may end in .bin or .npz here; one of `save_observed` has an empty
+        layout. Raises `FormatError` where `NAME.npz` or `NAME.layout.json` is missing or broken.
         """
-        file = f"{os.fspath(name)}.npz"
+        name = os.fspath(name).removesuffix(".bin").removesuffix(".npz")
+        file = f"{name}.npz"
         image = RangeImage.load(file)
         with array_files.opened(file) as archive:
             if not array_files.holds(archive, "pose"):
@@ -182,7 +182,7 @@ class Scan:
                 velocities = parse_object(array_files.read_text(archive, "velocities"))
                 motion["velocities"] = {key: checked_vector(key, "velocity", row) for key, row in velocities.items()}
             seed = int(array_files.read_numbers(archive, "seed", ()).item())
-        layout = Layout.load(f"{os.fspath(name)}.layout.json")
+        layout = Layout.load(f"{name}.layout.json")
         return cls(image=image, layout=layout, pose=pose, seed=seed, **motion)
 
     def __repr__(self) -> str:

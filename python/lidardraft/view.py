@@ -171,16 +171,15 @@ def render_returns(
     boxes: Sequence[Box] = (),
     title: str = "",
     by_label: bool = False,
-    height: int = _VIEW_HEIGHT,
 ) -> np.ndarray:
     """The returns `points` [N, 3] of a scan: by an eye that shows its boxes, from above, and as range images.
 
-    uint8 [1.4 height, 2.5 height, 3]. The legend says what the colours are (`colour_returns`); rings are 10 m
+    uint8 [784, 1400, 3]. The legend says what the colours are (`colour_returns`); rings are 10 m
     apart.
     """
     boxes, points = _with_returns(boxes, image), points.astype(np.float32)  # half as much memory to go through
     colours = colour_returns(image, points[:, 2], by_label=by_label)
-    view, above = (_drawn(eye, points, colours, boxes) for eye in _eyes(boxes, height))
+    view, above = (_drawn(eye, points, colours, boxes) for eye in _eyes(boxes))
     _describe(view, image, boxes, title, by_label)
     return _over_strips(stack([view.picture(), above.picture()], across=True), image)
 
@@ -229,12 +228,12 @@ def _with_returns(boxes: Sequence[Box], image: RangeImage) -> list[Box]:
     return [box for box in boxes if box.instance in seen]
 
 
-def _eyes(boxes: Sequence[Box], height: int) -> tuple[Eye, Eye]:
+def _eyes(boxes: Sequence[Box]) -> tuple[Eye, Eye]:
     """One that shows the boxes, and one above."""
-    wide, narrow = round(height * _WIDE), round(height * _NARROW) - _GAP
+    wide, narrow = round(_VIEW_HEIGHT * _WIDE), round(_VIEW_HEIGHT * _NARROW) - _GAP
     return (
-        Eye.showing(_shown(boxes), width=wide, height=height),
-        Eye.above(width=narrow, height=height, reach=_REACH),
+        Eye.showing(_shown(boxes), width=wide, height=_VIEW_HEIGHT),
+        Eye.above(width=narrow, height=_VIEW_HEIGHT, reach=_REACH),
     )
 
 
@@ -319,7 +318,7 @@ def render_scans_of_layout(layout: Layout, pose: np.ndarray, images: dict[str, R
 
 def render_layout_and_cast(layout: Layout, sensor: Sensor) -> np.ndarray:
     """The shapes of a layout, by an eye that shows its objects and from above, over their cast: uint8 [H, W, 3]."""
-    views = [render_layout(layout, eye) for eye in _eyes(layout.boxes(), _VIEW_HEIGHT)]
+    views = [render_layout(layout, eye) for eye in _eyes(layout.boxes())]
     return _over_strips(stack(views, across=True), raycast(layout, sensor))
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from lidardraft import Layout, Primitive, Sensor, simulate
 from lidardraft.cli import main as cli
@@ -24,11 +23,6 @@ SEQUENCE = Path(os.environ.get("LIDARDRAFT_DATA", "nowhere")).absolute() / "kitt
 STREETS = ["streets", "--sensor", "small.json", "--workers", "1"]
 Refused = Callable[..., str]
 RECORDED = ["pairs", "00", "--sensor", "small.json", "-o", "out"]
-
-
-def width(path: str) -> int:
-    with Image.open(path) as picture:
-        return picture.width
 
 
 def test_pairs_on_disk_go_on_where_they_stopped(capsys: pytest.CaptureFixture[str]) -> None:
@@ -64,18 +58,6 @@ def test_pairs_are_not_mixed_with_other_files(refused: Callable[..., str]) -> No
         Path("killed", name).write_text("")
     assert cli.main([*STREETS, "--output", "killed", "-n", "1"]) == 0
     assert len(PairFolder("killed")) == 1
-
-
-def test_a_picture_to_look_at(capsys: pytest.CaptureFixture[str]) -> None:
-    for num in ("1", "2"):
-        assert cli.main([*STREETS, "-n", num, "--look", f"{num}.png"]) == 0
-    assert capsys.readouterr().out == "1.png\n2.png\n"
-    assert width("2.png") > 1.9 * width("1.png")
-
-
-def test_a_picture_has_a_limit_and_a_place(refused: Callable[..., str]) -> None:
-    assert "there is no folder nowhere" in refused(*STREETS, "-n", "1", "--look", "nowhere/a.png")
-    assert "--num is 101; a picture shows up to 100 streets" in refused(*STREETS, "-n", "101", "--look")
 
 
 @pytest.fixture

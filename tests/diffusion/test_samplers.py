@@ -5,6 +5,7 @@ import inspect
 import itertools
 from typing import Any
 
+import numpy as np
 import pytest
 import torch
 from torch import Tensor
@@ -118,7 +119,7 @@ def test_sample_k_does_not_depend_on_the_batch(langevin: int | None, near: float
     sensor = Sensor(name="small", elevations=(0.1, 0.0, -0.1, -0.2), columns=16)
     condition = torch.rand(1, CONDITION_CHANNELS, *sensor.shape)
     *_, together = sample(denoiser, sensor, seeds=[5, 6, 7], condition=condition, steps=3, langevin=langevin)
-    *_, alone = sample(denoiser, sensor, seeds=[6], condition=condition, steps=3, langevin=langevin)
+    *_, alone = sample(denoiser, sensor, seeds=[np.int64(6)], condition=condition, steps=3, langevin=langevin)
     assert together.shape == (3, STATE_CHANNELS, 4, 16)
     torch.testing.assert_close(together[1:2], alone, atol=near, rtol=0)
     assert not torch.allclose(together[0], together[1], atol=1e-2)

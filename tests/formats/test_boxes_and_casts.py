@@ -17,7 +17,7 @@ CAR = Box("car_1", "car", 1, (10.0, -2.0, -0.98), (4.2, 1.8, 1.5), 0.25)
 
 
 def test_reading_gives_what_was_written(tmp_path):
-    boxes = [CAR, dataclasses.replace(CAR, id="person_2", label="person", instance=2)]
+    boxes = [CAR, dataclasses.replace(CAR, id="person_2", label="person", instance=2, yaw=np.float32(0.5))]
     write_boxes(tmp_path / "boxes.json", boxes, [312, 0])
     assert read_boxes(tmp_path / "boxes.json") == (boxes, [312, 0])
     document = json.loads((tmp_path / "boxes.json").read_text())

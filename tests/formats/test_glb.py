@@ -58,7 +58,7 @@ def test_a_layout_comes_back_but_for_float32(tmp_path: Path, layout: Layout) -> 
         if was.id == "cone":  # a cylinder under the name of a mesh
             assert is_.shape == "cylinder"
             is_ = dataclasses.replace(is_, shape="mesh", mesh=was.mesh)
-        for name in ("shape", "label", "id", "instance", "material", "extinction"):
+        for name in ("shape", "label", "id", "instance", "material", "extinction", "open"):
             assert getattr(was, name) == getattr(is_, name)
         off = 1e-9 if was.mesh is None else 1e-6 * max(was.size)
         np.testing.assert_allclose(
@@ -115,8 +115,8 @@ def test_classes_come_from_extras_names_and_materials(tmp_path: Path) -> None:
     ("change", "said"),
     [
         ({"extensionsRequired": ["KHR_draco_mesh_compression"]}, "needs extensions that are not read, .*draco"),
-        ({"buffers": [{"uri": "http://x/a.bin", "byteLength": 168}]}, "in another file; only its own are read"),
-        ({"buffers": [{"byteLength": 168}, {"byteLength": 5}]}, "in another file; only its own are read"),
+        ({"buffers": [{"uri": "http://x/a.bin", "byteLength": 168}]}, "in another file .export it as glTF Binary"),
+        ({"buffers": [{"byteLength": 168}, {"byteLength": 5}]}, "in another file .export it as glTF Binary"),
         ({"buffers": [{"uri": "data:;base64,%%%", "byteLength": 5}]}, "not base64: "),
         ({"buffers": [{"uri": "data:text/plain,abc", "byteLength": 3}]}, "in another file"),
         ({"bufferViews": [{"buffer": 1, "byteLength": 9}]}, "buffer 1 is not there; the file has 1"),
@@ -142,11 +142,16 @@ def test_what_is_not_read_gets_one_line(tmp_path: Path, change: dict[str, Any], 
         read(tmp_path, node, **change)
 
 
+def test_a_file_that_is_not_there_is_named_once() -> None:
+    with pytest.raises(FormatError, match=r"^none\.glb: No such file or directory$"):
+        layout_from_glb("none.glb")
+
+
 @pytest.mark.parametrize(
     ("accessor", "said"),
     [
-        ({"sparse": {"count": 1}}, "accessor 0 is sparse; that is not read"),
-        ({"componentType": 5123}, "positions that are not float32"),
+        ({"sparse": {"count": 1}}, "accessor 0 is sparse; only plain ones are read"),
+        ({"componentType": 5123}, "positions must be float32"),
         ({"count": 10**9}, "accessor 0 of 1000000000 values reaches to byte"),
         ({"count": -1}, "count is -1; it must be a whole number"),
         ({"componentType": [5126]}, "accessor 0 is no VEC3 of numbers"),
@@ -247,12 +252,12 @@ def test_shapes_stand_upright_along_y_as_along_z(tmp_path: Path) -> None:
         (b"", "no GLB: 0 bytes"),
         (b"glTF" + bytes(20), "glTF 0; version 2 is read"),
         (b"PK\3\4" + bytes(20), "it does not begin with glTF"),
-        (struct.pack("<5I", 0x46546C67, 2, 999, 4, 0x4E4F534A) + b"{}  ", "a broken GLB: its header tells of 999"),
+        (struct.pack("<5I", 0x46546C67, 2, 999, 4, 0x4E4F534A) + b"{}  ", "a broken GLB: its header says 999"),
         (struct.pack("<5I", 0x46546C67, 2, 24, 99, 0x4E4F534A) + b"{}  ", "99 of JSON"),
         (struct.pack("<5I", 0x46546C67, 2, 24, 4, 0x4E4F534A) + b"[]  ", "is not a JSON object"),
         (
             glb_bytes({}, b"1234").replace(struct.pack("<2I", 4, 0x004E4942), struct.pack("<2I", 99, 0x004E4942)),
-            "its second chunk tells of 99 bytes",
+            "its second chunk says 99 bytes",
         ),
     ],
 )

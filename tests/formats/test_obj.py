@@ -120,9 +120,9 @@ def test_numbered_parts_are_one_thing(tmp_path):
         "".join(f"o {name}\n{corners}f -3 -2 -1\n" for name in ("Car_1_Paint", "Car_1_Glass", "Car_2_Paint"))
     )
     assert [(p.id, p.instance) for p in layout_from_obj(tmp_path / "a.obj")] == [
-        ("Car_1_Paint", 1),
-        ("Car_1_Glass", 1),
-        ("Car_2_Paint", 2),
+        ("Car_1.Paint", 1),
+        ("Car_1.Glass", 1),
+        ("Car_2.Paint", 2),
     ]
 
 

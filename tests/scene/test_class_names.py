@@ -8,7 +8,7 @@ from lidardraft.scene.class_names import (
     class_of_last_word,
     id_of,
     says_many,
-    whole_of,
+    whole_and_part,
     without_number,
     words_of,
 )
@@ -90,13 +90,13 @@ def test_words_numbers_and_ids() -> None:
 
 
 def test_names_of_parts_and_of_many() -> None:
-    for name in ("car_1.body", "car_1_body", "car_1 body", "car_1"):
-        assert whole_of(name) == "car_1"
-    assert whole_of("Car_001") == "Car_001"
-    assert whole_of("roof") == "roof"
-    assert whole_of("Car.001.Wheel") == "Car.001"
-    assert whole_of("Street1_ParkedCar_2_left door") == "Street1_ParkedCar_2"
-    assert whole_of("Car_1_Trunk") == "Car_1"
+    for name in ("car_1.body", "car_1_body", "car_1 body"):
+        assert whole_and_part(name) == ("car_1", "body")
+    for name in ("Car_001", "roof", "car_1", "Car.001"):
+        assert whole_and_part(name) == (name, "")
+    assert whole_and_part("Car.001.Wheel") == ("Car.001", "Wheel")
+    assert whole_and_part("Street1_ParkedCar_2_left door") == ("Street1_ParkedCar_2", "left door")
+    assert whole_and_part("Car_1_Trunk") == ("Car_1", "Trunk")
     assert [
         says_many(name) for name in ("Cars", "Parked cars.001", "Buses", "People", "Car_2", "Bus", "Glass", "x")
     ] == [
@@ -109,7 +109,7 @@ def test_names_of_parts_and_of_many() -> None:
     "name", ["car_A4_red", "Lane1_Car_a", "Tesla car Model 3 left", "Cars_1_left", "Car_1_Car_2", "Vehicle_1_van"]
 )
 def test_a_number_that_is_not_that_of_the_object_makes_no_part(name: str) -> None:
-    assert whole_of(name) == name
+    assert whole_and_part(name) == (name, "")
 
 
 def test_the_last_word_says_what_an_object_is() -> None:

@@ -17,6 +17,8 @@ from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import Weather
 
 if TYPE_CHECKING:
+    from lidardraft.pipeline import Pipeline
+
     Options = argparse.ArgumentParser | argparse._ArgumentGroup  # what options can be added to
 
 DEFAULT_SENSOR = "hdl64e"
@@ -115,7 +117,7 @@ def add_training_device(parser: Options) -> None:
 
 
 def add_weights(parser: Options) -> None:
-    """What runs the diffusion model: --weights, --steps, --guidance, --device."""
+    """What runs the diffusion model: --weights, --steps, --guidance, --device, which `read_pipeline` reads."""
     parser.add_argument(
         "--weights",
         default="street",
@@ -127,6 +129,19 @@ def add_weights(parser: Options) -> None:
     text = f"weight of what a ControlNet adds; 1 takes one call of the network a step (default {GUIDANCE:g})"
     parser.add_argument("--guidance", type=positive, default=GUIDANCE, metavar="W", help=text)
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
+
+
+def read_pipeline(arguments: argparse.Namespace, *, langevin: int | None = None) -> Pipeline:
+    """The diffusion model that the options of `add_weights` name."""
+    from lidardraft.pipeline import Pipeline
+
+    return Pipeline.from_pretrained(
+        arguments.weights,
+        device=arguments.device,
+        steps=arguments.steps,
+        guidance=arguments.guidance,
+        langevin=langevin,
+    )
 
 
 def add_speed(parser: Options, more: str = "") -> None:

@@ -11,7 +11,15 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, assignments, read_sensor, whole_number
+from lidardraft.cli.arguments import (
+    add_seed,
+    add_sensor,
+    add_weights,
+    assignments,
+    read_pipeline,
+    read_sensor,
+    whole_number,
+)
 from lidardraft.cli.command import progress
 from lidardraft.cli.inputs import scan_files
 from lidardraft.cli.paper_tables import NAMES, table_lines
@@ -49,12 +57,8 @@ def evaluate(arguments: argparse.Namespace) -> None:
 
 def _evaluate_weights(arguments: argparse.Namespace) -> None:
     """Print the scores of weights on unseen streets."""
-    from lidardraft.pipeline import Pipeline
-
     sensor, num = read_sensor(arguments.sensor), arguments.num
-    pipeline = Pipeline.from_pretrained(
-        arguments.weights, device=arguments.device, steps=arguments.steps, guidance=arguments.guidance
-    )
+    pipeline = read_pipeline(arguments)
     pairs = unseen_streets(num, sensor, arguments.seed)
     half = ", half of each open" * pipeline.denoiser.config.completes
     print(f"{num} street{'s' * (num > 1)}, {sensor.name}{half}, {arguments.steps} steps")

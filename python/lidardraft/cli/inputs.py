@@ -412,6 +412,7 @@ def _add_image_options(group: argparse._ArgumentGroup) -> None:
 
 def _from_image(arguments: argparse.Namespace) -> Layout:
     """The layout of --image; what scale it got is said on stderr."""
+    from lidardraft.array_files import read_npy
     from lidardraft.drafting.picture.layout import CAMERA_HEIGHT, DEPTH, SEMANTICS, layout_from_image
     from lidardraft.formats.cityscapes import read_semantics
     from lidardraft.formats.masks import read_masks
@@ -424,7 +425,7 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
     with _naming_options(arguments, "depth", "semantics", "masks", "intrinsics"):
         layout = layout_from_image(
             Path(arguments.image),
-            depth=_depths(depth) if depth.endswith(".npy") else depth,
+            depth=read_npy(depth) if depth.endswith(".npy") else depth,
             semantics=read_semantics(semantics) if semantics.endswith((".npy", ".png")) else semantics,
             masks=read_masks(masks) if masks and masks.lower().endswith((".npy", ".npz", ".png")) else masks,
             intrinsics=_intrinsics(arguments.intrinsics),
@@ -445,23 +446,6 @@ def _naming_options(arguments: argparse.Namespace, *names: str) -> Iterator[None
         given = {name: getattr(arguments, name) for name in names if re.search(rf"\b{name}\b", str(error))}
         about = [f"--{name} {value}" for name, value in given.items() if value and value not in str(error)]
         raise type(error)(f"{error} ({', '.join(about)})" if about else str(error)) from None
-
-
-def _depths(path: str) -> np.ndarray:
-    """The depths [H, W] of a file, which is named where they are none."""
-    from lidardraft.array_files import read_npy
-
-    depth = read_npy(path)
-    if depth.ndim != 2 or not depth.size:
-        raise FormatError(f"{path}: its shape is {list(depth.shape)}; depths are [H, W], as many as --image has pixels")
-    wrong = ~np.isfinite(depth) | (depth < 0)
-    if wrong.any():
-        row, column = np.argwhere(wrong)[0].tolist()
-        raise FormatError(
-            f"{path}: {depth[row, column]} at row {row}, column {column} is not a depth [m], which is finite, and 0 "
-            "where unknown"
-        )
-    return depth
 
 
 def _intrinsics(given: str | None) -> object | None:

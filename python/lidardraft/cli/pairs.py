@@ -32,23 +32,14 @@ if TYPE_CHECKING:
 
 # A network learns more from another street than from another look at one; building it takes a third of the time then.
 _POSES = 4
-_SHOWN, _LOOK = 100, 320  # streets that a picture shows at most, and rows of the view of each
 _UNRELATED = 0.2  # of the beams' spacing: points that are of other beams are 0.25 off in the median
 
 
 def streets(arguments: argparse.Namespace) -> None:
-    """Make procedural streets: pairs of a scan and its condition image to train on, or a picture of some."""
-    if arguments.look is None:
-        _fill(Path(arguments.output), arguments)
-    else:
-        _look(arguments)
-
-
-def _fill(folder: Path, arguments: argparse.Namespace) -> None:
-    """Fill a folder up to `num` pairs, with a progress bar; what is in it already is kept."""
+    """Make procedural streets: pairs of a scan and its condition image to train on."""
     from lidardraft.formats.pairs import Pair, pairs_on_disk, write_pairs
 
-    num, seed, poses = arguments.num, arguments.seed, arguments.poses
+    folder, num, seed, poses = Path(arguments.output), arguments.num, arguments.seed, arguments.poses
     config = StreetConfig(sensor=read_sensor(arguments.sensor), poses_per_street=poses, simulated=True)
     source = f"streets of seed {seed}, {poses} poses each, {config.sensor.name}"
     _check_begun(folder)
@@ -79,27 +70,6 @@ def _check_begun(folder: Path) -> None:
         check_empty(folder, "", but=r"\d+\.npz|.*\.partial")
 
 
-def _look(arguments: argparse.Namespace) -> None:
-    """A sheet of streets, each with its boxes, from above and as range images."""
-    from lidardraft import view
-
-    num = arguments.num
-    if num > _SHOWN:
-        raise FormatError(f"--num is {num}; a picture shows up to {_SHOWN} streets")
-    if not Path(arguments.look).parent.is_dir():
-        raise FormatError(f"{arguments.look}: there is no folder {Path(arguments.look).parent}")
-    config = StreetConfig(sensor=read_sensor(arguments.sensor), poses_per_street=1)
-    pairs = pairs_of_streets(arguments.seed, config, workers=min(arguments.workers, num))
-    pictures = []
-    with progress(num, "street", leave=False) as bar:
-        for pair in itertools.islice(pairs, num):
-            boxes, points = pair.things.layout({}).boxes(), pair.scan.points(pair.poses())
-            pictures.append(view.render_returns(pair.scan, points, boxes=boxes, title=pair.district, height=_LOOK))
-            bar.update()
-    view.save_png(arguments.look, view.sheet(pictures))
-    print(arguments.look)
-
-
 def streets_options(parser: argparse.ArgumentParser) -> None:
     """The options of `streets`."""
     positive = whole_number(1)
@@ -110,11 +80,8 @@ def streets_options(parser: argparse.ArgumentParser) -> None:
     add_seed(parser)
     text = f"processes that make streets (default {cores()}, one a core)"
     parser.add_argument("--jobs", "--workers", dest="workers", type=positive, default=cores(), metavar="N", help=text)
-    to = parser.add_mutually_exclusive_group(required=True)
-    text = "fill a folder with pairs for lidardraft-train; a second call goes on"
-    to.add_argument("-o", "--output", metavar="FOLDER", help=text)
-    text = "make a picture of N streets instead (default streets.png)"
-    to.add_argument("--look", metavar="PICTURE.png", nargs="?", const="streets.png", help=text)
+    text = "where the pairs go, for lidardraft-train; a second call goes on"
+    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help=text)
 
 
 def pairs(arguments: argparse.Namespace) -> None:

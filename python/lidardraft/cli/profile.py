@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, read_sensor, whole_number
+from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, read_pipeline, read_sensor, whole_number
 from lidardraft.cli.scan_folder import cores
 
 T = TypeVar("T")
@@ -21,7 +21,6 @@ def profile(arguments: argparse.Namespace) -> None:
     """Print the time of each step from a sentence to a scan on this machine, and the memory it needs."""
     from lidardraft.drafting.cloud.layout import layout_from_cloud
     from lidardraft.drafting.text.layout import layout_from_text
-    from lidardraft.pipeline import Pipeline
     from lidardraft.scene.raycast import raycast
     from lidardraft.simulation.simulate import Simulator
 
@@ -34,13 +33,7 @@ def profile(arguments: argparse.Namespace) -> None:
     scan = _timed(arguments, "detailed objects to simulated scan", lambda: simulator.scan(seed=seed))
     points, labels = scan.points(), scan.labels()
     _timed(arguments, "scan to layout", lambda: layout_from_cloud(points, labels, sensor_height=sensor.mount_height))
-    loaded = _timed(
-        arguments,
-        "weights into memory",
-        lambda: Pipeline.from_pretrained(
-            arguments.weights, device=arguments.device, steps=arguments.steps, guidance=arguments.guidance
-        ),
-    )
+    loaded = _timed(arguments, "weights into memory", lambda: read_pipeline(arguments))
     condition = scan.condition_image
     text = f"whole scan by the network, {arguments.steps} steps"
     _timed(arguments, text, lambda: loaded.generate(condition, scan.image, seed=seed))

@@ -6,7 +6,6 @@ import argparse
 import itertools
 import os
 from collections.abc import Callable, Iterator
-from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Generic, TypeVar
@@ -14,7 +13,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 from lidardraft.cli.arguments import check_empty, whole_number
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError
-from lidardraft.files import LOCK, locked_folder
+from lidardraft.files import locked_folder
 
 if TYPE_CHECKING:
     from lidardraft.cli.arguments import Options
@@ -84,16 +83,12 @@ class ScanFolder(Generic[T]):
         first = self.make(0)
         self.path.mkdir(parents=True, exist_ok=True)
         with locked_folder(self.path):
-            try:
-                _clear(self.path)
-                made = itertools.chain([self._saved(0, first)], self._rest(num, jobs, run))
-                for count, notes in enumerate(made):
-                    for note in notes:
-                        say(note)
-                    yield count
-            finally:
-                with suppress(OSError):  # Windows keeps what is open
-                    (self.path / LOCK).unlink()
+            _clear(self.path)
+            made = itertools.chain([self._saved(0, first)], self._rest(num, jobs, run))
+            for count, notes in enumerate(made):
+                for note in notes:
+                    say(note)
+                yield count
 
     def _rest(self, num: int, jobs: int, run: int) -> Iterator[list[str]]:
         """The notes on each scan but the first, which are written in their order or, by several processes, in any."""

@@ -19,6 +19,7 @@ from lidardraft.cli.arguments import (
     add_weights,
     assignments,
     positive,
+    read_pipeline,
     read_sensor,
     read_weather,
     whole_number,
@@ -42,7 +43,6 @@ from lidardraft.scene.weather import Weather
 from lidardraft.streets import StreetConfig, StreetMix
 
 if TYPE_CHECKING:
-    from lidardraft.pipeline import Pipeline
     from lidardraft.scan import Scan
     from lidardraft.scene.range_image import RangeImage
     from lidardraft.simulation.sequence import SequenceSimulator
@@ -246,7 +246,7 @@ def generate(arguments: argparse.Namespace) -> None:
     check_output(arguments)
     sensor = read_sensor(arguments.sensor)
     if arguments.frames is not None:
-        _write_sequence(arguments, _pipeline(arguments).frames)
+        _write_sequence(arguments, read_pipeline(arguments, langevin=arguments.langevin).frames)
         return
     _check_alone(arguments)
     if arguments.map is not None:
@@ -257,7 +257,7 @@ def generate(arguments: argparse.Namespace) -> None:
 
     from lidardraft.scan import Scan
 
-    pipeline = _pipeline(arguments)
+    pipeline = read_pipeline(arguments, langevin=arguments.langevin)
     after = None if arguments.after is None else Scan.load(arguments.after)
     with progress(num * arguments.steps, "step") as bar:
 
@@ -280,7 +280,8 @@ def _generate_of_map(arguments: argparse.Namespace, sensor: Sensor) -> None:
     check_inputs(arguments)
     if arguments.speed is not None or arguments.surroundings != "bare" or arguments.after is not None:
         raise FormatError("--speed, --after and --surroundings go with a layout; a semantic map has none")
-    label, num, pipeline = read_semantic_map(arguments.map, sensor), arguments.num or 1, _pipeline(arguments)
+    label, num = read_semantic_map(arguments.map, sensor), arguments.num or 1
+    pipeline = read_pipeline(arguments, langevin=arguments.langevin)
     with progress(num * arguments.steps, "step") as bar, named(arguments.map):
 
         def make(number: int) -> RangeImage:
@@ -290,18 +291,6 @@ def _generate_of_map(arguments: argparse.Namespace, sensor: Sensor) -> None:
         for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, save_observed).write(num):
             pass
     _report(arguments, num, (".label",))
-
-
-def _pipeline(arguments: argparse.Namespace) -> Pipeline:
-    from lidardraft.pipeline import Pipeline
-
-    return Pipeline.from_pretrained(
-        arguments.weights,
-        device=arguments.device,
-        steps=arguments.steps,
-        guidance=arguments.guidance,
-        langevin=arguments.langevin,
-    )
 
 
 def generate_options(parser: argparse.ArgumentParser) -> None:
@@ -317,7 +306,7 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
     add_inputs(parser, "text-file", "map", bare="bare, as the weights `street` make up what is left open")
     world = parser.add_argument_group("world")
     add_speed(world, "; in a sequence that of the road")
-    text = "an earlier scan, NAME of its NAME.npz: what it made up stays where the layout leaves it open"
+    text = "an earlier scan, its NAME.bin: what it made up stays where the layout leaves it open"
     world.add_argument("--after", metavar="SCAN", help=text)
     _add_sequence(parser)
     parser.set_defaults(weather=[], jobs=1)

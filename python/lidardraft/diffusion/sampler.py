@@ -49,7 +49,7 @@ def sample(
     rays = torch.from_numpy(encode_rays(sensor)).to(device)
     levels = karras_levels if langevin is None else geometric_levels
     sigmas = levels(steps)
-    streams = [torch.Generator().manual_seed(seed) for seed in seeds]
+    streams = [torch.Generator().manual_seed(int(seed)) for seed in seeds]
 
     def noise() -> Tensor:
         shape = (STATE_CHANNELS, *sensor.shape)

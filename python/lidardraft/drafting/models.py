@@ -4,32 +4,23 @@ from __future__ import annotations
 
 import math
 import os
-from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from itertools import count, filterfalse
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from lidardraft.drafting.things import Node, Things
 from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named
 from lidardraft.formats.glb import MOST_VERTICES, GlbFile, Piece, extras_of, open_glb
 from lidardraft.formats.obj import obj_meshes
 from lidardraft.json_fields import is_number
 from lidardraft.scene.box import FURTHEST
-from lidardraft.scene.class_names import (
-    PROPERTIES,
-    check_classes,
-    class_of,
-    class_of_last_word,
-    id_of,
-    says_many,
-    whole_of,
-)
+from lidardraft.scene.class_names import check_classes, class_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.placed_mesh import MOST_RECOGNISED, placed_mesh, recognised_shape
-from lidardraft.semantics import BY_NAME
 
 # layout_from_model by the axis that points up. With y up as glTF has it, and as Blender's exporters and importers turn
 # its frame, x, y, z becomes x, -z, y.
@@ -49,8 +40,8 @@ def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] 
     names that say no class.
     """
     classes = _checked(path, classes, up)
+    file = open_glb(path)
     with named(path):
-        file = open_glb(path)
         pieces = list(file.pieces(_FRAMES[up]))
         labels = _labels((piece.name, _class_of(piece, classes)) for piece in pieces)
         primitives = list(_glb_primitives(file, pieces, labels, classes))
@@ -82,13 +73,14 @@ def layout_from_obj(
             (f"{name} ({material or 'no material'})", class_of((name, material), classes))
             for name, material, _ in objects
         )
-        ids, numbers = PieceIds([], classes), dict[str, int]()
-        fields: list[dict[str, Any]] = []
-        for (name, material, _), label in zip(objects, labels, strict=True):
-            number = numbers.setdefault(name or material, len(numbers))
-            id = ids.id_of((number,), (name or material,), label)
-            instance = ids.instance_of(id) if BY_NAME[label].is_thing else 0
-            fields.append({"label": label, "id": id, "instance": instance})
+        nodes: dict[str, Node] = {}
+        for (name, material, mesh), label in zip(objects, labels, strict=True):
+            nodes.setdefault(name or material, Node(name or material, label, place=partial(_middle, mesh)))
+        things = Things(list(nodes.values()), classes)
+        fields = [
+            things.fields_of(nodes[name or material], label, {})
+            for (name, material, _), label in zip(objects, labels, strict=True)
+        ]
         primitives = _obj_primitives([shape for _, _, shape in objects], scale * _FRAMES[up][:3, :3].T, fields)
         return Layout(primitives=tuple(primitives), provenance={"source": os.path.basename(os.fspath(path))})
 
@@ -120,8 +112,9 @@ def _class_of(piece: Piece, classes: Mapping[str, str]) -> str | None:
 def _glb_primitives(
     file: GlbFile, pieces: list[Piece], labels: list[str], classes: Mapping[str, str]
 ) -> Iterator[Primitive]:
-    given = [piece.extras.get("instance") for piece in pieces]
-    ids = PieceIds(given, classes, ((piece.indices, piece.names) for piece in pieces))
+    nodes = _nodes_of(pieces, labels)
+    given = (piece.extras.get("instance") for piece in pieces)
+    things = Things([nodes[piece.indices[0]] for piece in pieces], classes, given)
     shapes: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray, str]] = {}  # a mesh may be that of many nodes
     spent = 0
     for piece, label in zip(pieces, labels, strict=True):
@@ -134,13 +127,33 @@ def _glb_primitives(
         spent += max(len(vertices), len(faces))
         if spent > MOST_VERTICES:
             raise FormatError(f"more than {MOST_VERTICES} vertices or triangles in all nodes")
-        extras = {name: value for name, value in piece.extras.items() if name in PROPERTIES and name != "class"}
-        whole = extras.setdefault("id", ids.id_of(piece.indices, piece.names, label))
-        if label in BY_NAME and BY_NAME[label].is_thing and "instance" not in extras:
-            extras["instance"] = ids.instance_of(whole)
-        primitive = placed_mesh(matrix, vertices, faces, shape=shape, label=label, **extras)
+        fields = things.fields_of(nodes[piece.indices[0]], label, piece.extras)
+        primitive = placed_mesh(matrix, vertices, faces, shape=shape, **fields)
         if primitive is not None:
             yield primitive
+
+
+def _nodes_of(pieces: list[Piece], labels: list[str]) -> dict[int, Node]:
+    """The nodes of pieces and those above them, by their indices."""
+    nodes: dict[int, Node] = {}
+    for piece, label in zip(pieces, labels, strict=True):
+        parent: Node | None = None
+        for place in reversed(range(len(piece.indices))):
+            index = piece.indices[place]
+            if index not in nodes:
+                nodes[index] = Node(next((name for name in piece.names[place:] if name), "unnamed"), parent=parent)
+            parent = nodes[index]
+        node = nodes[piece.indices[0]]
+        node.label, node.place = node.label or label, partial(_origin, piece.matrix)
+    return nodes
+
+
+def _origin(matrix: np.ndarray) -> np.ndarray:
+    return matrix[:3, 3]
+
+
+def _middle(mesh: TriangleMesh) -> np.ndarray:
+    return np.asarray(mesh.vertices.mean(axis=0))
 
 
 def _is_upright(axis: np.ndarray) -> bool:
@@ -182,82 +195,3 @@ def _obj_primitives(
     for (start, end, center, size), one, more in zip(places, meshes, fields, strict=True):
         shape = TriangleMesh.unchecked(unit[start:end], one.faces)
         yield Primitive(shape="mesh", center=tuple(center), size=tuple(size), mesh=shape, **more)
-
-
-class PieceIds:
-    """Ids of pieces of nodes, each of them once, and numbers of things: those that are `given` are taken already.
-
-    `paths` are the indices and names of all pieces, as `id_of` takes them.
-    """
-
-    def __init__(
-        self,
-        given: list[Any],
-        classes: Mapping[str, str],
-        paths: Iterable[tuple[tuple[int, ...], tuple[str, ...]]] = (),
-    ) -> None:
-        self._classes = classes
-        self._wholes: dict[int, str] = {}  # ids of nodes
-        self._used: set[str] = set()  # of these, those that a piece has
-        self._taken: set[str] = set()
-        self._numbers: dict[tuple[str, str], int] = {}  # the last ones behind names, and what stands before them
-        taken = {number for number in given if type(number) is int}
-        self._instances = defaultdict[str, int](filterfalse(taken.__contains__, count(1)).__next__)
-        self._of_one_thing: dict[str, str | None] = {}  # the class that names say of one thing
-        self._groups = self._groups_of(paths)
-
-    def id_of(self, indices: tuple[int, ...], names: tuple[str, ...], label: str) -> str:
-        """The id of one more piece of a node, of which the indices and names come first, then those of its parents.
-
-        What is below a node that is one thing of the class is a part of it: "Truck_2.Cab".
-        """
-        above = (k for k in range(1, len(indices)) if indices[k] not in self._groups)
-        place = max((k for k in above if self._thing_of(names[k]) == label), default=0)
-        whole = self._whole_of(indices[place], names[place:])
-        if place and names[0]:
-            return self._distinct(f"{whole}.{id_of(names[0]).replace('.', '_')}", "_")
-        if whole not in self._used:  # the node itself, and not a part of it
-            self._used.add(whole)
-            return whole
-        return self._distinct(whole, ".")
-
-    def _whole_of(self, index: int, names: tuple[str, ...]) -> str:
-        """The id of a node; one that there is already is that of another node."""
-        if index not in self._wholes:
-            name = next((name for name in names if name), "unnamed")
-            self._wholes[index] = self._distinct(id_of(name), "_")
-        return self._wholes[index]
-
-    def instance_of(self, whole: Any) -> int:
-        """The number of the thing that an id is of, or of a part of."""
-        return self._instances[whole_of(whole) if isinstance(whole, str) else ""]
-
-    def _groups_of(self, paths: Iterable[tuple[tuple[int, ...], tuple[str, ...]]]) -> set[int]:
-        """The nodes below which two or more have a name that says one thing of the same class, as they have themselves:
-        "Vehicle" above "Car.001" and "Car.002". One with a number, such as "Truck_2", is one thing for all that.
-        """
-        first: dict[int, int] = {}
-        groups: set[int] = set()
-        for indices, names in paths:
-            nearest: dict[str, int] = {}  # to the root, of the nodes of a class that were passed on the way there
-            for index, name in zip(indices, names, strict=False):  # the last name is that of the mesh
-                label = self._thing_of(name)
-                below = nearest.get(label) if label else None
-                if below is not None and not name[-1:].isdigit() and first.setdefault(index, below) != below:
-                    groups.add(index)
-                if said := self._classes.get(name) or class_of_last_word(name):
-                    nearest[said] = index
-        return groups
-
-    def _thing_of(self, name: str) -> str | None:
-        if name not in self._of_one_thing:
-            self._of_one_thing[name] = None if says_many(name) else class_of([name], self._classes)
-        return self._of_one_thing[name]
-
-    def _distinct(self, name: str, before_number: str) -> str:
-        found = name
-        while found in self._taken:
-            number = self._numbers[name, before_number] = self._numbers.get((name, before_number), 1) + 1
-            found = f"{name}{before_number}{number}"
-        self._taken.add(found)
-        return found

@@ -134,5 +134,5 @@ def _own_mesh(kind: str, primitive: Primitive) -> str:
 
 
 def _properties(primitive: Primitive) -> dict[str, object]:
-    found = {name: value for name in ("material", "extinction", "open") if (value := getattr(primitive, name))}
+    found = primitive.more()
     return found | {"unit_box": True} if primitive.mesh is not None else found  # read back in the box that `size` is of

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import expecting, read_bytes, written_whole
+from lidardraft.files import expecting, named, read_bytes, written_whole
 from lidardraft.json_fields import are_numbers, check_object, is_number, parse_object
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh, unit_mesh
@@ -76,7 +76,7 @@ class GlbFile:
         """The values of an accessor of a `kind`, [N, 3] for VEC3 and [N] for SCALAR; read-only."""
         accessor = self.item("accessors", index)
         if "sparse" in accessor:
-            raise FormatError(f"accessor {index} is sparse; that is not read")
+            raise FormatError(f"accessor {index} is sparse; only plain ones are read")
         if accessor.get("type") != kind or accessor.get("componentType") not in list(_COMPONENTS):
             raise FormatError(f"accessor {index} is no {kind} of numbers")
         if "bufferView" not in accessor:
@@ -142,18 +142,21 @@ class GlbFile:
         attributes = check_object(piece.part.get("attributes", {}))
         positions = self.array(attributes.get("POSITION"), "VEC3")
         if positions.dtype != np.float32:
-            raise FormatError("positions that are not float32 are not read")
+            raise FormatError("positions must be float32")
         indices = self.array(piece.part["indices"], "SCALAR") if "indices" in piece.part else np.arange(len(positions))
         most = max(len(positions), len(indices) // 3)
         if indices.dtype.kind not in "iu" or len(indices) < 3 or most > MOST_VERTICES:
-            raise FormatError(f"{len(positions)} positions and {len(indices)} indices make no triangles that are read")
+            raise FormatError(f"{len(positions)} positions and {len(indices)} indices: too many, or no triangle")
         faces = indices[: len(indices) // 3 * 3].astype(np.int64).reshape(-1, 3)
         return TriangleMesh(positions, faces)  # names a vertex that is not finite and a face that has no vertex
 
 
 def open_glb(path: str | os.PathLike[str]) -> GlbFile:
-    """The chunks of a file. Raises `FormatError` for anything but a whole binary glTF 2 that needs no other file."""
-    return parse_glb(read_bytes(path))
+    """The chunks of a file. Raises `FormatError`, which names it, for anything but a whole binary glTF 2 that needs no
+    other file."""
+    data = read_bytes(path)
+    with named(path):
+        return parse_glb(data)
 
 
 def parse_glb(data: bytes) -> GlbFile:
@@ -169,14 +172,12 @@ def parse_glb(data: bytes) -> GlbFile:
     if version != _VERSION:
         raise FormatError(f"glTF {version}; version {_VERSION} is read")
     if json_kind != _JSON or length > len(data) or 20 + json_length > length:
-        raise FormatError(
-            f"a broken GLB: its header tells of {length} bytes, {json_length} of JSON; it has {len(data)}"
-        )
+        raise FormatError(f"a broken GLB: its header says {length} bytes, {json_length} of JSON; it has {len(data)}")
     document, binary, rest = parse_object(data[20 : 20 + json_length]), memoryview(b""), 20 + json_length
     if rest + 8 <= length:
         size, kind = struct.unpack_from("<2I", data, rest)
         if kind != _BINARY or rest + 8 + size > length:
-            raise FormatError(f"a broken GLB: its second chunk tells of {size} bytes")
+            raise FormatError(f"a broken GLB: its second chunk says {size} bytes")
         binary = memoryview(data)[rest + 8 : rest + 8 + size]
     return _file(document, binary)
 
@@ -269,8 +270,6 @@ def write_glb(path: str | os.PathLike[str], layout: Layout) -> None:
 
 
 def _node(primitive: Primitive, mesh: int) -> dict[str, Any]:
-    extras: dict[str, Any] = {"class": primitive.label, "id": primitive.id, "instance": primitive.instance}
-    extras |= {name: value for name in ("material", "extinction", "open") if (value := getattr(primitive, name))}
     half = primitive.yaw / 2
     return {
         "name": primitive.id,
@@ -278,7 +277,7 @@ def _node(primitive: Primitive, mesh: int) -> dict[str, Any]:
         "translation": list(primitive.center),
         "rotation": [0.0, 0.0, math.sin(half), math.cos(half)],
         "scale": [extent or 1.0 for extent in primitive.size],
-        "extras": extras,
+        "extras": {"class": primitive.label, "id": primitive.id, "instance": primitive.instance, **primitive.more()},
     }
 
 
@@ -302,9 +301,7 @@ def _buffer(buffer: dict[str, Any], binary: memoryview | None) -> memoryview:
         return binary
     head, base64_, text = uri.partition(";base64,") if isinstance(uri, str) else ("", "", "")
     if not (head.startswith("data:") and base64_):
-        raise FormatError(
-            "the file keeps values in another file; only its own are read (export it as glTF Binary, .glb)"
-        )
+        raise FormatError("the file keeps its values in another file (export it as glTF Binary, .glb)")
     with expecting("base64"):
         return memoryview(base64.b64decode(text, validate=True))
 

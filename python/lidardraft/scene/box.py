@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import LayoutError, one_of
+from lidardraft.errors import LayoutError, as_int, one_of
 from lidardraft.json_fields import are_numbers, is_number
 from lidardraft.scene.pose import in_upright_frame
 from lidardraft.semantics import BY_NAME
@@ -43,9 +43,8 @@ class Box:
             raise LayoutError(f"{self.id}: size is {list(self.size)}; no extent may be negative")
         if not isinstance(self.label, str) or self.label not in BY_NAME:
             raise LayoutError(f"{self.id}: label is {self.label!r}; it must be {one_of(BY_NAME, self.label)}")
-        checked_yaw(self.id, self.yaw)
-        if type(self.instance) is not int or self.instance < 0:
-            raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be a whole number >= 0")
+        object.__setattr__(self, "yaw", checked_yaw(self.id, self.yaw))
+        object.__setattr__(self, "instance", checked_instance(self.id, self.instance))
         if self.velocity is not None:
             object.__setattr__(self, "velocity", checked_vector(self.id, "velocity", self.velocity))
 
@@ -87,6 +86,15 @@ def checked_vector(id: str, name: str, values: Any, length: int = 3, limit: floa
     if max(map(abs, values)) > limit:
         raise LayoutError(f"{id}: {name} is {values!r}; no number may be larger than {limit:g} m")
     return tuple(map(float, values))
+
+
+def checked_instance(id: str, instance: Any, most: float = math.inf) -> int:
+    """The instance as an int from 0 to `most`; `LayoutError` on anything else."""
+    number = as_int(instance)
+    if number is None or not 0 <= number <= most:
+        limits = "a whole number >= 0" if most == math.inf else f"0 to {most}"
+        raise LayoutError(f"{id}: instance is {instance!r}; it must be {limits}")
+    return number
 
 
 def checked_yaw(id: str, yaw: Any) -> float:

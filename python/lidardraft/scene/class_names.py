@@ -67,7 +67,6 @@ _MANY = ("people",)  # plurals without -s
 _PLURAL = re.compile(r"(?<=[a-z]{2})(?:(?<=ch|sh|ss)es|(?<!s)s)$")
 _NUMBERED = re.compile(r"(?<![A-Za-z])([A-Za-z]+)[\d._ -]*\d(?=[._ -]+\D)")  # a word, its number, and more behind
 OUTRIGHT = "class:"  # before the class, in a name that says nothing else
-PROPERTIES = ("class", "id", "instance", "material", "extinction")  # that an object may carry, which come before names
 
 
 def check_classes(classes: Mapping[str, str]) -> None:
@@ -118,19 +117,20 @@ def id_of(name: str) -> str:
     return re.sub(r"\.(?=\d+$)", "_", printable(name))
 
 
-def whole_of(identifier: str) -> str:
-    """The object that an id is a part of, or the id itself: "car_1.body" and "car_1_wheel" are parts of car_1.
+def whole_and_part(name: str) -> tuple[str, str]:
+    """The object that a name says it is a part of, and the part; where it says none, the name itself and "":
+    "car_1.body" and "car_1_wheel" are parts of car_1.
 
     "Lane1_Car_a" says another class than a lane and is not a part of it; A4 in "car_A4_red" does not number a car.
     """
-    whole, *part = re.split(r"\.(?=\D)", identifier, maxsplit=1)
-    numbered = [match for match in _NUMBERED.finditer(whole[:200]) if class_of_last_word(match[1])]
+    numbered = [match for match in _NUMBERED.finditer(name[:200]) if class_of_last_word(match[1])]
     if numbered:
         end = numbered[-1].end()
-        label = _class_of_words(whole[:end])
-        if _class_of_words(whole) == label != _class_of_words(whole[end:]):
-            return whole[:end]
-    return whole if part else re.sub(r"\.\d+$", "", whole)
+        label = _class_of_words(name[:end])
+        if _class_of_words(name) == label != _class_of_words(name[end:]):
+            return name[:end], name[end:].lstrip("._ -")
+    whole, *part = re.split(r"\.(?=\D)", name, maxsplit=1)
+    return whole, "".join(part)
 
 
 def says_many(name: str) -> bool:

@@ -18,7 +18,7 @@ import numpy as np
 from lidardraft.errors import FormatError, LayoutError, one_of
 from lidardraft.files import named, read_text, write_text
 from lidardraft.json_fields import check_brackets, check_fields, check_lists, check_object, is_number, parse_document
-from lidardraft.scene.box import FURTHEST, THINNEST, Box, check_id, checked_vector, checked_yaw
+from lidardraft.scene.box import FURTHEST, THINNEST, Box, check_id, checked_instance, checked_vector, checked_yaw
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.mesh import TriangleMesh, has_surface, unit_mesh, unit_vertices
 from lidardraft.scene.pose import point_at
@@ -28,6 +28,7 @@ SCHEMA = "lidardraft.layout/1"
 SHAPES = ("box", "ellipsoid", "cylinder", "plane", "mesh")
 _INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of instance
 AROUND = "around/"  # what the ids of surroundings begin with (`surround`)
+MORE = ("material", "extinction", "open")  # fields that few primitives have
 MOST_PRIMITIVES = 100_000  # which are read in a second or two
 
 
@@ -69,8 +70,7 @@ class Primitive:
             known = one_of(list(BY_NAME)[1:], self.label)
             raise LayoutError(f"{self.id}: label is {self.label!r}; it must be {known}")
         object.__setattr__(self, "yaw", checked_yaw(self.id, self.yaw))
-        if type(self.instance) is not int or not 0 <= self.instance <= _INSTANCE_LIMIT:
-            raise LayoutError(f"{self.id}: instance is {self.instance!r}; it must be 0 to {_INSTANCE_LIMIT}")
+        object.__setattr__(self, "instance", checked_instance(self.id, self.instance, _INSTANCE_LIMIT))
         if self.material is not None and self.material not in tuple(MATERIAL_BY_NAME):
             known = one_of(MATERIAL_BY_NAME, self.material)
             raise LayoutError(f"{self.id}: material is {self.material!r}; it must be {known}")
@@ -147,10 +147,14 @@ class Primitive:
         required = ("shape", "center", "size", "yaw", "label", "id", "instance")
         fields: dict[str, Any] = {name: getattr(self, name) for name in required}
         fields |= {"center": list(self.center), "size": list(self.size)}
-        fields |= {name: value for name in ("material", "extinction", "open") if (value := getattr(self, name))}
+        fields |= self.more()
         if self.mesh is not None:
             fields["vertices"], fields["faces"] = self.mesh.vertices.tolist(), self.mesh.faces.tolist()
         return fields
+
+    def more(self) -> dict[str, Any]:
+        """Those of `MORE` that it has."""
+        return {name: value for name in MORE if (value := getattr(self, name))}
 
     @classmethod
     def from_dict(cls, fields: Mapping[str, Any]) -> Primitive:
@@ -158,7 +162,7 @@ class Primitive:
         fields = dict(fields)
         with named(str(fields.get("id", "a primitive"))):
             required = ("shape", "center", "size", "label", "id")
-            check_fields(fields, required, ("yaw", "instance", "material", "extinction", "open", "vertices", "faces"))
+            check_fields(fields, required, ("yaw", "instance", *MORE, "vertices", "faces"))
             vertices, faces = fields.pop("vertices", None), fields.pop("faces", None)
             if vertices is not None or faces is not None:
                 fields["mesh"] = TriangleMesh(vertices, faces)

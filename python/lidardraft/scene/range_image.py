@@ -142,8 +142,9 @@ class RangeImage:
                 if len(values) != len(points):
                     raise LayoutError(f"{name} has {len(values)} values for {len(points)} points")
                 values = np.asarray(values)
-                if name == "label" and len(values) and not 0 <= values.min() <= values.max() < NUM_CLASSES:
-                    raise LayoutError(f"label holds {values.min()} to {values.max()}; ids are 0 to {NUM_CLASSES - 1}")
+                most = {"label": NUM_CLASSES - 1, "instance": 2**32 - 1}.get(name)
+                if most is not None and len(values) and not 0 <= values.min() <= values.max() <= most:
+                    raise LayoutError(f"{name} holds {values.min()} to {values.max()}; it must be 0 to {most}")
                 if name == "intensity" and not np.isfinite(values).all():
                     raise LayoutError("an intensity is not finite")
                 picture[pixels] = values[order]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from lidardraft.errors import check_type
 from lidardraft.scene.effects import observe, sub_rays
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
@@ -44,7 +45,8 @@ class Scanner:
     ) -> Scanner:
         """`model` is by default `sensor.assumed_model`, `weather` a clear and dry day. With `by_id` a
         primitive keeps its brightness and its free paths when it is moved, and when others come and go."""
-        weather = weather or Weather()
+        weather = Weather() if weather is None else weather
+        check_type("weather", weather, Weather)
         surfaces = Surfaces.from_layout(layout, wetness=weather.wetness, by_id=by_id)
         model = model or sensor.assumed_model
         return cls(sensor, model, Raycaster(layout, by_id=by_id), surfaces, weather, threads)

@@ -126,10 +126,9 @@ class Scenario:
 
     def to_json(self) -> str:
         """The scenario as JSON text, an actor a line; `from_json` gives an equal scenario."""
-        ego = {} if self.ego is None else {"ego": _to_fields(self.ego)}
-        head = json.dumps({"schema": SCHEMA, **ego})[:-1]
-        rows = (f"{json.dumps(name)}: {json.dumps(_to_fields(motion))}" for name, motion in self.actors.items())
-        return head + ', "actors": {\n  ' + ",\n  ".join(rows) + "\n}}\n"
+        ego = "" if self.ego is None else f', "ego": {_written(self.ego)}'
+        rows = (f"{json.dumps(name)}: {_written(motion)}" for name, motion in self.actors.items())
+        return f'{{"schema": "{SCHEMA}"{ego}, "actors": {{\n  ' + ",\n  ".join(rows) + "\n}}\n"
 
     @classmethod
     def from_json(cls, text: str) -> Scenario:
@@ -205,12 +204,12 @@ def _rows(name: str, rows: Any, widths: tuple[int, ...]) -> tuple[tuple[float, .
     return found
 
 
-def _to_fields(motion: Motion) -> dict[str, Any]:
+def _written(motion: Motion) -> str:
+    """The JSON of a motion; numbers of numpy are floats there."""
     (name,) = (name for name, kind in _KINDS.items() if type(motion) is kind)
-    if isinstance(motion, Waypoints):
-        return {name: [[round(number, 4) for number in point] for point in motion.points]}
     fields = ((field, getattr(motion, field.name)) for field in dataclasses.fields(motion))
-    return {name: {field.name: value for field, value in fields if value != field.default}}
+    said = {field.name: value for field, value in fields if value != field.default}
+    return json.dumps({name: said["points"] if isinstance(motion, Waypoints) else said}, default=float)
 
 
 def _from_fields(name: str, row: Any) -> Motion:

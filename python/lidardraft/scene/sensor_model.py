@@ -40,7 +40,7 @@ class IntensityCurve:
             object.__setattr__(self, table, _numbers(f"{table} of the intensity curve", getattr(self, table)))
         for table in ("readings", "distance_gains"):
             name, lists = f"{table} of the intensity curve", getattr(self, table)
-            if not isinstance(lists, list | tuple):
+            if not isinstance(lists, list | tuple | np.ndarray):
                 raise SensorError(f"{name} is {lists!r:.50}; it must be a list of lists")
             object.__setattr__(self, table, tuple(_numbers(name, values) for values in lists))
 
@@ -207,7 +207,7 @@ def _read_only(array: np.ndarray) -> np.ndarray:
 
 
 def _numbers(name: str, values: object) -> tuple[float, ...]:
-    if not isinstance(values, list | tuple) or not all(map(is_number, values)):
+    if not isinstance(values, list | tuple | np.ndarray) or not all(map(is_number, values)):
         raise SensorError(f"{name} is {values!r:.50}; it must be a list of finite numbers")
     return tuple(map(float, values))
 

@@ -63,7 +63,7 @@ def detail(layout: Layout, seed: int = 0) -> Layout:
     Raises `LayoutError` on a seed that is no integer >= 0.
     """
     check_type("layout", layout, Layout)
-    check_seed(seed)
+    seed = check_seed(seed)
     surroundings = Surroundings.of(layout)
     detailed: dict[str, list[Primitive]] = {}
     painted = _painted(layout)

@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.errors import SensorError
+from lidardraft.errors import SensorError, as_int
 from lidardraft.files import write_text
 from lidardraft.json_fields import is_number
 from lidardraft.scan import TRACK_FILES, Scan
@@ -233,7 +233,7 @@ def _in_frame(home: tuple[float, float, float, float], places: np.ndarray, poses
 
 
 def _check_rate(sensor: Sensor, frames: int, hz: float) -> None:
-    if type(frames) is not int or frames < 1:
+    if (as_int(frames) or 0) < 1:
         raise SensorError(f"frames is {frames!r}; it must be a whole number of 1 or more")
     if not is_number(hz) or hz <= 0:
         raise SensorError(f"hz is {hz!r}; it must be a number over 0")

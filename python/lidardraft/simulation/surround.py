@@ -61,7 +61,7 @@ def surround(layout: Layout, seed: int = 0) -> Layout:
     Raises `LayoutError` on a seed that is no integer >= 0, and where the layout has surroundings already.
     """
     check_type("layout", layout, Layout)
-    check_seed(seed)
+    seed = check_seed(seed)
     if any(primitive.id.startswith(AROUND) for primitive in layout):
         raise LayoutError(f'the layout has surroundings already, the objects "{AROUND}*"')
     rng = np.random.default_rng([seed, _STREAM])

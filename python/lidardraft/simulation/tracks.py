@@ -174,4 +174,5 @@ def _check_on_road(tracks: Mapping[str, Track], bodies: Mapping[str, Body], name
 
 
 def _waypoints(track: Track) -> Waypoints:
-    return Waypoints(tuple(map(tuple, np.column_stack([track.times, track.places[:, [0, 1, 3]]]).tolist())))
+    rows = np.column_stack([track.times, track.places[:, [0, 1, 3]]]).round(4)  # tenths of a millimetre
+    return Waypoints(tuple(map(tuple, rows.tolist())))

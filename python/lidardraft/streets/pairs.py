@@ -12,7 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, check_number, check_seed
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import IMAGES, RangeImage
@@ -22,7 +22,7 @@ from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.streets.coarse.coarse_layout import Style, VisibleObjects, coarse_layout, sample_style
 from lidardraft.streets.coarse.coarse_street import place_of
 from lidardraft.streets.ego import Ego, mount, sample_ego
-from lidardraft.streets.street import Street, StreetConfig, check_number, make_street
+from lidardraft.streets.street import Street, StreetConfig, make_street
 from lidardraft.streets.worker_processes import worker_processes
 
 # the images of a pair, which worker processes hand over as they are
@@ -90,11 +90,8 @@ def streets(
     Raises `LayoutError` for a number that is negative or no integer, or a shard that does not exist, and
     `LidarDraftError` where a worker process was killed.
     """
-    check_number("seed", seed)
-    check_number("start", start)
-    check_number("workers", workers, least=1)
-    mine, shards = shard
-    check_number("shard", mine)
+    seed, start, workers = check_seed(seed), check_number("start", start), check_number("workers", workers, least=1)
+    mine, shards = check_number("shard", shard[0]), shard[1]
     if not mine < shards:
         raise LayoutError(f"shard is {mine} of {shards}; they count from 0 to {shards - 1}")
     config = config or StreetConfig()

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from lidardraft.errors import check_number, check_seed
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
 from lidardraft.streets.pairs import as_sent, scan_street, scanned_street
-from lidardraft.streets.street import StreetConfig, check_number
+from lidardraft.streets.street import StreetConfig
 
 if TYPE_CHECKING:
     from lidardraft.scan import Scan
@@ -21,8 +22,7 @@ def street_scan(seed: int, index: int, config: StreetConfig | None = None, *, th
     """
     from lidardraft.scan import Scan  # pictures come with it, which pairs do not need
 
-    check_number("seed", seed)
-    check_number("index", index)
+    seed, index = check_seed(seed), check_number("index", index)
     config = config or StreetConfig()
     number = index // config.poses_per_street
     street, scanner = scanned_street(seed, config, number, threads)

@@ -11,7 +11,7 @@ from lidardraft.arranging.lanes import Lane
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import plan_street
 from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix
-from lidardraft.errors import LayoutError
+from lidardraft.errors import LayoutError, check_number, check_seed
 from lidardraft.objects.kinds import kind_of
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import PRESETS, Sensor
@@ -72,8 +72,7 @@ class Street:
 
 def make_street(seed: int, config: StreetConfig | None = None, *, number: int = 0) -> Street:
     """Street `number` of a seed; the same on every machine."""
-    check_number("seed", seed)
-    check_number("number", number)
+    seed, number = check_seed(seed), check_number("number", number)
     config = config or StreetConfig()
     rng = np.random.default_rng([seed, number])
     occupancy, lanes, district = plan_street(rng, config.half_length, config.mix)
@@ -86,9 +85,3 @@ def make_street(seed: int, config: StreetConfig | None = None, *, number: int = 
     return Street(
         seed, number, district, occupancy, lanes, scene, CoarseStreet(occupancy.road, occupancy.objects, scene, middles)
     )
-
-
-def check_number(name: str, value: int, *, least: int = 0) -> None:
-    """Raises `LayoutError` for what is no integer or less than `least`."""
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        raise LayoutError(f"{name} is {value!r}; it must be an integer >= {least}")

@@ -9,7 +9,6 @@ _CLASS = "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n
 _CHILDREN = "import bpy\nc=bpy.context.scene.collection\nfor i in range(3000):\n    "
 _CHILDREN += "c.children.link(bpy.data.collections.new('a'))\n"
 _SLOW = "class A:\n    @property\n    def x(self):\n        while True:\n            pass\n"
-_CACHE = "from functools import cache\n@cache\n"
 _MANY_NAMES = "".join(f"    a{k} = {k}\n" for k in range(6000))
 # fmt: off
 HOSTILE: list[tuple[str, str, int]] = [
@@ -48,15 +47,12 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("namedtuple of dunders", "from collections import namedtuple\nnamedtuple('A', '__class__ x')", 2),
     ("factories of factories", "from collections import defaultdict\nf = lambda: defaultdict(f)\nx = f()\nwhile 1:\n"
      "    x = x[0]", 5),
-    ("counting a range", "from collections import Counter\nCounter(range(10**12))", 2),
     ("product with itself", "import itertools\nitertools.product(range(99), repeat=9)", 2),
     ("permutations", "import itertools\nitertools.permutations(range(16))", 2),
     ("count without end", "import itertools\nfor i in itertools.count():\n    pass", 2),
     ("list of a cycle", "import itertools\nlist(itertools.cycle([1]))", 2),
     ("zip of counts", "import itertools\nlist(zip(itertools.count(), itertools.count()))", 2),
-    ("sums of texts", "import itertools\nlist(itertools.accumulate(['a' * 1000] * 1000))", 2),
     ("partial of partial", "from functools import partial\nf = print\nwhile True:\n    f = partial(f, 1)", 4),
-    ("reduce that doubles", "from functools import reduce\nreduce(lambda a, b: a + a, range(99), [0])", 2),
     ("caught for ever", "while True:\n    try:\n        {}['a']\n    except KeyError:\n        continue", 2),
     ("caught recursion", "def f():\n    try:\n        f()\n    except Exception:\n        f()\nf()", 3),
     ("a refusal that is caught", "try:\n    import os\nexcept Exception:\n    pass", 2),
@@ -78,8 +74,7 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("match", "x = 1\nmatch x:\n    case 1:\n        pass", 2),
     ("with", "with open('a') as f:\n    pass", 1),
     ("await", "await x", 1),
-    ("yield for ever", "def f():\n    while True:\n        yield 1\nfor x in f(): pass", 4),
-    ("yield from itself", "def f(n):\n    yield from f(n + 1)\nlist(f(0))", 2),
+    ("yield for ever", "def f():\n    while True:\n        yield 1\nfor x in f(): pass", 3),
     ("handlers", "import bpy\nbpy.app.handlers.frame_change_pre.append(print)", 2),
     ("scripts of Blender", "import bpy\nbpy.ops.script.python_file_run(filepath='a.py')", 2),
     ("images of Blender", "import bpy\nbpy.data.images.load('/etc/passwd')", 2),
@@ -178,19 +173,11 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("a chain of operators", "x = 1\nwhile " + "x or " * 12000 + "x:\n    pass", 2),
     ("many names of a class", "from enum import Enum\nclass E(Enum):\n" + _MANY_NAMES + "E(1)", 6003),
     ("many lines under a loop", "while True:\n" + "    x = 1\n" * 8000, 1994),
-    # what is compared, cached, raised and turned into text
+    # what is compared, raised and turned into text
     ("getattr of a dunder", "import bpy\ngetattr(bpy, '__class__')", 2),
     ("getattr private of text", "getattr('', '__class__').__mro__", 1),
     ("getattr in a format", "getattr('{0.__class__}', 'format')(1)", 1),
     ("getattr of a property without end", _SLOW + "getattr(A(), 'x', 1)", 4),
-    ("cached recursion", "from functools import cache\n@cache\ndef f(n):\n    return f(n + 1)\nf(0)", 4),
-    ("cached memory", _CACHE + "def f(n):\n    return [0] * 1000\ni = 0\nwhile True:\n    f(i)\n    i += 1", 4),
-    ("cache of a shared key", _CACHE + "def f(*a):\n    return 1\nwhile True:\n    f(*range(9000))", 6),
-    ("deque rotates", "from collections import deque\nd = deque([0] * 240000)\nwhile True:\n"
-     "    d.append(d.popleft())", 4),
-    ("Counter update of itself", "from collections import Counter\nc = Counter(range(60000))\nwhile True:\n"
-     "    c.update(c)", 4),
-    ("Counter of huge", "from collections import Counter\nc = Counter({'a': 2**62})\nwhile True:\n    c.update(c)", 4),
     ("duplicate_move", _CUBE + "o = bpy.context.object\no.name='Car'\nwhile True:\n"
      "    bpy.ops.object.duplicate_move(TRANSFORM_OT_translate={'value': (1, 0, 0)})", 6),
     ("LocRotScale", "from mathutils import Matrix\nwhile True:\n"
@@ -223,7 +210,6 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("raise again for ever", "def f():\n    try:\n        raise KeyError\n    except KeyError:\n        raise\n"
      "while True:\n    try:\n        f()\n    except KeyError:\n        pass", 2),
     ("zip of many", "a = iter([1])\nwhile True:\n    zip(*[a] * 1000)", 3),
-    ("islice far", "from itertools import islice, count\nislice(count(), 10**15, 10**15 + 1)", 2),
     ("ids of what arrays make", _CUBE + "o = bpy.context.object\no.name='Car'\no['id'] = 'a' * 100000\n"
      "o.modifiers.new('a', 'ARRAY').count = 1000", 6),
     ("mesh of polygons", "import bpy\nm = bpy.data.meshes.new('a')\nwhile True:\n"
@@ -236,10 +222,6 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("sets without", "s = set(range(60000))\nwhile True:\n    s.isdisjoint([])", 3),
     ("functions that are made", "while True:\n    def g(a, b=1, *c, d=2, **e): pass", 2),
     ("classes that are made", "while True:\n    class B: pass", 1),
-    ("json dumps shared", "import json\na=[1]\nfor i in range(7):\n    a=[a]*9\nwhile True:\n"
-     "    json.dumps(a, indent=8)", 6),
-    ("deepcopy of itself", "import copy\na=[]\na.append(a)\nwhile True:\n    a=copy.deepcopy(a)\n"
-     "    a.append(copy.deepcopy(a))", 5),
     ("exit with lists of lists", "import sys\na=[1]\nfor i in range(60):\n    a=[a,a]\nsys.exit(a)", 5),
     ("children get many", _CHILDREN + "while True:\n    c.children.get('zz')", 6),
     ("children unlink", "import bpy\nc=bpy.context.scene.collection\nd=bpy.data.collections.new('a')\n"
@@ -251,12 +233,6 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("mesh class property", _CUBE + "bpy.context.object.data['class']='a'*1900000", 2),
     ("text of two million compare", "s='a'*1900000+'b'\nt='a'*1900000+'c'\nwhile True:\n    s==t", 4),
     ("text of two million braces", "s='{}'*900000\nwhile True:\n    s.format(1)", 3),
-    ("generator of generators", "def f(n):\n    while True:\n        yield f(n+1)\ng=f(0)\nfor x in g:\n"
-     "    g=next(x)", 6),
-    ("generators unfinished", "def f():\n    x=[0]*1000\n    yield x\nl=[]\nwhile True:\n    g=f()\n    next(g)\n"
-     "    l.append(g)", 2),
-    ("generator chain", "def f(g):\n    for x in g:\n        yield x\ng=range(10**9)\nfor i in range(140):\n"
-     "    g=f(g)\nfor x in g: pass", 2),
     ("set with a range", "s = {1}\ns |= range(10**12)", 2),
     ("range with a set", "range(10**12) & {1}", 1),
     ("sums of weights", "import random\nrandom.choices([1] * 2000, weights=['a' * 100000] * 2000)", 2),

@@ -86,7 +86,7 @@ def test_limits_are_the_callers() -> None:
     with pytest.raises(ScriptError, match=r"^line 3: more than 8 objects$"):
         layout_from_blender(many, limits=Limits(objects=8))
     mesh = CAR + "bpy.ops.mesh.primitive_torus_add()\nbpy.context.object.name = 'Car'"
-    with pytest.raises(ScriptError, match="the scene has 576 vertices; 500 are the most"):
+    with pytest.raises(ScriptError, match="the scene has 576 vertices; the limit is 500"):
         layout_from_blender(mesh, limits=Limits(vertices=500))
 
 

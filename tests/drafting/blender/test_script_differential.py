@@ -8,17 +8,17 @@ from script_reading import reads
 
 from lidardraft.drafting.blender.script.limits import Limits
 
-START = """import copy, json, math, random
-from collections import Counter, defaultdict, deque, namedtuple
+START = """import math, random
+from collections import defaultdict, namedtuple
 from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import Enum, auto
-from functools import partial, reduce
-from itertools import accumulate, chain, combinations, count, cycle, islice, pairwise, permutations, product, repeat
+from functools import partial
+from itertools import chain, combinations, count, cycle, pairwise, permutations, product, repeat
 random.seed(7)
 log, a, b, c = [], [3, 1, 2], [5, 4], {'x': 1, 'y': 2}
 d, e, i, j, s = a, {'z': 3}, 2, -3, {1, 2}
-t, u, v = s, defaultdict(list), deque([1, 2])
+t, u = s, defaultdict(list)
 Q = namedtuple('Q', 'x y')
 class K(Enum):
     ONE = 1
@@ -51,9 +51,7 @@ def f(n=1):
     log.append(n)
     return random.randrange(3) + n
 def g(*rest, k=2, **more):
-    for each in rest:
-        yield each * k
-    yield from more.values()
+    return [*(each * k for each in rest), *more.values()]
 def h(n):
     def inner():
         nonlocal n
@@ -65,15 +63,15 @@ TEMPLATES = {
     "N": """i j 0 1 2 5 -3 (N+N) (N-N) (N*N%97) (N//N) (N%N) (N&N) (N|N) (N^N) (N<<N%5) (-N) (~N) f(N%5) h(N) L[N%4]
         c.get('x',N) (N_if_B_else_N) sum(L) len(L) len(T) max(L,default=N) min(N,N,key=abs) (i:=N) len(V) abs(N)
         sum(k*N_for_k_in_L_if_k>N) next(iter(L),N) divmod(N,7)[1] round(N/7) T.count('1') T.find('a') pow(N%5,2)
-        reduce(lambda_x,y:x+y,L,N) P(N).moved(N,N,by=2).x R(N).moved(N).double O.x O.double K(2).value K.ONE.value
-        next(count(N)) Counter(L)[N] partial(max,N)(N) Q(N,y=N).y Q(N,N)[0] math.floor(N/3) int(str(N)) P.of(N).x
-        len(V&V) len(V-V) u[N%2][:1].count(N) getattr(O,'x') (lambda_x,y=N:x-y)(N) random.choice([N,N]) v[-1]""",
+        P(N).moved(N,N,by=2).x R(N).moved(N).double O.x O.double K(2).value K.ONE.value
+        next(count(N)) partial(max,N)(N) Q(N,y=N).y Q(N,N)[0] math.floor(N/3) int(str(N)) P.of(N).x
+        len(V&V) len(V-V) u[N%2][:1].count(N) getattr(O,'x') (lambda_x,y=N:x-y)(N) random.choice([N,N])""",
     "L": """a b d [N,N] L[N%3:] L[::-1] list(range(N%5)) sorted(L,reverse=not_B) [k_for_k_in_L_if_B] [*L,N]
         list(g(*L,k=N,z=N)) list(map(abs,L)) list(filter(None,L)) [x-y_for_x,y_in_zip(L,L)]
-        [x*k_for_k,x_in_enumerate(L,2)] list(chain(L,L)) list(islice(cycle([1,N]),3)) list(accumulate(L))
+        [x*k_for_k,x_in_enumerate(L,2)] list(chain(L,L)) list(map(max,cycle([1,N]),L))
         [x+y_for_x,y_in_product(L[:2],repeat=2)] list(c.values()) O.y [x-y_for_x,y_in_pairwise(L)] sorted(V)
-        list(reversed(L)) (L+L) (L*(N%3)) copy.deepcopy(L) json.loads(json.dumps(L)) [len(w)_for_w_in_T.split('1')]
-        [x_for_y_in_[L,L]_for_x_in_y] list(map(len,[T,T])) list(repeat(N,2)) list(v)
+        list(reversed(L)) (L+L) (L*(N%3)) [len(w)_for_w_in_T.split('1')]
+        [x_for_y_in_[L,L]_for_x_in_y] list(map(len,[T,T])) list(repeat(N,2))
         [x*y_for_x,y_in_combinations(L[:4],2)] [k.value_for_k_in_K] u[N%2] [max(k)_for_k_in_permutations(L[:2])]
         list({k:N_for_k_in_L}) list(dict(zip(L,L)).values()) random.sample(L,1) list(O.moved(N,*L[:2]).y)""",
     "T": """'abc' str(N) repr(L) f'{i:>4}|{{{A}' f'{i!r}|{A}' ('%d_%s'%(N,L)) '{:03d}{}'.format(N,'ab')
@@ -89,7 +87,7 @@ TEMPLATES = {
     "S": """A[N%3]+=N i+=N j-=N A+=L A*=N%3 A[N%3:]=L i,*A,j=N,*A,4 s|=V t&=V s-=V t^=V c|={'z':N} del_A[N%3] c[T[:1]]=N
         log.append(T) A=sorted(A) A.append(N) A.extend(L) A.insert(N%3,N) A.pop() A.remove(N) A.reverse()
         log.append(B) A.sort(key=lambda_k:-k) p.x+=N p.double=N q.y.append(N) s.add(N) s.discard(N) t.update(L,V)
-        u[N%3].append(N) v.appendleft(N) log.append(v.popleft()) c.update(e,w=N) log.append(c.pop('w'))
+        u[N%3].append(N) c.update(e,w=N) log.append(c.pop('w'))
         e.setdefault('y',N) log.append(O) i,j=j,i (i,[j,*A])=(N,[N,*L]) log.append([*g(*L)]) x=y=L p=O
         random.shuffle(A) log.append(P.made) assert_B log.append(round(random.uniform(N,5),6))
         log.append(random.choices(L,k=2)) log.append(sorted(c.items()))""",
@@ -128,7 +126,7 @@ def test_it_comes_to_what_python_comes_to(seed: int) -> None:
     for _ in range(12):
         lines += ["try:", *("    " + line for line in statement(r))]
         lines += ["except (LookupError, ArithmeticError, ValueError, AssertionError):", "    log.append('error')"]
-    end = "found = repr((log, a, b, c, d, e, i, j, sorted(s), sorted(t), dict(u), list(v), p, q, p.y, random.random()))"
+    end = "found = repr((log, a, b, c, d, e, i, j, sorted(s), sorted(t), dict(u), p, q, p.y, random.random()))"
     names: dict[str, object] = {"__name__": "__main__"}
     program = "\n".join([*lines, end])
     exec(compile(program, "program", "exec"), names)

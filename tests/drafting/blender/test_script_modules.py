@@ -18,44 +18,11 @@ parser.add_argument("-s")
 parser.add_argument("rest", nargs="*")
 """
 AGREED: list[str] = [
-    "from collections import Counter, OrderedDict\nc = Counter('abca')\nc['d'] += 1\n"
-    "assert c['a'] == 2 and c['d'] == 1\nassert list(OrderedDict([('x', 1)]).items()) == [('x', 1)]",
-    "from collections import Counter\nc = Counter({'a': 2})\nc.update(['a', 'b'])\nc.update({'b': 5})\n"
-    "assert c['a'] == 3 and c['b'] == 6 and c['none'] == 0 and 'none' not in c\n"
-    "assert c.most_common(1) == [('b', 6)] and c.most_common() == [('b', 6), ('a', 3)] and sum(c.values()) == 9",
-    "from functools import cache, lru_cache\nmade = []\n@lru_cache(maxsize=None)\ndef f(x, y=1):\n"
-    "    made.append(x)\n    return x + y\n@cache\ndef g(x):\n    made.append(x)\n    return -x\n"
-    "assert f(1) == f(1) == 2 and f(1, y=2) == 3 and g(5) == g(5) == -5 and made == [1, 1, 5]",
     "from abc import ABC, abstractmethod\nclass A(ABC):\n    @abstractmethod\n    def f(self):\n        pass\n"
     "class B(A):\n    def f(self):\n        return 1\nassert B().f() == 1",
-    "from itertools import accumulate, pairwise, islice\nassert list(accumulate([1, 2, 3])) == [1, 3, 6]\n"
-    "assert list(accumulate([1, 2, 3], lambda a, b: a * b)) == [1, 2, 6] and list(pairwise('abc')) == [('a', 'b'), "
-    "('b', 'c')]\nassert list(islice(range(9), 1, 6, 2)) == [1, 3, 5]",
-    "from itertools import accumulate, chain, count, cycle, islice, pairwise\nmade = []\n"
-    "def f():\n    for k in count():\n        made.append(k)\n        yield k\n"
-    "for part in (islice(f(), 5), chain(f(), [9]), accumulate(f()), pairwise(f()), cycle(f())):\n"
-    "    for x in part:\n        break\n    assert len(made) < 3, made\n    made.clear()\n"
-    "assert list(islice(chain([7], f()), 3)) == [7, 0, 1] and list(islice(accumulate(f()), 4)) == [0, 1, 3, 6]\n"
-    "assert list(islice(pairwise(f()), 2)) == [(0, 1), (1, 2)] and list(accumulate([], initial=4)) == [4]\n"
-    "assert list(islice(cycle(x for x in 'ab'), 5)) == list('ababa')",
-    # a copy shares what pythons does
-    "import copy\na = {'x': [1, 2], 'y': (3, [4])}\nb = copy.deepcopy(a)\nc = copy.copy(a)\na['x'].append(5)\n"
-    "a['y'][1].append(6)\nassert b == {'x': [1, 2], 'y': (3, [4])} and c['x'] is a['x'] and c is not a",
-    "from copy import deepcopy\nx = []\na = [x, x]\nb = deepcopy(a)\nassert b[0] is b[1] and b[0] is not x",
-    "from copy import copy, deepcopy\nfrom dataclasses import dataclass\n@dataclass\nclass A:\n    x: list\n"
-    "a = A([1])\nb, c = copy(a), deepcopy(a)\nb.x.append(2)\nassert a.x == [1, 2] and c.x == [1] and c is not a",
-    "from copy import deepcopy\nfrom collections import defaultdict\nd = defaultdict(list)\nd[1].append(2)\n"
-    "e = deepcopy(d)\ne[3].append(4)\nassert e == {1: [2], 3: [4]} and d == {1: [2]}",
-    "from copy import deepcopy\nfrom enum import Enum\nclass E(Enum):\n    A = 1\nassert deepcopy(E.A) is E.A\n"
-    "assert deepcopy(len) is len and deepcopy(5) == 5 and deepcopy(None) is None",
-    # data is read and written as python does
-    'import json\nd = json.loads(\'{"a": [1, 2.5, null, true], "b": {"c": "d"}}\')\n'
-    "assert d == {'a': [1, 2.5, None, True], 'b': {'c': 'd'}}",
-    "import json\nassert json.dumps({'a': [1, (2, 3)], 'b': None}) == '{\"a\": [1, [2, 3]], \"b\": null}'",
-    "import json\nassert json.loads(json.dumps(['\U0001f600', 'é'])) == ['\U0001f600', 'é']",
-    "import json\nassert json.dumps({'b': 1, 'a': 2}, indent=2, sort_keys=True).splitlines()[1] == '  \"a\": 2,'",
-    "import json\ntry:\n    json.loads('{')\n    assert False\nexcept ValueError:\n    pass\n"
-    "try:\n    json.loads('')\n    assert False\nexcept json.JSONDecodeError:\n    pass",
+    "from itertools import count, cycle, pairwise\nassert list(pairwise('abc')) == [('a', 'b'), ('b', 'c')]\n"
+    "assert list(zip(cycle(x for x in 'ab'), range(3))) == [('a', 0), ('b', 1), ('a', 2)]\n"
+    "for a, b in pairwise(count(5)):\n    break\nassert (a, b) == (5, 6)",
     # a default that is a text becomes its type
     "import argparse\nparser = argparse.ArgumentParser()\nparser.add_argument('--count', type=int, default='3')\n"
     "parser.add_argument('--size', type=lambda s: [float(part) for part in s.split('x')], default='2x3.5')\n"
@@ -82,30 +49,27 @@ AGREED: list[str] = [
     "assert logging.INFO == 20",
 ]
 REFUSED: list[tuple[str, str, int]] = [
-    ("[1].popleft()", "a list has no 'popleft' that is supported", 1),
     ("from functools import singledispatch\nsingledispatch(1)", "a call of functools.singledispatch", 2),
-    ("from functools import cache\n@cache\ndef f(x):\n    pass\nf([])", "of what cannot be a key", 5),
     ("from collections import namedtuple\nnamedtuple('A', '_x')", "namedtuple of '_x' is not supported", 2),
     # a default that is a text becomes its type
     ("import argparse\nargparse.ArgumentParser().add_argument('--a', type=int, default='x')", "int: invalid", 2),
     # what is no time is refused
     ("from datetime import datetime\ndatetime.now() + 1", "a moment", 2),
     ("from datetime import timedelta\ntimedelta(days=1)", "a call of datetime.timedelta", 2),
-    ("import time\ntime.strftime(5)", "the format is 5", 2),
     # what writes a file is refused
     ("import logging\nlogging.basicConfig(filename='/tmp/a')", "a log that is written to a file", 2),
     ("import logging\nlogging.FileHandler('/tmp/a')", "logging.FileHandler is not supported", 2),
     ("import sys\nsys.stdout.buffer", "sys.stdout.buffer is not supported", 2),
     ("import logging\nlogging.getLogger().handlers", "a logger.handlers is not supported", 2),
     # what reaches outside is refused where it is called
-    ("import sys\nsys.exit(1)", "the script ends itself here", 2),
+    ("import sys\nsys.exit(1)", "the script ends here", 2),
     ("import os\nos.makedirs('/tmp/x')", "os.makedirs is not supported", 2),
     ("import os\nos.environ['HOME']", "os.environ has no item 'HOME'", 2),
     ("import os\nos.path.getsize('a')", "os.path.getsize is not supported", 2),
     ("from pathlib import Path\nPath('a').write_text('b')", "a path has no 'write_text'", 2),
     ("from pathlib import Path\nlist(Path('/').iterdir())", "a path has no 'iterdir'", 2),
     ("import sys\nsys.modules['os']", "sys.modules is not supported", 2),
-    ("from pathlib import Path\nPath('a/' * 9999)", "a path of 19998 characters; 4096 are the most", 2),
+    ("from pathlib import Path\nPath('a/' * 9999)", "a path of 19998 characters; the limit is 4096", 2),
 ]
 
 
@@ -182,31 +146,13 @@ def test_what_they_refuse(call: str, said: str) -> None:
     [
         ("permutations(range(17))", "the number of elements at a time is 17; it must be 0 to 16"),
         ("list(combinations(range(99), 9))", "more than 175000 steps"),
-        ("list(islice(count(), None))", "more than 175000 steps"),
         ("list(chain(count(), [1]))", "more than 175000 steps"),
-        ("list(islice(range(10**10), 10**9, None))", "10000000000 elements"),
         ("all(range(1, 10**10))", "9999999999 elements"),
         ("list(cycle(x for x in [1, 2]))", "more than 175000 steps"),
     ],
 )
 def test_what_is_too_much_is_refused_before_it_is_made(call: str, said: str) -> None:
     refuses(f"from itertools import *\n{call}", said, 2)
-
-
-def test_what_is_no_data_or_too_much_is_refused() -> None:
-    refuses("import json\njson.load('a.json')", "json.load is not supported", 2)
-    refuses("import json\njson.loads('1' * 30)", "a whole number of more than 63 bits", 2)
-    refuses("import json\njson.loads('1' * 5000)", "a whole number of more than 63 bits", 2)
-    refuses("import json\njson.loads('[' * 9000 + ']' * 9000)", "nested too deeply", 2)
-    refuses('import json\njson.loads(r\'[{"a": "\\ud83d"}]\')', "half a character", 2)
-    refuses("import json\njson.dumps([1], indent=10**9)", "the indent is 1000000000; it must be 0 to 8", 2)
-    refuses("import json\njson.dumps(json)", "json.dumps.. does not take the arguments .json", 2)
-    refuses(
-        "import json\ns = '[' + '1,' * 50000 + '1]'\nwhile True:\n    json.loads(s)",
-        "all values together have more than 1000000 elements",
-        4,
-    )
-    reads("import json")
 
 
 def test_all_arguments_have_their_defaults() -> None:
@@ -231,19 +177,10 @@ def test_an_argument_that_needs_the_command_is_refused(call: str, said: str) -> 
     refuses(f"{SCRIPT}parser.{call}", said, 11)
 
 
-def test_the_clock_stands_still() -> None:
-    assert reads("import time\nassert time.time() == time.perf_counter()").notes == {"the time is taken as 0": 2}
-    script = "from datetime import datetime\nx = datetime.now()\nassert x.year == 1970 and x.isoformat()[:4] == '1970'"
-    assert list(reads(script).notes) == ["the time is taken as 0"]
-
-
-def test_a_time_is_written_in_the_format_that_is_asked_for() -> None:
-    reads(
-        "from datetime import datetime\nimport time\nassert int(datetime.now().strftime('%Y')) == 1970\n"
-        "assert time.strftime('%y%m%d_%H-%M-%S') == '700101_00-00-00'\nassert time.strftime('100%% x') == '100% x'"
-    )
-    for form in ("'%Y %Z'", "'%'", "'%99999Y'", "'%Y' * 51"):
-        refuses(f"import time\ntime.strftime({form})", "the format '.*' of a time is not supported", 2)
+def test_the_clock_stands_still_and_shows_nothing() -> None:
+    script = "import time\nfrom datetime import datetime\nassert time.time() == time.perf_counter() == 0\n"
+    script += "assert datetime.now().strftime('%Y') == time.strftime('%H:%M') == ''"
+    assert reads(script).notes == {"the time is taken as 0": 3}
 
 
 def test_no_file_is_looked_at() -> None:

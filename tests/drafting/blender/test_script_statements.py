@@ -1,4 +1,4 @@
-"""Statements of scripts: loops, functions, classes, generators, errors, and the names that they set."""
+"""Statements of scripts: loops, functions, classes, errors, and the names that they set."""
 
 import gc
 
@@ -6,18 +6,7 @@ import pytest
 from script_reading import agrees, reads, refuses
 
 DATACLASS = "from dataclasses import dataclass\n"
-_EACH_OTHER = """def first():
-    yield 1
-    for x in h:
-        pass
-    yield 2
-def other():
-    for x in g:
-        yield x
-g, h = first(), other()
-next(h)
-next(g)
-"""
+_EACH_OTHER = "g = (next(h) for _ in [1])\nh = (next(g) for _ in [1])\nnext(g)"
 AGREED: list[str] = [
     "x: int = 3\ny: int\nx += 2\nx -= 1\nx *= 3\nx //= 2\nassert x == 6",
     "len = 5\nassert len == 5",
@@ -54,27 +43,10 @@ AGREED: list[str] = [
     "from collections import namedtuple\nP = namedtuple('P', 'x y')\n"
     "assert P(1, 2) == P(1, 2) == (1, 2) and (1, 2) == P(1, 2) and P(1, 2) != P(2, 1)\n"
     "assert {P(1, 2): 5}[P(1, 2)] == 5 and {P(1, 2): 5}[(1, 2)] == 5",
-    "from enum import IntEnum, Enum\nclass E(IntEnum):\n    A = 1\nclass F(Enum):\n    A = 1\n"
-    "assert E.A == 1 and 1 == E.A and F.A != 1 and f'{E.A}' == '1' and str(F.A) == 'F.A'",
     "class A:\n    def __str__(self):\n        return 'Tree_1'\n    def __repr__(self):\n        return 'A()'\n"
     "assert f'{A()}' == str(A()) == 'Tree_1' and '%s' % A() == 'Tree_1' and repr(A()) == f'{A()!r}' == 'A()'\n"
     "assert str([A()]) == '[A()]'",
     "class A:\n    def __repr__(self):\n        return 'A()'\nclass B(A):\n    pass\nassert str(B()) == 'A()'",
-    "made = []\ndef f():\n    made.append(1)\n    yield 1\n    made.append(2)\n    yield 2\n    made.append(3)\n"
-    "g = f()\nassert made == []\nassert next(g) == 1 and made == [1]\nassert list(g) == [2] and made == [1, 2, 3]\n"
-    "assert next(g, 'end') == 'end' and list(g) == []",
-    "def f():\n    x = 0\n    while True:\n        x += 1\n        if x == 3:\n            continue\n"
-    "        if x > 5:\n            break\n        yield x\n    else:\n        yield 'never'\n    yield 'last'\n"
-    "assert list(f()) == [1, 2, 4, 5, 'last']",
-    "def f():\n    for i in range(3):\n        yield i\n    else:\n        yield 'else'\n    return\n"
-    "    yield 'never'\nassert tuple(f()) == (0, 1, 2, 'else')",
-    "def count():\n    n = 0\n    while True:\n        yield n\n        n += 1\n"
-    "assert list(zip(count(), 'ab')) == [(0, 'a'), (1, 'b')]\nfrom itertools import islice\n"
-    "assert list(islice(count(), 2, 5)) == [2, 3, 4]\nfor a in count():\n    if a > 3:\n        break\nassert a == 4",
-    "def f():\n    yield 1\n    raise ValueError('x')\ntry:\n    list(f())\n    assert False\nexcept ValueError:\n"
-    "    pass\ng = f()\nnext(g)\ntry:\n    next(g)\nexcept ValueError:\n    pass\nassert list(g) == []",
-    "def f():\n    yield 1\ntry:\n    g = f()\n    next(g)\n    next(g)\n    assert False\n"
-    "except StopIteration:\n    pass",
     # what python catches is caught
     "def f(n):\n    if n == 0:\n        raise KeyError\n    f(n - 1)\nfor k in range(20):\n    try:\n"
     "        f(3)\n    except Exception:\n        pass",
@@ -103,8 +75,8 @@ REFUSED: list[tuple[str, str, int]] = [
     ("del x", "the name 'x' is not known", 1),
     ("def f():\n    nonlocal x\nf()", "no function around this one has the name 'x'", 2),
     ("__x__ = 1", "the name '__x__' cannot be set", 1),
-    ("x = 1\nclass A(metaclass=x):\n    pass", "a class with a metaclass", 2),
-    ("class A:\n    pass\nclass B(A, A):\n    pass", "derived from several", 3),
+    ("x = 1\nclass A(metaclass=x):\n    pass", "one base class and no metaclass", 2),
+    ("class A:\n    pass\nclass B(A, A):\n    pass", "one base class and no metaclass", 3),
     ("class A(1):\n    pass", "a class derived from 1 is not supported", 1),
     ("with 1:\n    pass", "`with` of 1 is not supported", 1),
     ("class A:\n    @staticmethod\n    def f():\n        pass\n    @f.setter\n    def f(x): pass", "'setter'", 5),
@@ -112,16 +84,14 @@ REFUSED: list[tuple[str, str, int]] = [
     ("class A(dict):\n    pass", "a class derived from a function is not supported", 1),
     ("class A:\n    pass\nA(1)", "the class A takes no arguments", 3),
     ("class A:\n    pass\nA().x", "an instance of the class A has no 'x'", 3),
-    # a generator that is not read or goes on too long is refused
-    ("def f():\n    x = yield 1\nlist(f())", "is not supported in a script", 2),
-    ("def f():\n    while True:\n        yield 1\nlist(f())", "more than 1[57]", 4),
-    ("def f():\n    while True:\n        yield 1\nlist(zip(f(), f()))", "more than 1[57]", 3),
-    (_EACH_OTHER, "a generator that goes on with itself", 7),
+    # generators are not read, and iterators that go on with each other neither
+    ("def f():\n    yield 1\nlist(f())", "`.yield 1.` is not supported in a script", 2),
+    (_EACH_OTHER, "an iterator that goes on with itself", 2),
     # what is not read or too much is not caught
     ("try:\n    x = {}['a']\nexcept ValueError:\n    pass", "the key 'a' is not in the dict", 2),
     ("try:\n    import os\n    os.fork()\nexcept Exception:\n    pass", "os.fork is not supported", 3),
     ("try:\n    while True:\n        pass\nexcept:\n    pass", "more than 1[57]", 3),
-    ("try:\n    x = 1\nfinally:\n    raise ValueError", "the script ends itself here", 4),
+    ("try:\n    x = 1\nfinally:\n    raise ValueError", "the script ends here", 4),
     # other parts are refused
     ("from math import _x\n_x()", r"a call of math\._x", 2),
 ]

@@ -8,7 +8,7 @@ from script_reading import agrees, reads, refuses
 from lidardraft.drafting.blender.script.limits import Limits
 
 NUMBERS = st.one_of(st.integers(-(2**40), 2**40), st.floats(-1e6, 1e6), st.booleans())
-_PLACED = "at = []\ndef placed():\n    for k in range(3):\n        at.append(0)\n        yield k\n"
+_PLACED = "at = []\ndef placed():\n    return (at.append(0) or k for k in range(3))\n"
 AGREED: list[str] = [
     # a list that changes while it is gone through
     "a, b = [1, 2, 3], []\nfor k, x in enumerate(a):\n    if k < 4:\n        a.append(x)\n"
@@ -25,18 +25,15 @@ AGREED: list[str] = [
     "assert 'a\\nb\\r\\nc\\n'.splitlines() == ['a', 'b', 'c'] and ''.splitlines() == []",
     # values are handed out once
     "i = iter([1, 2, 3])\nassert list(zip(range(2), i)) == [(0, 1), (1, 2)] and list(i) == [3]",
-    "from itertools import islice\ni = iter(range(9))\n"
-    "assert list(islice(i, 2)) == [0, 1] and list(islice(i, 1, 4, 2)) == [3, 5] and next(i) == 6",
     f"{_PLACED}for i, _ in enumerate(placed()):\n    at[-1] = 10 * i\nassert at == [0, 10, 20]",
     f"{_PLACED}for i in (at[-1] for _ in placed()):\n    at[-1] = i + 1\nassert at == [1, 1, 1]",
     f"{_PLACED}for k in map(lambda k: k * 10, placed()):\n    at[-1] = k\nassert at == [0, 10, 20]",
     f"{_PLACED}for k in filter(lambda k: k != 1, placed()):\n    at[-1] = k + 5\nassert at == [5, 0, 7]",
     f"{_PLACED}for k, x in zip(placed(), range(10**6)):\n    at[-1] = x\nassert at == [0, 1, 2]",
-    "def f():\n    while True:\n        yield 1\nfor i, _ in enumerate(f(), 3):\n    if i > 5:\n        break\n"
-    "assert i == 6 and any(x for x in f()) and not all(x - 1 for x in f())",
-    "from itertools import count\ndef f():\n    yield 1\n    yield 2\n"
-    "assert list(zip(count(), f())) == [(0, 1), (1, 2)]\nassert list(zip([1, 2], f(), strict=True)) == [(1, 1), (2, "
-    "2)]\ntry:\n    list(zip([1], f(), strict=True))\n    assert False\nexcept ValueError:\n    pass",
+    "from itertools import count, repeat\nfor i, _ in enumerate(repeat(1), 3):\n    if i > 5:\n        break\n"
+    "assert i == 6 and any(x for x in repeat(1)) and not all(x - 1 for x in repeat(1))\n"
+    "assert list(zip(count(), iter([1, 2]))) == [(0, 1), (1, 2)]\ntry:\n    list(zip([1], [1, 2], strict=True))\n"
+    "    assert False\nexcept ValueError:\n    pass",
     "a = [1, 2]\ng = (x for x in a)\na = [3]\nassert list(g) == [1, 2]",
     "made = []\ng = (made.append(x) for x in range(3))\nassert made == []\nnext(g)\nassert made == [0]",
     "i = iter([1, 2, 3, 4])\nfor x in i:\n    if x == 2:\n        break\nassert [x for x in i] == [3, 4]",
@@ -59,7 +56,6 @@ REFUSED: list[tuple[str, str, int]] = [
     ("-'a'", "'a' cannot have this sign", 1),
     ("1 < 'a'", "1 and 'a' have no order", 1),
     ("x = 1\ny = 'a' + x", "'a' . 1 is not supported", 2),
-    ("from collections import Counter\nCounter('a') | Counter('b')", "a Counter . a Counter is not supported", 2),
     ("x = 1\ny = 1 if x < 'a' else 2", "1 and 'a' have no order", 2),
     # what cannot be a key
     ("x = 1\ny = {[1]: 2}", "a list cannot be a key", 2),
@@ -70,7 +66,7 @@ REFUSED: list[tuple[str, str, int]] = [
     ("[1, 2][5]", "a list of 2 has no place 5", 1),
     ("{'a': 1}['b']", "the key 'b' is not in the dict", 1),
     # formats that are not read
-    ("f'{1:>300}'", "a width of 300 characters; 200 are the most", 1),
+    ("f'{1:>300}'", "a width of 300 characters; the limit is 200", 1),
     ("f'{1:y}'", "not supported: Unknown format code 'y'", 1),
     ("f'{\"a\":d}'", "not supported: Unknown format code 'd'", 1),
     ("f'{[]:5}'", "a list cannot be formatted as '5'", 1),
@@ -85,7 +81,6 @@ REFUSED: list[tuple[str, str, int]] = [
     ("{1} + {2}", "a set . a set is not supported", 1),
     ("{1} | [2]", "a set . a list is not supported", 1),
     ("len(iter([1]))", "an iterator has no length", 1),
-    ("from itertools import islice\nislice([1], -1)", "a bound of islice is -1; it must be 0 or more", 2),
     ("next([1])", "a list is no iterator", 1),
     ("next(x for x in [])", "there is no value left", 1),
     # wrong arguments are named

@@ -8,10 +8,8 @@ import hashlib
 import json
 import math
 import os
-import re
-from collections import defaultdict
 from collections.abc import Mapping
-from itertools import count, filterfalse, takewhile
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,10 +25,11 @@ from lidardraft.drafting.blender.script.limits import Limits, RefusalError, Scri
 from lidardraft.drafting.blender.script.modules import modules
 from lidardraft.drafting.blender.script.reading import read
 from lidardraft.drafting.blender.script.values import Namespace
+from lidardraft.drafting.things import Node, Things
 from lidardraft.errors import FormatError, LayoutError, ScriptError, check_type
 from lidardraft.files import named, read_bytes, regular_size
 from lidardraft.scene.box import THINNEST
-from lidardraft.scene.class_names import check_classes, class_of, id_of, without_number, words_of
+from lidardraft.scene.class_names import check_classes, class_of, without_number, words_of
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.placed_mesh import in_unit_box, placed_mesh
 from lidardraft.scene.pose import point_at
@@ -39,15 +38,8 @@ from lidardraft.semantics import BY_NAME
 _DEFAULT_LIMITS = Limits()
 PROVENANCE = "lidardraft"  # the property of the scene in which a layout's provenance and coverage travel
 _MOST_NAMES = 50  # in one message
+_DEEPEST = 100  # parents of an object
 _REMEDY = "say which by --class NAME=CLASS (`classes` in Python)"
-_NUMBERED_PART = re.compile(r"(.*?\d+)[._ -]+(\D.*)", re.DOTALL)  # "Car_1_Lamp" is a part of "Car_1"
-_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
-_BODY = re.compile("body|chassis|hull|base|main|frame|torso")  # the part of which a thing has one
-_PART = re.compile(
-    "(?:wheel|tire|tyre|rim|hub|axle|cabin|cab|roof|hood|bonnet|door|trunk|window|windshield|windscreen|glass|bumper"
-    "|fender|grille|headlight|taillight|light|mirror|spoiler|seat|saddle|handlebar|fork|pedal|plate|head|arm|leg|hand"
-    "|foot|helmet)s?"
-)
 
 
 def layout_from_blender(
@@ -127,7 +119,7 @@ def primitives_of(scene: Scene, classes: Mapping[str, str], *, strict: bool) -> 
     meshes = _meshes_of(scene)
     limit = scene.script.limits.vertices
     if (total := sum(shape.vertices for _, _, shape in meshes if shape.shape in ("mesh", "any"))) > limit:
-        raise RefusalError(f"the scene has {total} vertices; {limit} are the most", 1)
+        raise RefusalError(f"the scene has {total} vertices; the limit is {limit}", 1)
     found = [(item, mesh, shape, _class_of(item, classes)) for item, mesh, shape in meshes]
     nameless = {item.name: item.line for item, *_, label in found if label is None}
     if nameless and strict:
@@ -136,23 +128,12 @@ def primitives_of(scene: Scene, classes: Mapping[str, str], *, strict: bool) -> 
         raise LayoutError(f"no class for {names}{more}; {_REMEDY}")
     for name, line in nameless.items():
         scene.script.note(f"no class for {without_number(name):.60}: it becomes 'other'; {_REMEDY}", line)
-    things = _Things(scene, classes, [item for item, *_, label in found if _is_thing(label)])
-    given = {number for item, *_ in meshes if type(number := item.properties.get("instance")) is int}
-    numbers = defaultdict[str, int](filterfalse(given.__contains__, count(1)).__next__)
-    ids: dict[str, int] = {}
+    nodes = _nodes_of([(item, label) for item, *_, label in found])
+    things = Things(nodes, classes, (item.properties.get("instance") for item, *_ in meshes))
     primitives = []
-    for item, mesh, shape, said in found:
-        label = said or "other"
-        whole, part = things.whole_and_part(item, label)
-        fields: dict[str, Any] = {"label": label, "id": item.properties.get("id") or _distinct(whole, part, ids)}
-        if "instance" in item.properties:
-            fields["instance"] = item.properties["instance"]
-        elif _is_thing(label):
-            fields["instance"] = numbers[whole]
-        for name in {"material", "extinction", "open"} & item.properties.keys():
-            fields[name] = item.properties[name]
+    for (item, mesh, shape, said), node in zip(found, nodes, strict=True):
         try:
-            primitive = _placed_shape(item, mesh, shape, **fields)
+            primitive = _placed_shape(item, mesh, shape, **things.fields_of(node, said or "other", item.properties))
         except LayoutError as error:
             raise RefusalError(f"{error!s:.300}", item.line) from None
         if primitive is None:
@@ -216,93 +197,24 @@ def _class_of(item: SceneObject, classes: Mapping[str, str]) -> str | None:
     return class_of(item.class_names(), classes) or class_of([item.data.name], classes)
 
 
-def _is_thing(label: Any) -> bool:
-    return label in BY_NAME and BY_NAME[label].is_thing
+def _nodes_of(items: list[tuple[SceneObject, str | None]]) -> list[Node]:
+    """Nodes of objects with their classes, below nodes of their parents."""
+    made: dict[SceneObject, Node] = {}
+    for item, label in items:
+        above = item.parents()
+        if len(above) > _DEEPEST:
+            raise RefusalError(f"{item.name:.60} is more than {_DEEPEST} parents deep", item.line)
+        parent: Node | None = None
+        for each in (*reversed(above), item):
+            if each not in made:
+                made[each] = Node(each.name, None, parent, partial(_place_of, each), each.suffix)
+            parent = made[each]
+        made[item].label = label
+    return [made[item] for item, _ in items]
 
 
-class _Name:
-    """What the name of a thing says: of which whole it is ("Car_Red" of "Car_Red_Wheel_FL"), the part that it is of
-    that, and the numbers behind the part, of which the first may be the whole's ("Car_Wheel_0_1")."""
-
-    def __init__(self, name: str) -> None:
-        plain = without_number(name)[:200]
-        words = list(_WORD.finditer(plain))
-        said = [word.group().lower() for word in words]
-        kinds = [_PART.fullmatch(word) or _BODY.fullmatch(word) for word in said]
-        place = next((k for k in range(len(said) - 1, 0, -1) if kinds[k]), None)
-        numbers = [] if place is None else list(takewhile(str.isdigit, said[place + 1 :]))
-        self.is_part = place is not None and _PART.fullmatch(said[place]) is not None
-        self.whole, self.part = name, ""
-        if place is not None:
-            start = plain[: words[place].start()].rstrip("._ -")
-            own = numbers[: len(numbers) - 1] if self.is_part else numbers
-            self.whole, self.part = "_".join([start, *own]), name[words[place].start() :]
-            if not self.is_part:
-                self.whole += name[len(plain) :]  # the number that tells one body from another
-        self.keys = [(*said[:place], *numbers[:count]) for count in range(len(numbers), -1, -1)]
-
-
-class _Things:
-    """The things of a scene, and which of its objects are parts of them: by their parents, or else by their names."""
-
-    def __init__(self, scene: Scene, classes: Mapping[str, str], items: list[SceneObject]) -> None:
-        self._script = scene.script
-        self._classes = classes
-        # Those that are no part, by the words of their names and the suffix of a copy, and where they are [N, 3].
-        self._known: dict[tuple[tuple[str, ...], str], list[SceneObject]] = {}
-        self._places: dict[tuple[tuple[str, ...], str], np.ndarray] = {}
-        for item in items:
-            name = _Name(item.name)
-            if not name.is_part:
-                self._known.setdefault((name.keys[0], item.suffix), []).append(item)
-
-    def whole_and_part(self, item: SceneObject, label: str) -> tuple[str, str]:
-        """The names of the object that it is a part of and of the part; that is "" where it is an object of its own.
-
-        It is a part of the uppermost parent of its class, or else of "Car_1" if its name is "Car_1_Wheel".
-        """
-        top, parent = item, item.parent
-        while parent is not None:
-            if class_of([parent.name], self._classes) in (label, None) and not isinstance(parent.data, Mesh):
-                top = parent  # an empty holds the parts of one object together
-            elif isinstance(parent.data, Mesh) and _class_of(parent, self._classes) == label:
-                top = parent
-            parent = parent.parent
-        whole, part = self._named(top) if _is_thing(label) else _own(top, None)
-        if item is top:
-            return whole, part
-        return whole + item.suffix, item.name.removeprefix(whole).lstrip("._ -") or item.name
-
-    def _named(self, item: SceneObject) -> tuple[str, str]:
-        name = _Name(item.name)
-        keys = [(key, suffix) for key in name.keys for suffix in (item.suffix, "")]
-        key = next((key for key in keys if key in self._known), None)
-        if not name.is_part or key is None:
-            return _own(item, name)
-        known = self._known[key]
-        if key not in self._places:
-            self._places[key] = np.array([each.world()[:3, 3] for each in known])
-        # Of several of one name, it is the nearest one's.
-        place = item.world()[:3, 3] if len(known) > 1 else 0.0
-        nearest = known[int(np.argmin(((self._places[key] - place) ** 2).sum(axis=1)))]
-        return _own(nearest, _Name(nearest.name))[0], name.part + item.suffix.removeprefix(key[1])
-
-
-def _own(item: SceneObject, name: _Name | None) -> tuple[str, str]:
-    """What a name says by itself: the whole and the part."""
-    if name is not None and name.part:
-        return name.whole + item.suffix, name.part
-    match = _NUMBERED_PART.fullmatch(item.name[:200])
-    return (match.group(1) + item.suffix, match.group(2)) if match else (item.name + item.suffix, "")
-
-
-def _distinct(whole: str, part: str, taken: dict[str, int]) -> str:
-    """The id of an object or of one more part of it: only parts come after a dot."""
-    name = id_of(whole).replace(".", "_")
-    if part:
-        name += "." + part.replace(".", "_")
-    taken[name] = taken.get(name, 0) + 1
-    return name if taken[name] == 1 else _distinct(f"{whole}_{taken[name]}", part, taken)
+def _place_of(item: SceneObject) -> np.ndarray:
+    return item.world()[:3, 3]
 
 
 def _lengthwise(primitive: Primitive) -> Primitive:

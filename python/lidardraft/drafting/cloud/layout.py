@@ -88,7 +88,7 @@ def layout_from_cloud(
     found = _clustered(scan, instances, DETAILS[detail])
     return Layout(
         primitives=(*surfaces(scan.ground), *_numbered(_refined(scan, found, DETAILS[detail]))),
-        provenance={"source": source, "sensor_height": sensor_height},
+        provenance={"source": source, "sensor_height": float(sensor_height)},
     )
 
 

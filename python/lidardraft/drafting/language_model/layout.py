@@ -74,7 +74,7 @@ def layout_from_llm(
     that can be used, `LayoutError` where a relation cannot hold for the seed.
     """
     check_type("text", text, str)
-    check_seed(seed)
+    seed = check_seed(seed)
     if not text.strip() or len(text) > MAX_LENGTH:
         raise TextError(f"the text has {len(text)} characters; it must have 1 to {MAX_LENGTH}, and not blanks alone")
     server = ChatServer(url or os.environ.get(URL, ""), model or os.environ.get(MODEL, ""))

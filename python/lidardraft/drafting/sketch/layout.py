@@ -61,7 +61,7 @@ def layout_from_sketch(
     for name, value in (("metres_per_pixel", metres_per_pixel), ("scale_bar", scale_bar)):
         if value is not None and not (is_number(value) and value > 0):
             raise LayoutError(f"{name} is {value!r}; it must be a finite number of metres > 0")
-    check_seed(seed)
+    seed = check_seed(seed)
     if isinstance(sketch, np.ndarray):
         return _layout(_painting(sketch, metres_per_pixel, scale_bar), "sketch", seed)
     path = Path(sketch)
@@ -113,7 +113,7 @@ def _layout(sketch: Sketch, source: str, seed: int) -> Layout:
     provenance = {
         "source": source,
         "seed": seed,
-        "metres_per_pixel": sketch.metres_per_unit,
+        "metres_per_pixel": float(sketch.metres_per_unit),
         "ego": "marked" if sketch.ego_marked else "middle",
         "understood": [f"{name}: {number}" for name, number in sorted(counts.items())],
         "ignored": _shortened(sketch.ignored),

@@ -56,7 +56,7 @@ def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
     Raises `LayoutError` on a seed that is no integer >= 0, and where a relation cannot hold, naming it, how many of how
     many objects found room, and what is in the way.
     """
-    check_seed(seed)
+    seed = check_seed(seed)
     urgent: dict[int, int] = {}  # the groups that found no room, and in which arrangement
     crowded = False
     most = max((group.fewest or 0 for group in spec.groups), default=0)

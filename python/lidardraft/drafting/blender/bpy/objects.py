@@ -143,7 +143,7 @@ class Modifiers(Listed):
         for array in self.arrays:
             count *= array.values["count"]
             if count > _MOST_COPIES:
-                raise RefusalError(f"the arrays of an object make {count} copies; {_MOST_COPIES} are the most")
+                raise RefusalError(f"the arrays of an object make {count} copies; the limit is {_MOST_COPIES}")
         places = [np.zeros(3)]
         for array in self.arrays:
             step, numbers = array.step(extents), range(array.values["count"])

@@ -172,7 +172,7 @@ def _duplicate_move(
 
 def _modifier_add(scene: Scene, type: Value = "SUBSURF", **_: Value) -> None:
     if scene.objects.active is None:
-        raise RefusalError("there is no active object that could have a modifier")
+        raise RefusalError("modifier_add needs an active object")
     name = text(type, "the modifier").title()
     taken = [array.name for array in scene.objects.active.modifiers.arrays]
     names = (name if not number else f"{name}.{number:03}" for number in range(len(taken) + 1))
@@ -253,7 +253,7 @@ def _transform_vertices(scene: Scene, linear: np.ndarray, offset: np.ndarray) ->
     of the world."""
     item = scene.objects.active
     if item is None or not isinstance(item.data, Mesh) or item.data in scene.edited:
-        raise RefusalError("a transform in the edit mode of what is no mesh, or is open in bmesh, is not supported")
+        raise RefusalError("the edit mode transforms a mesh that bmesh does not have open, and nothing else")
     vertices = item.vertices()
     if not scene.edits_all or not len(vertices):
         return
@@ -271,7 +271,7 @@ def _transform_apply(
         if not isinstance(item.data, Mesh):
             continue
         if rotation and not scale and len(set(item.scale.numbers)) > 1:
-            raise RefusalError("a rotation that is applied without an uneven scale is not supported; apply both")
+            raise RefusalError("an uneven scale is applied together with the rotation; apply both")
         before = item.local()
         if location:
             item.location.change(_ORIGIN)
@@ -285,7 +285,7 @@ def _transform_apply(
 def _parent_set(scene: Scene, type: Value = "OBJECT", **_: Value) -> None:
     active = scene.objects.active
     if active is None or type != "OBJECT":
-        raise RefusalError("there is no active object to be the parent, or it is no parent of objects")
+        raise RefusalError("parent_set needs an active object and type='OBJECT'")
     for item in [item for item in scene.objects.selection if item is not active]:
         world = item.world()
         item.set_parent(active)
@@ -304,7 +304,7 @@ def _parent_clear(scene: Scene, type: Value = "CLEAR") -> None:
 def _join(scene: Scene) -> None:
     objects, active = scene.objects, scene.objects.active
     if active is None or active not in objects.selection or not isinstance(active.data, Mesh):
-        raise RefusalError("the active object is no selected mesh that others can be joined to")
+        raise RefusalError("join needs an active object that is selected and a mesh")
     own = np.linalg.pinv(active.world())
     vertices, faces = [np.zeros((0, 3))], list[np.ndarray]()
     for item in [active, *(other for other in list(objects.selection) if other is not active)]:

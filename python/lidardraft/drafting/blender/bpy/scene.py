@@ -10,7 +10,6 @@ from lidardraft.drafting.blender.bpy.mathutils import Vector
 from lidardraft.drafting.blender.bpy.meshes import Material, Mesh
 from lidardraft.drafting.blender.bpy.objects import Objects, SceneObject
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.statements import Surroundings
 from lidardraft.drafting.blender.script.values import (
     Methods,
     Namespace,
@@ -156,7 +155,7 @@ class Scene:
     def add(self, name: str, data: Value) -> SceneObject:
         """A new object in the scene, which is then the only selected one, and active."""
         if self.edit_mode:
-            raise RefusalError("objects are not added in the edit mode; leave it first")
+            raise RefusalError("operators add objects in the object mode; leave the edit mode first")
         item: SceneObject = self.objects.new(name, data)
         self.collection().link(item)
         self.objects.select_only(item)
@@ -248,32 +247,6 @@ class Cursor(Record):
     }
 
 
-class Override(Surroundings):
-    """`bpy.context.temp_override(...)`: other objects are selected or active for a block."""
-
-    kind = "temp_override"
-
-    def __init__(self, objects: Objects, named: dict[str, Value]) -> None:
-        super().__init__([])
-        self._objects = objects
-        self._named = named
-        self._before = objects.active, objects.selection
-
-    def enter(self) -> None:
-        self._before = self._objects.active, self._objects.selection
-        for name, value in self._named.items():
-            if name in ("object", "active_object") and isinstance(value, SceneObject | None):
-                self._objects.active = value
-            elif name.startswith("selected_") and isinstance(value, list | tuple):
-                self._objects.selection = {item: None for item in value if isinstance(item, SceneObject)}
-
-    def leave(self) -> None:
-        active, selection = self._before
-        known = set(self._objects.all())
-        self._objects.active = active if active in known else None
-        self._objects.selection = {item: None for item in selection if item in known}
-
-
 class Context(Record):
     """`bpy.context`."""
 
@@ -293,7 +266,6 @@ class Context(Record):
         "mode": lambda self: "EDIT_MESH" if self.scene.edit_mode else "OBJECT",
         **{name: lambda self, name=name: Unread(f"bpy.context.{name}", self.scene.script) for name in _OF_CONTEXT},
     }
-    methods: ClassVar[Methods] = {"temp_override": lambda self, **named: Override(self.scene.objects, named)}
 
 
 class ViewLayer(Listed):

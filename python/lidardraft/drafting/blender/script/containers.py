@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import operator
-from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, MutableSet
 from functools import partial, reduce
 from typing import ClassVar
@@ -16,7 +15,6 @@ from lidardraft.drafting.blender.script.values import (
     Record,
     Value,
     call,
-    checked,
     describe,
     dict_key,
     elements,
@@ -39,16 +37,13 @@ _COMBINED = {"union": operator.or_, "intersection": operator.and_, "difference":
 _COMBINED |= {"symmetric_difference": operator.xor}
 
 
-class Deque(list[Value]):
-    """A list that a script also takes from, and adds to, on the left."""
-
-
 class Lazy(Record):
     """An iterator: each value is made when it is asked for, as all else may happen between two of them."""
 
-    def __init__(self, values: Iterator[Value], script: Script, kind: str = "an iterator") -> None:
+    kind = "an iterator"
+
+    def __init__(self, values: Iterator[Value], script: Script) -> None:
         script.take_cells(_CELLS_OF_ITERATOR)
-        self.kind = kind
         self._values = values
         self._script = script
         self._is_running = False
@@ -182,11 +177,6 @@ def ordered(items: Value, key: Value, reverse: Value, script: Script) -> list[Va
     return [found[place] for place in in_order(partial(sorted, reverse=bool(reverse)), keys, script)]
 
 
-def _most_common(script: Script, value: Counter[Value], n: Value = None) -> list[Value]:
-    script.take_cells(3 * len(value))
-    return value.most_common(n)
-
-
 _OWN: dict[type, Methods] = {  # the methods that are written here, which get the script and the value first
     str: {
         **{"join": _join, "format": _format, "replace": _replace},
@@ -197,20 +187,12 @@ _OWN: dict[type, Methods] = {  # the methods that are written here, which get th
             for name in ("zfill", "ljust", "rjust", "center")
         },
     },
-    Deque: {
-        "popleft": lambda _, value: value.pop(0),
-        "appendleft": lambda _, value, item: value.insert(0, item),
-    },
     list: {
         **{"index": _index, "count": _count, "extend": _extend, "sort": _sort},
         "pop": lambda _, value, where=-1: value.pop(where),
         "remove": lambda script, value, item: value.pop(_index(script, value, item)),
     },
     tuple: {"index": _index, "count": _count},
-    Counter: {
-        "most_common": _most_common,
-        "update": lambda script, value, items=(): count_into(value, items, script),
-    },
     dict: {
         **{
             name: lambda _, value, key, *default, name=name: getattr(value, name)(dict_key(key), *default)
@@ -247,12 +229,3 @@ def to_dict(pairs: Value, keywords: dict[str, Value], script: Script) -> dict[Va
         found = {dict_key(key): value for key, value in rows}
     script.take_made(found)
     return {**found, **keywords}
-
-
-def count_into(counter: Counter[Value], items: Value, script: Script) -> None:
-    """Add what there is of each of the items, or the numbers of another dict."""
-    keys = elements(items, script)
-    script.take_cells(3 * len(keys))
-    for key in keys:
-        number = items[key] if isinstance(items, dict) else 1
-        counter[key] = checked(counter.get(dict_key(key), 0) + whole(number, "a count"))

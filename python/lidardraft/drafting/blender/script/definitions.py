@@ -207,7 +207,7 @@ class ScriptClass(Type):
         self.name = name
         self.base = base if isinstance(base, ScriptClass) else None
         self.marker: str = self.base.marker if self.base else base.name if isinstance(base, BaseMarker) else "object"
-        self.is_enumeration = self.marker.endswith("Enum")
+        self.is_enumeration = self.marker == "Enum"
         self.members, self.annotated, self.script = body.variables, body.annotated, body.script
         self.made_from: list[str] | None = self.base.made_from if self.base else None
         self.is_dataclass: bool = self.base is not None and self.base.is_dataclass
@@ -345,8 +345,6 @@ class Instance(Record):
         return self._key
 
     def compared_as(self) -> Value:
-        if self.of.marker in ("IntEnum", "StrEnum"):
-            return self.values["value"]
         if self.of.marker == "NamedTuple":
             return tuple(self.values.values())
         return (self.of, *self.values.values()) if self.of.is_dataclass else self
@@ -356,8 +354,7 @@ class Instance(Record):
             if (found := self.of.find(name)) is not _MISSING:
                 return text(self.of.run(found, self), f"what {name} gives")
         if self.of.is_enumeration and not as_repr:
-            plain = self.of.marker != "Enum"
-            return str(self.values["value"]) if plain else f"{self.of.name}.{self.values['name']}"
+            return f"{self.of.name}.{self.values['name']}"
         return super().text(as_repr)
 
     def has_private(self, name: str) -> bool:

@@ -6,9 +6,7 @@ made at once, and the clock bounds what takes long. So every script ends, in bou
 
 from __future__ import annotations
 
-import ast
 import time
-from collections.abc import Container
 from dataclasses import dataclass, fields
 from typing import Any
 
@@ -79,7 +77,6 @@ class Script:
         self.line = 1
         self.notes: dict[str, int] = {}
         self.modules: dict[str, Any] = {}  # that it may import
-        self.generators: Container[ast.AST] = ()  # its functions with a `yield`
         self.handled: RaisedError | None = None  # what a bare `raise` raises again
 
     def note(self, message: str, line: int | None = None) -> None:
@@ -110,7 +107,7 @@ class Script:
     def take_cells(self, count: int) -> None:
         """Count so many elements of a value that is made as a whole."""
         if count > self.limits.length:
-            raise RefusalError(f"a value of {count} elements; {self.limits.length} are the most")
+            raise RefusalError(f"a value of {count} elements; the limit is {self.limits.length}")
         self.cells -= max(count, 0)
         if self.cells < 0:
             raise RefusalError(f"all values together have more than {self.limits.cells} elements")
@@ -118,7 +115,7 @@ class Script:
     def take_text(self, characters: int) -> None:
         """Count the characters of a text, eight to a cell, before it is made."""
         if characters > 8 * self.limits.length:
-            raise RefusalError(f"a text of {characters} characters; {8 * self.limits.length} are the most")
+            raise RefusalError(f"a text of {characters} characters; the limit is {8 * self.limits.length}")
         self.take_cells(characters // 8 + 1)
 
     def take_made(self, value: object) -> None:

@@ -3,36 +3,27 @@ surroundings. No file is read, what is logged goes nowhere, the clock stands sti
 
 from __future__ import annotations
 
-import ast
-import copy
 import itertools
-import json
 import math
 import posixpath
 import random
-import re
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Callable, Iterator
-from datetime import datetime
-from functools import partial, reduce
 from pathlib import PurePosixPath
 from typing import ClassVar
 
-from lidardraft.drafting.blender.script.builtin_functions import has
-from lidardraft.drafting.blender.script.containers import Deque, Lazy, count_into, iterate, to_dict
+from lidardraft.drafting.blender.script.containers import Lazy, iterate, to_dict
 from lidardraft.drafting.blender.script.definitions import (
     AutoValue,
     BaseMarker,
     ClassFrame,
     Decorator,
     FieldDefault,
-    Instance,
     ScriptClass,
     dataclass,
 )
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.operators import binary, to_text
-from lidardraft.drafting.blender.script.statements import Surroundings
+from lidardraft.drafting.blender.script.statements import Suppress
 from lidardraft.drafting.blender.script.values import (
     Builtin,
     Methods,
@@ -44,8 +35,6 @@ from lidardraft.drafting.blender.script.values import (
     checked,
     describe,
     elements,
-    is_key,
-    lone_surrogate,
     nothing,
     reals,
     text,
@@ -63,32 +52,25 @@ _DRAWS = (
     *("randint", "randrange"),
 )
 _CELLS_OF_GENERATOR = 300
-_WIDEST, _DEEPEST_COPY = 16, 30
-_LONGEST_NUMBER = 40  # of JSON
-_SIGN, _HALF_CHARACTER = re.compile(r"[,:\[{]"), re.compile(r"\\u[dD][89a-fA-F]")
+_WIDEST = 16
 SCRIPT_FILE = "/script.py"  # the name that a script sees of its own file
 _LONGEST_PATH = 4096  # characters
 _DEFAULTS = {"store_true": False, "store_false": True, "store": None, "append": None, "count": None}
-_FIRST = datetime(1970, 1, 1)  # the time that all clocks show
-_FORMAT, _LONGEST_FORMAT = re.compile("(?:[^%]|%[YymdHMSBbAajp%])*"), 100  # characters
 _MESSAGES = ("debug", "info", "warning", "warn", "error", "critical", "exception", "log")
 _OF_LOGGERS = (*_MESSAGES, "setLevel", "addHandler", "removeHandler", "setFormatter", "flush", "close")
 
 
 def modules(script: Script) -> dict[str, Value]:
     """The modules by their names."""
-    enum = {name: BaseMarker(name) for name in ("Enum", "IntEnum", "StrEnum")}
     tables: dict[str, dict[str, Value]] = {
         "math": _math(script),
         "itertools": {**builtins("", _itertools(script)), "chain": _chain(script)},
         "functools": _functools(script),
         "collections": builtins("", _collections(script)),
         "dataclasses": {"dataclass": Decorator(dataclass), "field": Builtin("field", FieldDefault)},
-        "enum": {**enum, "auto": Builtin("auto", AutoValue)},
+        "enum": {"Enum": BaseMarker("Enum"), "auto": Builtin("auto", AutoValue)},
         "abc": {"ABC": BaseMarker("object"), "abstractmethod": Decorator(lambda function: function)},
         "contextlib": {"suppress": Builtin("suppress", _suppress)},
-        "copy": builtins("copy.", _copy(script)),
-        "json": builtins("json.", _json(script)),
         **_surroundings(script),
     }
     known: dict[str, Value] = {name: Namespace(name, values) for name, values in tables.items()}
@@ -119,9 +101,8 @@ def _surroundings(script: Script) -> dict[str, dict[str, Value]]:
 
     environ = Namespace("os.environ", builtins("os.environ.", {"get": getenv}))
     path = Namespace("os.path", {"sep": "/", **builtins("os.path.", _os_path(script))})
-    first = {"year": 1970, "month": 1, "day": 1, "hour": 0, "minute": 0, "second": 0, "microsecond": 0}
-    written: Methods = {"strftime": _written, "isoformat": _FIRST.isoformat, "timestamp": lambda: 0.0}
-    moment = Namespace("a moment", first | builtins("", written))
+    written: Methods = dict.fromkeys(("strftime", "isoformat"), lambda *_: "")
+    moment = Namespace("a moment", builtins("", written | {"timestamp": lambda: 0.0}))
     now = Namespace("datetime", builtins("", dict.fromkeys(("now", "today", "utcnow"), at_first(moment))))
     clocks = ("time", "perf_counter", "monotonic", "process_time")
     logger = Namespace("a logger", {"propagate": True, **silent(*_OF_LOGGERS)})
@@ -135,7 +116,7 @@ def _surroundings(script: Script) -> dict[str, dict[str, Value]]:
         | {"version": "3.11.0", "version_info": (3, 11, 0), "exit": Builtin("sys.exit", _leave)}
         | {name: Namespace(f"sys.{name}", silent("write", "writelines", "flush")) for name in ("stdout", "stderr")},
         "pathlib": {"Path": file_path, "PurePath": file_path},
-        "time": builtins("time.", dict.fromkeys(clocks, at_first(0.0)) | {"sleep": nothing, "strftime": _written}),
+        "time": builtins("time.", dict.fromkeys(clocks, at_first(0.0)) | {"sleep": nothing, "strftime": lambda *_: ""}),
         "datetime": {"datetime": now, "date": now},
         "argparse": {"ArgumentParser": Builtin("argparse.ArgumentParser", lambda *_, **__: Parser(script))},
         "logging": levels
@@ -145,12 +126,6 @@ def _surroundings(script: Script) -> dict[str, dict[str, Value]]:
         "traceback": silent("print_exc"),
         "gc": silent("collect"),
     }
-
-
-def _written(form: Value, *_: Value) -> str:
-    if len(text(form, "the format")) > _LONGEST_FORMAT or not _FORMAT.fullmatch(form):
-        raise RefusalError(f"the format {form[:40]!r} of a time is not supported")
-    return _FIRST.strftime(form)
 
 
 def _math(script: Script) -> dict[str, Value]:
@@ -226,9 +201,6 @@ def _chain(script: Script) -> Builtin:
 
 
 def _itertools(script: Script) -> Methods:
-    def lazily(make: Callable[..., Iterator[Value]]) -> Callable[..., Lazy]:
-        return lambda items, *more, **named: Lazy(make(iterate(items, script), *more, **named), script)
-
     def product(*columns: Value, repeat: Value = 1) -> Value:
         lists = [elements(column, script) for column in columns] * whole(repeat, "repeat", 0, _WIDEST)
         return Lazy(itertools.product(*lists), script)
@@ -241,64 +213,31 @@ def _itertools(script: Script) -> Methods:
 
         return some
 
-    def accumulate(items: Iterator[Value], function: Value = None, *, initial: Value = None) -> Iterator[Value]:
-        add = partial(binary, ast.Add, script=script) if function is None else partial(_called, function, script)
-        return itertools.accumulate(items, add, initial=initial)
-
-    def islice(items: Iterator[Value], *bounds: Value) -> Iterator[Value]:
-        limits = [None if bound is None else whole(bound, "a bound of islice", 0) for bound in bounds]
-        return itertools.islice(items, *limits)
-
     return {
         "product": product,
         "combinations": chosen(itertools.combinations),
         "permutations": chosen(itertools.permutations),
         "count": lambda start=0, step=1: Lazy(itertools.count(checked(start) + 0, checked(step) + 0), script),
         "repeat": lambda value, *times: Lazy(itertools.repeat(value, *times), script),
-        "cycle": lazily(itertools.cycle),
-        "islice": lazily(islice),
-        "accumulate": lazily(accumulate),
-        "pairwise": lazily(itertools.pairwise),
+        "cycle": lambda items: Lazy(itertools.cycle(iterate(items, script)), script),
+        "pairwise": lambda items: Lazy(itertools.pairwise(iterate(items, script)), script),
     }
 
 
 def _functools(script: Script) -> dict[str, Value]:
-    def reduced(function: Value, items: Value, *start: Value) -> Value:
-        return reduce(partial(_called, function, script), elements(items, script), *start)
-
     def bound(function: Value, /, *first: Value, **named: Value) -> Builtin:
-        return Builtin("partial", partial(_called, function, script, *first, **named))
+        def result(*more: Value, **others: Value) -> Value:
+            return call(function, [*first, *more], named | others, script)
 
-    def cached(function: Value) -> Builtin:
-        results: dict[Value, Value] = {}
+        return Builtin("partial", result)
 
-        def result(*arguments: Value, **keywords: Value) -> Value:
-            key = (*arguments, *keywords.items())
-            if not all(is_key(each) for each in (*arguments, *keywords.values())):
-                raise RefusalError("a cached function of what cannot be a key")
-            if key not in results:
-                results[key] = call(function, list(arguments), keywords, script)
-            return results[key]
-
-        return Builtin("a cached function", result)
-
-    cache = Decorator(cached)
-    return builtins("", {"partial": bound, "reduce": reduced}) | {"cache": cache, "lru_cache": cache}
-
-
-def _called(function: Value, script: Script, /, *arguments: Value, **keywords: Value) -> Value:
-    return call(function, list(arguments), keywords, script)
+    return builtins("", {"partial": bound})
 
 
 def _collections(script: Script) -> Methods:
     def default_dict(default_factory: Value = None, pairs: Value = (), **keywords: Value) -> dict[Value, Value]:
-        factory = None if default_factory is None else partial(_called, default_factory, script)
+        factory = None if default_factory is None else lambda: call(default_factory, [], {}, script)
         return defaultdict(factory, to_dict(pairs, keywords, script))
-
-    def counter(items: Value = ()) -> Counter[Value]:
-        found: Counter[Value] = Counter()
-        count_into(found, items, script)
-        return found
 
     def namedtuple(typename: Value, field_names: Value, **_: Value) -> ScriptClass:
         given = field_names.replace(",", " ").split() if isinstance(field_names, str) else elements(field_names, script)
@@ -309,77 +248,14 @@ def _collections(script: Script) -> Methods:
         body.annotated = names
         return ScriptClass(text(typename, "the name"), BaseMarker("NamedTuple"), body)
 
-    return {
-        "defaultdict": default_dict,
-        "Counter": counter,
-        "deque": lambda items=(): Deque(elements(items, script)),
-        "namedtuple": namedtuple,
-        "OrderedDict": lambda pairs=(), **keywords: to_dict(pairs, keywords, script),
-    }
+    return {"defaultdict": default_dict, "namedtuple": namedtuple}
 
 
-def _suppress(*errors: Value) -> Surroundings:
+def _suppress(*errors: Value) -> Suppress:
     names = [each.error for each in errors if isinstance(each, BaseMarker) and each.error is not None]
     if len(names) != len(errors):
-        raise RefusalError("suppress of what is no class of errors of Python's own")
-    return Surroundings(names)
-
-
-def _copy(script: Script) -> Methods:
-    def shallow(x: Value) -> Value:
-        if isinstance(x, list | dict):
-            script.take_made(x)
-            return copy.copy(x)
-        if isinstance(x, Instance) and not x.of.is_enumeration:
-            script.take_made(x.values)
-            other = Instance(x.of)
-            other.values = dict(x.values)
-            return other
-        if not isinstance(x, Record) or not has(x, "copy"):
-            return x  # a number, a text, a tuple, a function or a class, which nothing changes
-        return x.attribute("copy")()
-
-    def deep(x: Value, known: dict[int, Value], level: int) -> Value:
-        script.take_step()
-        if level > _DEEPEST_COPY:
-            raise RefusalError(f"deepcopy of {describe(x)}, more than {_DEEPEST_COPY} levels deep")
-        if not isinstance(x, list | tuple | dict | Record):
-            return x
-        if isinstance(x, tuple):
-            return tuple(deep(item, known, level + 1) for item in x)
-        if id(x) not in known:
-            known[id(x)] = other = shallow(x)
-            values = other.values if isinstance(other, Instance) else other
-            if other is not x and isinstance(values, list):
-                values[:] = [deep(item, known, level + 1) for item in values]
-            elif other is not x and isinstance(values, dict):
-                values.update({key: deep(item, known, level + 1) for key, item in values.items()})
-        return known[id(x)]
-
-    return {"copy": shallow, "deepcopy": lambda x: deep(x, {}, 0)}
-
-
-def _json(script: Script) -> Methods:
-    def loads(s: Value) -> Value:
-        written = text(s, "what json.loads is given")
-        script.take_text(len(written))
-        script.take_cells(3 * len(_SIGN.findall(written)))
-        try:
-            found = json.loads(written, parse_int=lambda digits: int(checked(int(digits[:_LONGEST_NUMBER]))))
-        except json.JSONDecodeError as error:
-            raise RaisedError("JSONDecodeError", f"json.loads: {error}") from None
-        if _HALF_CHARACTER.search(written) and lone_surrogate(json.dumps(found, ensure_ascii=False)) is not None:
-            raise RefusalError("the text holds half a character")
-        return found
-
-    def dumps(obj: Value, *, indent: Value = None, sort_keys: Value = False, ensure_ascii: Value = True) -> str:
-        width = None if indent is None else whole(indent, "the indent", 0, 8)
-        to_text(obj, script)  # counts what is written, and refuses what is too deep
-        written = json.dumps(obj, indent=width, sort_keys=bool(sort_keys), ensure_ascii=bool(ensure_ascii))
-        script.take_text(len(written))
-        return written
-
-    return {"loads": loads, "dumps": dumps}
+        raise RefusalError("suppress takes Python's own classes of errors")
+    return Suppress(names)
 
 
 class Annotations(Record):
@@ -396,7 +272,7 @@ class Annotations(Record):
 
 def _leave(code: Value = None) -> None:
     said = "" if code is None else f"{code:.200}" if isinstance(code, str) else describe(code)
-    raise RaisedError("SystemExit", "the script ends itself here", said)
+    raise RaisedError("SystemExit", "the script ends here", said)
 
 
 def _os_path(script: Script) -> Methods:
@@ -418,7 +294,7 @@ def _no_file(asked: str, script: Script) -> bool:
 def _name_of(value: Value) -> str:
     name = str(value.pure) if isinstance(value, FilePath) else text(value, "the name of a file")
     if len(name) > _LONGEST_PATH:
-        raise RefusalError(f"a path of {len(name)} characters; {_LONGEST_PATH} are the most")
+        raise RefusalError(f"a path of {len(name)} characters; the limit is {_LONGEST_PATH}")
     return name
 
 
@@ -440,9 +316,10 @@ class FilePath(Record):
         "parents": lambda self: [self._other(str(parent)) for parent in self.pure.parents],
     }
     methods: ClassVar[Methods] = {
-        "joinpath": lambda self, *parts: self._other(self, *parts),
-        "with_suffix": lambda self, suffix: self._other(str(self.pure.with_suffix(text(suffix, "the suffix")))),
-        "with_name": lambda self, name: self._other(str(self.pure.with_name(text(name, "the name")))),
+        **{
+            name: lambda self, *parts, name=name: self._other(str(getattr(self.pure, name)(*map(_name_of, parts))))
+            for name in ("joinpath", "with_suffix", "with_name")
+        },
         **dict.fromkeys(("resolve", "absolute"), lambda self: self._other("/", self)),
         "expanduser": lambda self: self,
         "as_posix": lambda self: str(self.pure),

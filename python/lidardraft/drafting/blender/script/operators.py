@@ -221,4 +221,4 @@ def _plain(value: Value, script: Script) -> str | int | float:
 def _check_widths(spec: str) -> None:
     for width in re.findall(r"\d+", spec):
         if len(width) > 4 or int(width) > _WIDEST:
-            raise RefusalError(f"a width of {width[:12]} characters; {_WIDEST} are the most")
+            raise RefusalError(f"a width of {width[:12]} characters; the limit is {_WIDEST}")

@@ -12,7 +12,7 @@ from lidardraft.drafting.blender.script.builtin_functions import builtin_functio
 from lidardraft.drafting.blender.script.definitions import Frame
 from lidardraft.drafting.blender.script.limits import Limits, RaisedError, RefusalError, Script
 from lidardraft.drafting.blender.script.modules import SCRIPT_FILE
-from lidardraft.drafting.blender.script.statements import generators_in, result_of
+from lidardraft.drafting.blender.script.statements import result_of
 from lidardraft.drafting.blender.script.values import lone_surrogate
 
 # Code, a comment, or a string; one that does not end goes on to the end of its line or of the text. Whatever follows,
@@ -67,8 +67,6 @@ def read(text: str, script: Script) -> None:
     gc.disable()  # it would go through the tree again and again; what is made is bounded
     try:
         tree = parse(text, script.limits)
-        if "yield" in text:
-            script.generators = generators_in(tree)
         builtins = Frame(None, builtin_functions(script), script)
         result_of(tree.body, Frame(builtins, {"__name__": "__main__", "__file__": SCRIPT_FILE}, script))
     except RaisedError as error:

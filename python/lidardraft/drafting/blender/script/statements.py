@@ -1,17 +1,12 @@
 """What each kind of statement of a script does: functions of a node of the syntax tree and the frame that its names are
-looked up in. They give what ends the statements around them early, or None.
-
-A statement that holds others is a generator, as it may be part of a function with `yield`: it goes on from one value to
-the next as far as these are asked for.
-"""
+looked up in. They give what ends the statements around them early, or None."""
 
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Generator, Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
-from lidardraft.drafting.blender.script.containers import Lazy
 from lidardraft.drafting.blender.script.definitions import (
     BaseMarker,
     ClassFrame,
@@ -41,13 +36,11 @@ from lidardraft.drafting.blender.script.values import (
     place,
 )
 
-Going = Generator[Value, None, object]  # its values, and then what ends the statements around it early, or None
 _BREAK, _CONTINUE = object(), object()
 _ALL = ("Exception", "BaseException")
 _KINDS = {
     **dict.fromkeys(("KeyError", "IndexError"), "LookupError"),
     **dict.fromkeys(("ZeroDivisionError", "OverflowError"), "ArithmeticError"),
-    "JSONDecodeError": "ValueError",
 }
 
 
@@ -58,7 +51,7 @@ class _Returned:
         self.value = value
 
 
-def block(nodes: list[ast.stmt], frame: Frame) -> Going:
+def block(nodes: list[ast.stmt], frame: Frame) -> object:
     """Carry out statements one after the other. Raises `RefusalError` naming the line of what is not understood."""
     script = frame.script
     script.go_deeper(nodes[0].lineno if nodes else script.line)
@@ -66,49 +59,23 @@ def block(nodes: list[ast.stmt], frame: Frame) -> Going:
         for node in nodes:
             script.line = node.lineno
             script.take_step()
-            if isinstance(node, ast.Expr) and isinstance(node.value, ast.Yield | ast.YieldFrom):
-                yield from _yielded(node.value, frame)
-            elif (simple := _SIMPLE.get(type(node))) is not None:
-                if (ended := simple(node, frame)) is not None:
-                    return ended
-            elif (ended := (yield from _COMPOUND.get(type(node), _unknown)(node, frame))) is not None:
+            if (ended := _STATEMENTS.get(type(node), _unknown)(node, frame)) is not None:
                 return ended
     except RefusalError as refusal:
         raise refusal.at(node.lineno) from None
-    except GeneratorExit:  # nobody asks for its other values
-        script.levels += 1
-        raise
     finally:
         script.levels -= 1
     return None
 
 
 def result_of(nodes: list[ast.stmt], frame: Frame) -> Value:
-    """What statements without a `yield` return."""
-    try:
-        next(block(nodes, frame))
-    except StopIteration as stop:
-        return stop.value.value if isinstance(stop.value, _Returned) else None
-    raise AssertionError("a yield outside of a generator")
+    """What the statements of a function return."""
+    ended = block(nodes, frame)
+    return ended.value if isinstance(ended, _Returned) else None
 
 
-def generators_in(tree: ast.Module) -> set[ast.AST]:
-    """The functions that have a `yield`."""
-    found: set[ast.AST] = set()
-    waiting: list[tuple[ast.AST, ast.AST]] = [(tree, tree)]
-    while waiting:
-        node, function = waiting.pop()
-        if isinstance(node, ast.Yield | ast.YieldFrom):
-            found.add(function)
-        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda):
-            function = node
-        waiting += [(child, function) for child in ast.iter_child_nodes(node)]
-    return found
-
-
-def _unknown(node: ast.stmt, _: Frame) -> Going:
+def _unknown(node: ast.stmt, _: Frame) -> object:
     raise not_supported(node)
-    yield
 
 
 def _expression(node: ast.Expr, frame: Frame) -> None:
@@ -133,11 +100,11 @@ def _augmented(node: ast.AugAssign, frame: Frame) -> None:
     write(binary(type(node.op), read(), value_of(node.value, frame), frame.script, in_place=True))
 
 
-def _if(node: ast.If, frame: Frame) -> Going:
-    return (yield from block(node.body if value_of(node.test, frame) else node.orelse, frame))
+def _if(node: ast.If, frame: Frame) -> object:
+    return block(node.body if value_of(node.test, frame) else node.orelse, frame)
 
 
-def _for(node: ast.For, frame: Frame) -> Going:
+def _for(node: ast.For, frame: Frame) -> object:
     def rounds() -> Iterator[None]:
         for item in loop_over(value_of(node.iter, frame), frame.script):
             assign(node.target, item, frame)
@@ -146,27 +113,24 @@ def _for(node: ast.For, frame: Frame) -> Going:
     return _loop(node, rounds(), frame)
 
 
-def _while(node: ast.While, frame: Frame) -> Going:
+def _while(node: ast.While, frame: Frame) -> object:
     return _loop(node, iter(lambda: bool(value_of(node.test, frame)), False), frame)
 
 
-def _loop(node: ast.For | ast.While, rounds: Iterator[object], frame: Frame) -> Going:
+def _loop(node: ast.For | ast.While, rounds: Iterator[object], frame: Frame) -> object:
     for _ in rounds:
-        ended = yield from block(node.body, frame)
+        ended = block(node.body, frame)
         if ended is _BREAK:
             return None
         if ended is not None and ended is not _CONTINUE:
             return ended
-    return (yield from block(node.orelse, frame))
+    return block(node.orelse, frame)
 
 
 def _function(node: ast.FunctionDef, frame: Frame) -> None:
-    def run(inner: Frame) -> Value:
-        if node in frame.script.generators:
-            return Lazy(block(node.body, inner), frame.script, "a generator")
-        return result_of(node.body, inner)
-
-    function = Function(node.name, node.args, defaults_of(node.args, frame), frame, run)
+    function = Function(
+        node.name, node.args, defaults_of(node.args, frame), frame, lambda inner: result_of(node.body, inner)
+    )
     frame.set(node.name, _decorated(function, node.decorator_list, frame))
 
 
@@ -180,14 +144,14 @@ def _decorated(value: Value, decorators: list[ast.expr], frame: Frame) -> Value:
     return value
 
 
-def _class(node: ast.ClassDef, frame: Frame) -> Going:
+def _class(node: ast.ClassDef, frame: Frame) -> object:
     if node.keywords or len(node.bases) > 1:
-        raise RefusalError("a class with a metaclass, or derived from several, is not supported")
+        raise RefusalError("a class may have one base class and no metaclass")
     base = value_of(node.bases[0], frame) if node.bases else None
     if not isinstance(base, ScriptClass | BaseMarker | None):
         raise RefusalError(f"a class derived from {describe(base)} is not supported")
     inside = ClassFrame(frame, frame.script)
-    yield from block(node.body, inside)
+    block(node.body, inside)
     frame.script.line = node.lineno
     frame.set(node.name, _decorated(ScriptClass(node.name, base, inside), node.decorator_list, frame))
     return None
@@ -220,66 +184,48 @@ def _delete(node: ast.Delete, frame: Frame) -> None:
         del owner[key]
 
 
-def _yielded(node: ast.Yield | ast.YieldFrom, frame: Frame) -> Iterator[Value]:
-    if isinstance(node, ast.YieldFrom):
-        yield from loop_over(value_of(node.value, frame), frame.script)
-    else:
-        yield None if node.value is None else value_of(node.value, frame)
-
-
-class Surroundings(Record):
-    """What may stand behind `with`: it changes something for a block, and takes it back; `suppressed` errors end the
-    block, and nothing more."""
+class Suppress(Record):
+    """What alone may stand behind `with`: errors of these names end the block, and nothing more."""
 
     kind = "suppress"
 
-    def __init__(self, suppressed: list[str]) -> None:
-        self.suppressed = suppressed
-
-    def enter(self) -> None:
-        """Begin the block."""
-
-    def leave(self) -> None:
-        """End the block."""
+    def __init__(self, names: list[str]) -> None:
+        self.names = names
 
 
-def _with(node: ast.With, frame: Frame) -> Going:
-    entered: list[Surroundings] = []
+def _with(node: ast.With, frame: Frame) -> object:
+    suppressed = list[str]()
     for item in node.items:
         value = value_of(item.context_expr, frame)
-        if not isinstance(value, Surroundings) or item.optional_vars is not None:
+        if not isinstance(value, Suppress) or item.optional_vars is not None:
             raise RefusalError(f"`with` of {describe(value)} is not supported")
-        value.enter()
-        entered.append(value)
+        suppressed += value.names
     try:
-        return (yield from block(node.body, frame))
+        return block(node.body, frame)
     except RaisedError as error:
-        if not any(_is_caught(error, value.suppressed) for value in entered):
+        if not _is_caught(error, suppressed):
             raise
         return None
-    finally:
-        for value in reversed(entered):
-            value.leave()
 
 
-def _try(node: ast.Try, frame: Frame) -> Going:
+def _try(node: ast.Try, frame: Frame) -> object:
     for handler in node.handlers:
         if handler.type is not None and not _names(handler.type):
-            raise RefusalError("`except` of what is no name is not supported", handler.lineno)
+            raise RefusalError("`except` takes names of errors", handler.lineno)
     try:
-        ended = yield from _guarded(node, frame)
+        ended = _guarded(node, frame)
     except RaisedError:
-        if (at_last := (yield from block(node.finalbody, frame))) is not None:
+        if (at_last := block(node.finalbody, frame)) is not None:
             return at_last
         raise
-    at_last = yield from block(node.finalbody, frame)
+    at_last = block(node.finalbody, frame)
     return ended if at_last is None else at_last
 
 
-def _guarded(node: ast.Try, frame: Frame) -> Going:
+def _guarded(node: ast.Try, frame: Frame) -> object:
     script = frame.script
     try:
-        ended = yield from block(node.body, frame)
+        ended = block(node.body, frame)
     except RaisedError as error:
         for handler in node.handlers:
             if handler.type is None or _is_caught(error, _names(handler.type)):
@@ -287,16 +233,16 @@ def _guarded(node: ast.Try, frame: Frame) -> Going:
                     frame.set(handler.name, error.said)
                 outside, script.handled = script.handled, error
                 try:
-                    return (yield from block(handler.body, frame))
+                    return block(handler.body, frame)
                 finally:
                     script.handled = outside
         raise
-    return (yield from block(node.orelse, frame)) if ended is None else ended
+    return block(node.orelse, frame) if ended is None else ended
 
 
 def _assert(node: ast.Assert, frame: Frame) -> None:
     if not value_of(node.test, frame):
-        raise RaisedError("AssertionError", "what the script asserts is not so", "")
+        raise RaisedError("AssertionError", "an assertion of the script fails", "")
 
 
 def _raise(node: ast.Raise, frame: Frame) -> None:
@@ -305,11 +251,11 @@ def _raise(node: ast.Raise, frame: Frame) -> None:
         raise script.handled
     names = _names(node.exc.func if isinstance(node.exc, ast.Call) else node.exc)
     if not names:
-        raise RefusalError("the script ends itself here with an error")
+        raise RefusalError("the script raises an error here")
     arguments = values_of(node.exc.args, frame) if isinstance(node.exc, ast.Call) else []
     said = to_text(arguments[0], script) if arguments else ""
     shown = f": {said[:200]!r}" if said else ""
-    raise RaisedError(names[0], f"the script ends itself here with {names[0]:.60}{shown}", said)
+    raise RaisedError(names[0], f"the script ends here with {names[0]:.60}{shown}", said)
 
 
 def _is_caught(error: RaisedError, names: list[str]) -> bool:
@@ -335,7 +281,7 @@ def _import(node: ast.Import, frame: Frame) -> None:
 
 def _import_from(node: ast.ImportFrom, frame: Frame) -> None:
     if node.level or node.module is None:
-        raise RefusalError("an import relative to another file is not supported")
+        raise RefusalError("a script cannot import from other files")
     found = _module(node.module, frame)
     for alias in node.names:
         if alias.name != "*":
@@ -363,7 +309,7 @@ def _name_in(owner: Value, name: str) -> Value:
         return Outside(f"{owner.kind}.{name:.60}")
 
 
-_SIMPLE: dict[type[ast.stmt], Callable[[Any, Frame], object]] = {
+_STATEMENTS: dict[type[ast.stmt], Callable[[Any, Frame], object]] = {
     ast.Pass: lambda *_: None,
     ast.Break: lambda *_: _BREAK,
     ast.Continue: lambda *_: _CONTINUE,
@@ -380,8 +326,6 @@ _SIMPLE: dict[type[ast.stmt], Callable[[Any, Frame], object]] = {
     ast.Raise: _raise,
     ast.Import: _import,
     ast.ImportFrom: _import_from,
-}
-_COMPOUND: dict[type[ast.stmt], Callable[[Any, Frame], Going]] = {
     ast.If: _if,
     ast.For: _for,
     ast.While: _while,
