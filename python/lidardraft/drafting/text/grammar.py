@@ -39,7 +39,7 @@ def _words(tokens: list[Token]) -> list[list[Node]]:
         entries = () if token.is_strange else known.get(token.text, ())
         for parts, word in entries:
             if tuple(texts[index : index + len(parts)]) == parts:
-                cost = _SAYS_NOTHING if word.category == "silent" else UNKNOWN if word.category == "unknown" else 0.0
+                cost = _SAYS_NOTHING if word.category in ("silent", "unknown") else 0.0
                 here.append(Node(word.category, index, index + len(parts), cost, tuple(word.features.items())))
         match = None if token.is_strange else NUMBER.match(line, start)
         if match and match.end() in ends:
@@ -156,6 +156,11 @@ def _pace(node: Node) -> Features:
 
 def _distance(node: Node) -> Features:
     return (("at", Position(distance=node.get("length"))),)
+
+
+def _aside(node: Node) -> Features:
+    """ "4 m to the left" is level with the ego."""
+    return (("at", Position((("beside", node.get("side")),), node.get("length"))),)
 
 
 def _spacing(node: Node) -> Features:
