@@ -90,7 +90,7 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
         if zone is not None:
             return zone
     if fore == "beside" and group.distance is not None:
-        return Zone(_span(group, fore, road, 0.0), partial(aside, group, road, sides), len(sides))
+        return Zone((-1.5, 1.5), partial(aside, group, road, sides), len(sides))
     if group.set_back:
         return Zone(_span(group, fore, road, 45.0), partial(set_back, group, kind, road, sides), len(sides))
     if kind.drives:

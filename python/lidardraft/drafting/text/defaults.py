@@ -15,6 +15,7 @@ from lidardraft.drafting.text.tree import NO_SCALE
 _BESIDE_EACH_OTHER = 1.0  # m between people in a queue; estimate
 _QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate
 _ROW_GAP = 1.0  # m between things in a row; estimate
+_LEFT_IN_ROADS = ("bench", "bin")
 _SIDES = ("left", "right")
 _CROSSED = ("crossroads", "t-junction")
 
@@ -93,7 +94,7 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         heading = "parked"  # a bicycle at a wall
     if at.on_road and kind.is_vehicle and heading is None:
         lane = lane or "own"
-    on_road = at.on_road or strip_across or (mention.on_road and kind.on_road)  # a house "on the road" is beside it
+    on_road = at.on_road or strip_across or (mention.on_road and (kind.on_road or kind.name in _LEFT_IN_ROADS))  # a house "on the road" is beside it
     in_road = on_road and "road" in kind.surfaces and not kind.is_vehicle
     places = tuple(dict.fromkeys(_named(place) for place in _where(at, kind, references) if any(place)))
     return ObjectGroup(

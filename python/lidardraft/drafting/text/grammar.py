@@ -163,6 +163,10 @@ def _aside(node: Node) -> Features:
     return (("at", Position((("beside", node.get("side")),), node.get("length"))),)
 
 
+def _beside_road(node: Node) -> Features:
+    return (("at", Position((("", node.get("side")),), from_road=node.get("length"))),)
+
+
 def _spacing(node: Node) -> Features:
     return (*node.features, ("at", Position(spacing=node.get("length")[0])))
 
