@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.positions import Position
@@ -53,10 +54,17 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return governed
     if node.symbol == "object" and last == "unknown" and index > 1 and nodes[index - 2].symbol == "object":
         return (index,)  # "a lorry chasing two cats drives 30 m ahead"
+    does = last in ("object", "relation", "whereabouts") and words[0].endswith("ing")
+    if node.symbol == "object" and does and next(_first_leaves(node)).symbol == "unknown":
+        return (index,)  # "an officer directing traffic stands ahead"
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
     if node.symbol == "except" or (node.symbol == "object" and node.get("count") == 0):
-        return governed if unclear or any(nodes[one].symbol in ("relation", "pronoun") for one in governed) else ()
+        said = {nodes[one].symbol for one in governed}
+        before = itertools.takewhile(lambda one: one.symbol not in _ENDS, nodes[index - 1 :: -1] if index else ())
+        if node.symbol == "except":  # "in all bays except two"
+            unclear = unclear or any(one.symbol in STRANGE for one in before)
+        return governed if unclear or said & {"relation", "pronoun"} else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
     if node.symbol == "ellipsis" and (words == ["not"] or (words[-1].isdigit() and last in ("object", "unknown"))):
@@ -69,8 +77,6 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return (index,)
     if node.symbol == "whereabouts" and "gap" in words and index and nodes[index - 1].symbol in (",", "and"):
         return (index,)  # "two vans, then a 5 m gap"
-    if node.symbol == "except" and any(nodes[one].symbol in ("relation", "street") for one in governed):
-        return governed  # "except near the junction"
     if node.symbol == "ellipsis" and node.get("ordinal") is not None and after in _SAID:
         verb = _after_places(nodes, index + 1)  # "the first on the right is a taxi"
         return governed if verb < len(nodes) and nodes[verb].symbol == "is" else ()
@@ -86,6 +92,12 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     if node.symbol == "whereabouts" and _is_length(node) and after in STRANGE:  # "10 m further"
         return (index,)
     return ()
+
+
+def _first_leaves(node: Node) -> Iterator[Node]:
+    while node.children:
+        node = node.children[0]
+    yield node
 
 
 def _is_length(node: Node) -> bool:

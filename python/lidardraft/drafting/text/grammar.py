@@ -267,7 +267,7 @@ def _agreeing(node: Node) -> Features | None:
         return None
     if len([one for one in determiners if one.symbol == "quantity" and isinstance(one.get("count"), int)]) > 1:
         return None
-    if articles and several and not group:
+    if articles and several is True and not group:
         return None
     said = [one.symbol for child in node.children if child.symbol == "determiner" for one in child.children]
     lone = [symbol for symbol in said if symbol in ("a", "the", "another", "each", "no", "both")]
@@ -281,7 +281,12 @@ def _agreeing(node: Node) -> Features | None:
 def _kind_of_traffic(node: Node) -> Features | None:
     """ "Bus traffic" is of buses; "vans queue" is a clause."""
     kind, traffic = node.children
-    return None if kind.get("plural") else (*traffic.features, *kind.features, ("plural", True))
+    return None if kind.get("plural") is True else (*traffic.features, *kind.features, ("plural", True))
+
+
+def _nobody_comes(node: Node) -> Features | None:
+    """ "Nobody is coming the other way" denies vehicles."""
+    return (("kind", "vehicle"), ("count", 0)) if node.get("heading") in ("with", "against") else None
 
 
 def _rides(node: Node) -> Features | None:
@@ -317,7 +322,7 @@ JUNCTIONS = ("crossroads", "t-junction", "roundabout")
 
 def _compound(node: Node) -> Features | None:
     """A noun in the singular says more of the next one: "garden fence"."""
-    return None if node.children[0].get("plural") else node.children[1].features
+    return None if node.children[0].get("plural") is True else node.children[1].features
 
 
 def _family(node: Node) -> Features | None:
@@ -331,11 +336,11 @@ def _qualified_one(node: Node) -> Features | None:
 def _foreign_compound(node: Node) -> Features | None:
     """A "bus stop" is no bus; "buses stop" is a clause."""
     one = any(part.symbol == "a" for child in node.children for part in child.children)  # "a bus stops" is a clause
-    return None if node.children[-2].get("plural") or (one and node.children[-1].get("plural")) else ()
+    return None if node.children[-2].get("plural") is True or (one and node.children[-1].get("plural")) else ()
 
 
 def _foreign_compounds(node: Node) -> Features | None:
-    return None if node.children[1].get("plural") or node.get("count") == 1 else ()
+    return None if node.children[1].get("plural") is True or node.get("count") == 1 else ()
 
 
 def _country_lane(node: Node) -> Features | None:

@@ -62,6 +62,11 @@ class Mention:
         return SENTENCE_KINDS[self.kind]
 
     @property
+    def denies_all(self) -> bool:
+        """Whether it denies its kind, wherever and however that is."""
+        return self.count == 0 and self.kind is not None and not self.placed and self.heading is None
+
+    @property
     def is_wanted(self) -> bool:
         """Whether it is of a known kind and not denied."""
         return self.kind is not None and self.count != 0

@@ -91,8 +91,11 @@ def attach(d: Discourse, number: int, place: Place, link: str) -> None:
         mention = d.mentions[number]
     if mention.at.lane and at.lane and mention.at.lane != at.lane and not mention.weak and link not in ("and", "or"):
         return  # a second lane
+    if at.distance and mention.at.distance and ("beside" in {fore for fore, _ in (*at.places, *mention.at.places)}):
+        return  # "10 m ahead and 3 m to the left"
     if place.times > 1:
-        d.change(number, count=count_times(mention.count, place.times))
+        count = place.times if mention.count == "some" else count_times(mention.count, place.times)
+        d.change(number, count=count)
     if not mention.placed or mention.weak:
         d.change(number, at=at if mention.weak else mention.at.narrowed(at), placed=True, weak=False)
     elif link in ("and", "or", ",") and not _goes_on(at, mention, link):

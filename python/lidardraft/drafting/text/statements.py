@@ -51,7 +51,8 @@ def read(d: Discourse, clause: Clause) -> None:
         if item.link == "with" and named:
             before = _whose(d, clause.items[number - 1], named[-1])
         own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
-        ids = _subject(d, clause, number, before, bool(lead or own or item.modifiers))
+        told = any(not (isinstance(one.said, Manner) and one.said.is_idle) for one in item.modifiers)
+        ids = _subject(d, clause, number, before, bool(lead or told))
         if ids is None:
             say_of_ego(d, item)
             named.append([])
@@ -74,12 +75,26 @@ def read(d: Discourse, clause: Clause) -> None:
         elif related is not None and link == "and" and new and not own:
             relate_another(d, new[0], *related)
             related = (related[0], related[1], new[0])
+        elif link == "and" and new and not item.modifiers and _is_ego_named(clause.items[number - 1]) and d.latest:
+            d.change(new[0], at=d.mentions[d.latest[-1]].at, placed=True, weak=True)  # "we are behind a bus and a van"
         elif link == "then" and new and not own and before:
             places = d.mentions[before[-1]].at.places
             d.change(new[0], at=Position(places), placed=places != (NOWHERE,), weak=True)
         named.append(ids)
         _modify(d, clause, number, named)
+        if item.link not in ("except", "but"):
+            _deny_once(d, new, item.head)
     d.latest = next((ids for ids in reversed(named) if ids), d.latest)
+
+
+def _deny_once(d: Discourse, new: Ids, phrase: NounPhrase) -> None:
+    """Drop what denies what the text asks for, unless it denies others: "no cars and three cars"."""
+    for one in new:
+        kind, denies = d.mentions[one].kind, d.mentions[one].count == 0
+        others = [n for n, other in enumerate(d.mentions) if other.kind == kind and (other.count == 0) is not denies]
+        for denial in [one] if denies and others and not phrase.another else [] if denies else others:
+            if d.mentions[denial].denies_all:
+                d.change(denial, kind=None)
 
 
 def _lead(d: Discourse, clause: Clause) -> tuple[Place | None, tuple[Relation, Ids] | None, list[Manner]]:
