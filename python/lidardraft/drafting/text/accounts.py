@@ -91,7 +91,13 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         paths = [(index,) for index in run]
         others = set().union(*(node.all("kind") for index, node in enumerate(nodes) if index not in run))
         again = any(others.intersection(nodes[index].all("kind")) for index in run)
-        if len(run) > 1 and not (again or any(path in idle for path in paths)) and same(dict.fromkeys(paths, ())):
+        gone = {path: kept for path, (_, kept) in idle.items()}
+        if (
+            len(run) > 1
+            and not (again or any(path in idle for path in paths))
+            and same(dict.fromkeys(paths, ()))
+            and same(gone) is same(gone | dict.fromkeys(paths, ()))
+        ):
             idle |= {(index,): (nodes[index], ()) for index in run if not _is_neutral(nodes[index])}
     known = [path for path, (node, _) in idle.items() if node.symbol not in STRANGE]
     twice = [

@@ -39,7 +39,7 @@ def _words(tokens: list[Token]) -> list[list[Node]]:
         entries = () if token.is_strange else known.get(token.text, ())
         for parts, word in entries:
             if tuple(texts[index : index + len(parts)]) == parts:
-                cost = _SAYS_NOTHING if word.category in ("silent", "unknown") else 0.0
+                cost = {"silent": _SAYS_NOTHING, "unknown": -_SAYS_NOTHING}.get(word.category, 0.0)
                 here.append(Node(word.category, index, index + len(parts), cost, tuple(word.features.items())))
         match = None if token.is_strange else NUMBER.match(line, start)
         if match and match.end() in ends:
@@ -150,12 +150,16 @@ def _length(node: Node) -> Features:
     return (("length", (values[0], values[-1])),)
 
 
+def _from_to(node: Node) -> Features:
+    return (*_length(node), ("from_to", True))
+
+
 def _pace(node: Node) -> Features:
     return (("speed", round(node.get("value") * node.get("pace"), 3)),)
 
 
 def _distance(node: Node) -> Features:
-    return (("at", Position(distance=node.get("length"))),)
+    return (("at", Position(distance=node.get("length"))), ("from_to", node.get("from_to")))
 
 
 def _aside(node: Node) -> Features:

@@ -44,8 +44,18 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
         elif mention.of_them and mention.count == 1 and place.at.spacing and mention.same_as is not None:
             return [_begin_row(d, one, place)]
         else:
-            attach(d, one, place, "" if modifier.verb else modifier.link)
+            attach(d, one, _spanned(d, one, place), "" if modifier.verb else modifier.link)
     return ids
+
+
+def _spanned(d: Discourse, number: int, place: Place) -> Place:
+    """ "From 5 m to 35 m" is as long as a wall is, and where its middle is."""
+    near, far = place.at.distance or (0.0, 0.0)
+    mention = d.mentions[number]
+    if place.from_to and mention.record.follows_road and mention.count == 1 and near < far:
+        d.change(number, size=(far - near, *mention.size[1:]))
+        place = replace(place, at=replace(place.at, distance=((near + far) / 2, (near + far) / 2)))
+    return place
 
 
 def _say_there(d: Discourse, ids: Ids) -> None:

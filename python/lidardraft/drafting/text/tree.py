@@ -102,6 +102,7 @@ class Place:
     there: bool = False
     in_row: bool = False  # "each 10 m behind the other"
     of_all: bool = False  # "each 7 m from the next"
+    from_to: bool = False  # "from 5 m to 35 m", as long as a wall is
     tokens: Tokens = frozenset()
 
 
@@ -370,6 +371,7 @@ def place_of(node: Node) -> Place:
         shoulder=bool(node.get("shoulder")),
         crosswalk=bool(node.get("crosswalk")),
         in_row=any(leaves(node, "neighbour")) and any(leaves(node, "the_next")),
+        from_to=bool(node.get("from_to")),
         of_all=any(leaves(node, "each")) and any(leaves(node, "neighbour")),
         tokens=tokens_of(node),
     )
