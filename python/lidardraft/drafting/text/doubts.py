@@ -46,20 +46,24 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         )
         return governed if unclear or not known else ()
     last = nodes[index - 1].symbol if index else ""
+    if node.symbol in ("busy", "quiet"):  # "the pavement is empty", "one lane is busy"
+        named = next((one for one in nodes[index::-1] if one.symbol in (*_NAMES, "walkway", "street", "lanes")), None)
+        return (index,) if named is not None and named.symbol != "street" and not named.get("traffic") else ()
     of = words[-1:] == ["of"] and index > 0 and nodes[index - 1].symbol in STRANGE  # "tens of cars"
     if node.symbol == "silent" and words[-1] in _PREPOSITIONS and after in _NAMES and not of:
         first = index - 1 if last == "ellipsis" else index
         return range(first, _after_places(nodes, index + 2))  # "in a traffic jam"
     if node.symbol == "pronoun" and last in STRANGE:  # "walks past them towards us"
         return governed
-    if node.symbol == "object" and last == "unknown" and index > 1 and nodes[index - 2].symbol == "object":
+    acts = index > 1 and last == "unknown" and (nodes[index - 2].symbol == "object" or texts[node.start - 1].endswith("ing"))
+    if node.symbol == "object" and acts and nodes[index - 2].symbol not in (*_ENDS, "and", "with"):
         return (index,)  # "a lorry chasing two cats drives 30 m ahead"
     does = last in ("object", "relation", "whereabouts") and words[0].endswith("ing")
     if node.symbol == "object" and does and next(_first_leaves(node)).symbol == "unknown":
         return (index,)  # "an officer directing traffic stands ahead"
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
-    if node.symbol == "except" or (node.symbol == "object" and node.get("count") == 0):
+    if node.symbol in ("except", "nothing") or (node.symbol in ("object", "ellipsis") and node.get("count") == 0):
         said = {nodes[one].symbol for one in governed}
         before = itertools.takewhile(lambda one: one.symbol not in _ENDS, nodes[index - 1 :: -1] if index else ())
         if node.symbol == "except":  # "in all bays except two"

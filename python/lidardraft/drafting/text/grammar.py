@@ -269,6 +269,8 @@ def _agreeing(node: Node) -> Features | None:
     attributes = [one for child in node.children if child.symbol == "attribute" for one in child.children]
     if not node.get("traffic") and any(one.symbol in ("busy", "quiet") for one in attributes):
         return None
+    if ("side", "unknown") in itertools.pairwise(one.symbol for one in attributes):
+        return None  # "on the left directing traffic"
     if len([one for one in determiners if one.symbol == "quantity" and isinstance(one.get("count"), int)]) > 1:
         return None
     if articles and several is True and not group:

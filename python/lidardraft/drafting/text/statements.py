@@ -169,8 +169,10 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
     ):
         return named_part(d, clause, number, before, told)
     head = clause.items[number - 1].head if number else None
-    aside = item.link == "," and isinstance(head, NounPhrase) and head.kind == "" and bool(item.modifiers)
-    aside = aside and item.modifiers[0].verb == "one"  # "another one, a taxi, waits behind it"
+    aside = item.link == "," and isinstance(head, NounPhrase) and head.kind == "" and not phrase.definite
+    aside = aside and (  # "another one, a taxi, waits behind it", "the one behind, a van, brakes"
+        head.definite or (bool(item.modifiers) and item.modifiers[0].verb == "one")  # type: ignore[union-attr]
+    )
     if number and (not item.link or aside) and before and phrase.count != 0 and not phrase.exact:
         several = isinstance(head, NounPhrase) and (
             head.kind == "" or head.part is not None or head.ordinal is not None or (head.definite and item.verb)
