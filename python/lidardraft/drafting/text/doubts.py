@@ -6,6 +6,7 @@ import itertools
 from collections.abc import Iterator, Sequence
 
 from lidardraft.drafting.text.chart import Node
+from lidardraft.drafting.text.grammar import JUNCTIONS
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import leaves
 
@@ -48,7 +49,8 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     last = nodes[index - 1].symbol if index else ""
     if node.symbol in ("busy", "quiet"):  # "the pavement is empty", "one lane is busy"
         named = next((one for one in nodes[index::-1] if one.symbol in (*_NAMES, "walkway", "street", "lanes")), None)
-        return (index,) if named is not None and named.symbol != "street" and not named.get("traffic") else ()
+        other = named is not None and named.symbol != "street" and not named.get("traffic")
+        return (index,) if other or after in ("unknown", "stranger", "state") else ()
     of = words[-1:] == ["of"] and index > 0 and nodes[index - 1].symbol in STRANGE  # "tens of cars"
     if node.symbol == "silent" and words[-1] in _PREPOSITIONS and after in _NAMES and not of:
         first = index - 1 if last == "ellipsis" else index
@@ -66,8 +68,8 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     if node.symbol in ("except", "nothing") or (node.symbol in ("object", "ellipsis") and node.get("count") == 0):
         said = {nodes[one].symbol for one in governed}
         before = itertools.takewhile(lambda one: one.symbol not in _ENDS, nodes[index - 1 :: -1] if index else ())
-        if node.symbol == "except":  # "in all bays except two"
-            unclear = unclear or any(one.symbol in STRANGE for one in before)
+        if node.symbol == "except":  # "in all bays except two", "light traffic except for a coach"
+            unclear = unclear or any(one.symbol in STRANGE for one in before) or _is_of_others(nodes, index)
         return governed if unclear or said & {"relation", "pronoun"} else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
@@ -79,8 +81,15 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return (index - 1, index)  # "someone left a box"
     if node.symbol == "whereabouts" and any(one.get("owned") for one in leaves(node, "the")):  # "its left edge"
         return (index,)
-    if node.symbol == "whereabouts" and "gap" in words and index and nodes[index - 1].symbol in (",", "and"):
-        return (index,)  # "two vans, then a 5 m gap"
+    if node.symbol == "whereabouts" and node.get("other_side") and node.get("road") in JUNCTIONS:
+        return (index,)  # "on the far side of the crossroads"
+    if node.symbol == "relation" and after == "whereabouts" and words[-2:] in (["the", "car"], ["the", "vehicle"]):
+        fore = any(fore for fore, _ in (nodes[index + 1].get("at") or Position()).places)
+        return range(index, index + 2) if fore else ()  # "ahead of the car in front", which is not the ego's
+    if node.symbol == "whereabouts" and "gap" in words and index and last in (",", "and", "ellipsis"):
+        return (index - 1, index) if last == "ellipsis" else (index,)  # "two vans, then a 5 m gap", "with one gap of 8 m"
+    if words in (["left"], ["right"]) and last == "unknown" and texts[node.start - 1].endswith("ing"):
+        return (index,)  # "a bus indicating left"
     if node.symbol == "ellipsis" and node.get("ordinal") is not None and after in _SAID:
         verb = _after_places(nodes, index + 1)  # "the first on the right is a taxi"
         return governed if verb < len(nodes) and nodes[verb].symbol == "is" else ()
@@ -96,6 +105,14 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     if node.symbol == "whereabouts" and _is_length(node) and after in STRANGE:  # "10 m further"
         return (index,)
     return ()
+
+
+def _is_of_others(nodes: Sequence[Node], index: int) -> bool:
+    """Whether what is left out is of another kind than what is wanted before it."""
+    kinds = [[one for one in part if one.symbol == "object"] for part in (nodes[index::-1], nodes[index:])]
+    if not all(kinds) or nodes[index].get("without") or kinds[0][0].get("count") == 0 or nodes[index + 1].symbol != "object":
+        return False
+    return kinds[0][0].get("kind") != kinds[1][0].get("kind")
 
 
 def _first_leaves(node: Node) -> Iterator[Node]:
