@@ -59,10 +59,10 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return governed
     acts = index > 1 and last == "unknown" and (nodes[index - 2].symbol == "object" or texts[node.start - 1].endswith("ing"))
     if node.symbol == "object" and acts and nodes[index - 2].symbol not in (*_ENDS, "and", "with"):
-        return (index,)  # "a lorry chasing two cats drives 30 m ahead"
+        return range(index, _after_places(nodes, index + 1))  # "a lorry chasing two cats drives 30 m ahead"
     does = last in ("object", "relation", "whereabouts") and words[0].endswith("ing")
     if node.symbol == "object" and does and next(_first_leaves(node)).symbol == "unknown":
-        return (index,)  # "an officer directing traffic stands ahead"
+        return range(index, _after_places(nodes, index + 1))  # "an officer directing traffic stands ahead"
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
     if node.symbol in ("except", "nothing") or (node.symbol in ("object", "ellipsis") and node.get("count") == 0):
@@ -81,9 +81,12 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return (index - 1, index)  # "someone left a box"
     if node.symbol == "whereabouts" and any(one.get("owned") for one in leaves(node, "the")):  # "its left edge"
         return (index,)
+    of = after == "silent" and texts[node.end] == "of"
+    if node.symbol == "whereabouts" and of and (*nodes, node, node)[index + 2].symbol != "street":
+        return (index,)  # "in the back of a pickup"
     if node.symbol == "whereabouts" and node.get("other_side") and node.get("road") in JUNCTIONS:
         return (index,)  # "on the far side of the crossroads"
-    if node.symbol == "relation" and after == "whereabouts" and words[-2:] in (["the", "car"], ["the", "vehicle"]):
+    if words[0] != "between" and after == "whereabouts" and node.symbol == "relation" and words[-2:] in (["the", "car"], ["the", "vehicle"]):
         fore = any(fore for fore, _ in (nodes[index + 1].get("at") or Position()).places)
         return range(index, index + 2) if fore else ()  # "ahead of the car in front", which is not the ego's
     if node.symbol == "whereabouts" and "gap" in words and index and last in (",", "and", "ellipsis"):
