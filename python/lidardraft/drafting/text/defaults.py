@@ -94,7 +94,9 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         heading = "parked"  # a bicycle at a wall
     if at.on_road and kind.is_vehicle and heading is None:
         lane = lane or "own"
-    on_road = at.on_road or strip_across or (mention.on_road and (kind.on_road or kind.name in _LEFT_IN_ROADS))  # a house "on the road" is beside it
+    on_road = (
+        at.on_road or strip_across or (mention.on_road and (kind.on_road or kind.name in _LEFT_IN_ROADS))
+    )  # a house "on the road" is beside it
     in_road = on_road and "road" in kind.surfaces and not kind.is_vehicle
     places = tuple(dict.fromkeys(_named(place) for place in _where(at, kind, references) if any(place)))
     return ObjectGroup(

@@ -57,7 +57,11 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return range(first, _after_places(nodes, index + 2))  # "in a traffic jam"
     if node.symbol == "pronoun" and last in STRANGE:  # "walks past them towards us"
         return governed
-    acts = index > 1 and last == "unknown" and (nodes[index - 2].symbol == "object" or texts[node.start - 1].endswith("ing"))
+    acts = (
+        index > 1
+        and last == "unknown"
+        and (nodes[index - 2].symbol == "object" or texts[node.start - 1].endswith("ing"))
+    )
     if node.symbol == "object" and acts and nodes[index - 2].symbol not in (*_ENDS, "and", "with"):
         return range(index, _after_places(nodes, index + 1))  # "a lorry chasing two cats drives 30 m ahead"
     does = last in ("object", "relation", "whereabouts") and words[0].endswith("ing")
@@ -84,13 +88,22 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     of = after == "silent" and texts[node.end] == "of"
     if node.symbol == "whereabouts" and of and (*nodes, node, node)[index + 2].symbol != "street":
         return (index,)  # "in the back of a pickup"
+    if node.symbol == "whereabouts" and last == "unknown" and not _named_before(nodes, index):
+        return (index,)  # "snow piles on both sides, a car"
     if node.symbol == "whereabouts" and node.get("other_side") and node.get("road") in JUNCTIONS:
         return (index,)  # "on the far side of the crossroads"
-    if words[0] != "between" and after == "whereabouts" and node.symbol == "relation" and words[-2:] in (["the", "car"], ["the", "vehicle"]):
+    if (
+        words[0] != "between"
+        and after == "whereabouts"
+        and node.symbol == "relation"
+        and words[-2:] in (["the", "car"], ["the", "vehicle"])
+    ):
         fore = any(fore for fore, _ in (nodes[index + 1].get("at") or Position()).places)
         return range(index, index + 2) if fore else ()  # "ahead of the car in front", which is not the ego's
     if node.symbol == "whereabouts" and "gap" in words and index and last in (",", "and", "ellipsis"):
-        return (index - 1, index) if last == "ellipsis" else (index,)  # "two vans, then a 5 m gap", "with one gap of 8 m"
+        return (
+            (index - 1, index) if last == "ellipsis" else (index,)
+        )  # "two vans, then a 5 m gap", "with one gap of 8 m"
     if words in (["left"], ["right"]) and last == "unknown" and texts[node.start - 1].endswith("ing"):
         return (index,)  # "a bus indicating left"
     if node.symbol == "ellipsis" and node.get("ordinal") is not None and after in _SAID:
@@ -110,10 +123,21 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     return ()
 
 
+def _named_before(nodes: Sequence[Node], index: int) -> bool:
+    """Whether the sentence names an object or a road before a constituent."""
+    before = itertools.takewhile(lambda one: one.symbol != ".", nodes[index::-1])
+    return any(one.symbol in (*_NAMES, "ego", "there", "street", "walkway", "lanes") for one in before)
+
+
 def _is_of_others(nodes: Sequence[Node], index: int) -> bool:
     """Whether what is left out is of another kind than what is wanted before it."""
     kinds = [[one for one in part if one.symbol == "object"] for part in (nodes[index::-1], nodes[index:])]
-    if not all(kinds) or nodes[index].get("without") or kinds[0][0].get("count") == 0 or nodes[index + 1].symbol != "object":
+    if (
+        not all(kinds)
+        or nodes[index].get("without")
+        or kinds[0][0].get("count") == 0
+        or nodes[index + 1].symbol != "object"
+    ):
         return False
     return kinds[0][0].get("kind") != kinds[1][0].get("kind")
 

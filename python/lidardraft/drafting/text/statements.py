@@ -51,7 +51,9 @@ def read(d: Discourse, clause: Clause) -> None:
         if item.link == "with" and named:
             before = _whose(d, clause.items[number - 1], named[-1])
         own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
-        told = any(not (isinstance(one.said, Manner) and one.said.is_idle) for one in item.modifiers)
+        said = [one for one in item.modifiers if not (isinstance(one.said, Manner) and one.said.is_idle)]
+        elsewhere = item.link == "and" and isinstance(item.head, NounPhrase) and item.head.kind == ""
+        told = bool(said) and not (elsewhere and said[0].link == ",")  # "one black and one white, on the left"
         ids = _subject(d, clause, number, before, bool(lead or told))
         if ids is None:
             say_of_ego(d, item)
