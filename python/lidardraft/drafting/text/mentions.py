@@ -112,7 +112,6 @@ class Discourse:
     last_lead: PlaceSaid | None = None
     it: int | None = None  # what "it" was in this sentence
     summed: int | None = None
-    host_is_unknown: int | None = None
 
     def add(self, mention: Mention) -> int:
         """The number of a new mention."""

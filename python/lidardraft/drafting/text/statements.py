@@ -48,9 +48,9 @@ def read(d: Discourse, clause: Clause) -> None:
             named.append([])
             say_of_road(d, item)
             continue
+        own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
         if item.link == "with" and named:
             before = _whose(d, clause.items[number - 1], named[-1])
-        own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
         said = [one for one in item.modifiers if not (isinstance(one.said, Manner) and one.said.is_idle)]
         elsewhere = item.link == "and" and isinstance(item.head, NounPhrase) and item.head.kind == ""
         told = bool(said) and not (elsewhere and said[0].link == ",")  # "one black and one white, on the left"
@@ -212,9 +212,9 @@ def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: 
         host = before[-1]
         if item.link == "have" and d.mentions[host].count != 1 and d.each is None:
             d.each = host
-    unknown = _unknown_host(d, clause, number, before)
-    if unknown is not None:
-        mention = replace(mention, at=Position(unknown.at.places), placed=True, weak=True)
+    others = d.mentions[before[-1]].with_it if before and item.link == "and" else None
+    if others is not None and not (d.mentions[others].record.drives or d.mentions[others].record.walks):
+        host = others if not clause.items[number - 1].modifiers else host  # "a petrol station with a car and a van"
     if (
         item.link == ":"
         and before
@@ -236,18 +236,6 @@ def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: 
     elif d.each is not None and d.mentions[d.each].kind != phrase.kind:
         d.change(made, host=d.each)
     return made
-
-
-def _unknown_host(d: Discourse, clause: Clause, number: int, before: Ids) -> Mention | None:
-    """What is unknown and placed, and what an item is with: "a petrol station on the right with a car and a van"."""
-    link = clause.items[number].link
-    if link in ("and", ",") and d.host_is_unknown is not None and not clause.items[number - 1].modifiers:
-        return d.mentions[d.host_is_unknown]
-    d.host_is_unknown = None
-    if link == "with" and before and d.mentions[before[-1]].kind is None and d.mentions[before[-1]].placed:
-        d.host_is_unknown = before[-1]
-        return d.mentions[before[-1]]
-    return None
 
 
 def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None:
