@@ -207,7 +207,7 @@ def _at_distance(one: Placed, group: ObjectGroup, place: str, road: Road) -> boo
         return True
     near, far = group.distance
     fore, _ = split_place(place)
-    lateral = not fore and not group.on_road
+    lateral = fore == "beside" or (not fore and not group.on_road)
     if lateral:
         off, half = abs(one.across - road.lane(road.ego_lane)), (one.high[1] - one.low[1]) / 2
         return near - 0.6 <= off - half <= far + 0.6 or near - 0.6 <= off <= far + 0.6  # of a tree its trunk

@@ -82,8 +82,8 @@ def test_ego_clear() -> None:
 
 
 def test_in_range() -> None:
-    layout = Layout((box("car_1", (150, 0, 0.75)), box("car_2", (50, 0, 0.75)), *Road().surfaces()))
-    assert [f.message for f in in_range(layout)] == ["car_1 is 150 m away; sensors reach 120 m"]
+    layout = Layout((box("car_1", (250, 0, 0.75)), box("car_2", (50, 0, 0.75)), *Road().surfaces()))
+    assert [f.message for f in in_range(layout)] == ["car_1 is 250 m away; sensors reach 210 m"]
 
 
 def test_check_runs_all() -> None:

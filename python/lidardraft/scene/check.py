@@ -15,7 +15,7 @@ from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 
 VEHICLE_LABELS = ("car", "truck", "bus", "train", "motorcycle")
 EGO_SIZE = (4.5, 2.0, 2.0)  # m around the origin, standing on the road
-MAX_RANGE = 120.0  # m, what the furthest-seeing presets reach
+MAX_RANGE = 210.0  # m, what the furthest-seeing presets reach, and the far ends of what stands there
 OVERLAP_TOLERANCE = 0.02  # m
 GROUND_TOLERANCE = 0.15  # m, a kerb
 

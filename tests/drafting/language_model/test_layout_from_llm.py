@@ -154,7 +154,7 @@ def changed(**fields: Any) -> dict[str, Any]:
         ({**SPEC, "not_understood": ["Schnee"]}, "'Schnee' is no part of the text, as 'Schnee' is not in it"),
         (changed(words="zwei rote Lieferwagen"), "is no part of the text, as 'rote' is not in it"),
         (changed(kind="Van"), "did you mean 'van'?"),
-        (changed(distance=[500, 600]), "distance is 600 m; it must be 110 m or less"),
+        (changed(distance=[500, 600]), "distance is 600 m; it must be 200 m or less"),
         (changed(relation="behind", references=[1]), "references go in a circle: "),
         (changed(size=[30, None, None]), "van: length is 30 m; a car has 2.4 to 6.5 m"),
         (changed(count=40, distance=[0, 10]), "of 40 vans fit in front, 0 to 10 m away, in the ego's direction"),

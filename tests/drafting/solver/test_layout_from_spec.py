@@ -121,7 +121,7 @@ def test_no_room_is_said(kind: str, count: int | str, place: str, fields: dict[s
 
 
 def test_too_far() -> None:
-    with pytest.raises(LayoutError, match="car: distance is 300 m; it must be 110 m or less"):
+    with pytest.raises(LayoutError, match="car: distance is 300 m; it must be 200 m or less"):
         layout_from_spec(one("car", 1, "front", distance=(300, 300)), seed=0)
     far = layout_from_spec(one("car", 1, "front", distance=(105, 105)), seed=0)
     assert far.boxes()[0].center[0] == pytest.approx(105)

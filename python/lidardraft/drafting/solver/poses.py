@@ -206,6 +206,13 @@ def beside_road(
     return RoadPose(at.along, side * (verge + off), yaw)
 
 
+def aside(group: ObjectGroup, road: Road, sides: tuple[int, ...], at: Try) -> RoadPose:
+    """Level with the ego, at a distance from the middle of its lane."""
+    across = road.lane(road.ego_lane) + at.side(sides) * at.uniform(*(group.distance or (0.0, 0.0)))
+    yaw = at.any_yaw() if not group.record.drives else BACKWARDS if group.heading == "against" else 0.0
+    return RoadPose(at.along, across, yaw)
+
+
 def set_back(group: ObjectGroup, kind: SentenceKind, road: Road, sides: tuple[int, ...], at: Try) -> RoadPose:
     """Where the near side stands, at a distance from the kerb or the sidewalk."""
     side, off = at.side(sides), at.uniform(*(group.from_road or group.from_sidewalk or (0.0, 0.0)))

@@ -16,6 +16,7 @@ from lidardraft.scene.road import LEFT, RIGHT, RING, PavedArea, Road
 
 HARD_SHOULDER, MEDIAN = 3.0, 4.0  # m, of motorways: estimate of ours, and the German RAA (2008)
 MAX_DISTANCE = MAX_RANGE - 10.0  # m, that an object can be asked for at
+_LONGEST_QUEUE = 110.0  # m, what a road is long for where no distance is asked for: estimate of ours
 AISLE_LANE = 3.0  # m; the aisle of a parking lot is 6 m wide (EAR 05)
 _LOT_LENGTH = (60.0, 90.0)  # m, estimate of ours
 _WIDEST_LANE = 3.7  # m, of the usual ones
@@ -43,7 +44,7 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     if spec.road.junction and spec.road.junction[1] > MAX_DISTANCE - 30.0:
         raise LayoutError(f"road: junction is {spec.road.junction[1]:g} m; it must be {MAX_DISTANCE - 30:g} m or less")
     farthest = max(farthest, spec.road.junction[1] + 30.0 if spec.road.junction else 0.0)
-    half_length = max(80.0, farthest + 15.0, row + 5.0, min(MAX_DISTANCE, max(queue, 30.0 * effort) + 10.0))
+    half_length = max(80.0, farthest + 15.0, row + 5.0, min(_LONGEST_QUEUE, max(queue, 30.0 * effort) + 10.0))
     if motorway:  # nothing else of it may differ from one seed to the next
         half_length += float(rng.spawn(1)[0].uniform(0.0, 8.0))
     wanted = spec.road.sidewalk

@@ -10,6 +10,7 @@ from functools import partial
 from lidardraft.drafting.solver.poses import (
     STOP_LINE,
     PoseSampler,
+    aside,
     at_corner,
     at_kerb,
     before_and_after,
@@ -88,6 +89,8 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
         zone = _junction_zone(group, kind, sides, road, road.junction)
         if zone is not None:
             return zone
+    if fore == "beside" and group.distance is not None:
+        return Zone((-1.5, 1.5), partial(aside, group, road, sides), len(sides))
     if group.set_back:
         return Zone(_span(group, fore, road, 45.0), partial(set_back, group, kind, road, sides), len(sides))
     if kind.drives:

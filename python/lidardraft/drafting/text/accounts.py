@@ -87,6 +87,18 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     more: list[Node] = []
     for index, node in enumerate(nodes):
         visit((index,), node)
+    for run in _runs(nodes):
+        paths = [(index,) for index in run]
+        others = set().union(*(node.all("kind") for index, node in enumerate(nodes) if index not in run))
+        again = any(others.intersection(nodes[index].all("kind")) for index in run)
+        gone = {path: kept for path, (_, kept) in idle.items()}
+        if (
+            len(run) > 1
+            and not (again or any(path in idle for path in paths))
+            and same(dict.fromkeys(paths, ()))
+            and same(gone) is same(gone | dict.fromkeys(paths, ()))
+        ):
+            idle |= {(index,): (nodes[index], ()) for index in run if not _is_neutral(nodes[index])}
     known = [path for path, (node, _) in idle.items() if node.symbol not in STRANGE]
     twice = [
         pair
@@ -100,6 +112,15 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     ]
     more += [leaf for path in settled for _, leaf in _leaves(idle[path][0], path) if leaf.get("more")]
     return [*more, *numbers, *(node for path, (node, _) in idle.items() if path not in settled)]
+
+
+def _runs(nodes: Sequence[Node]) -> Iterator[list[int]]:
+    """The numbers of the constituents between two signs, and from each link on: each says something."""
+    for is_end, part in itertools.groupby(range(len(nodes)), lambda index: nodes[index].symbol in (",", ".")):
+        run = list(part)
+        if not is_end:
+            yield run
+            yield from (run[n:] for n in range(1, len(run)) if nodes[run[n]].symbol in ("and", "with", "but", "has"))
 
 
 def gave(nodes: Sequence[Node], index: int, read: Read) -> tuple[tuple[int, ...], tuple[str, ...]]:
@@ -165,6 +186,8 @@ def _is_neutral(node: Node) -> bool:
     """Whether all words of a constituent are."""
     if node.symbol in STRANGE or node.get("act"):
         return False
+    if node.symbol == "determiner" and node.get("another"):
+        return True
     if node.symbol in _NEUTRAL or node.symbol.startswith("'") or any(one in node.features for one in _PLAIN):
         return not node.children or node.symbol in _NEUTRAL or all(map(_is_neutral, node.children))
     return (bool(node.children) and all(map(_is_neutral, node.children))) or (

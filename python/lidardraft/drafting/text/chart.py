@@ -31,10 +31,14 @@ class Node(NamedTuple):
         return [value for key, value in self.features if key == name]
 
 
+Parts = tuple[tuple[str, str], ...]
+Way = tuple[int, float, tuple[Node, ...]]  # to match parts: where it ends, its cost, and the constituents
+
+
 class Rule(NamedTuple):
     """A way to make a constituent from symbols in a row; each with how often it may come: once, "?" or "*"."""
 
-    parts: tuple[tuple[str, str], ...]
+    parts: Parts
     build: Build | None
     cost: float
 
@@ -53,6 +57,7 @@ def rule(parts: str, build: Build | None = None, cost: float = 0.0) -> Rule:
 
 
 MAX_SPAN = 40  # tokens of a constituent
+_WAYS = 3  # that are kept to match the same parts up to the same token, as a rule may refuse the cheapest
 
 
 class Chart:
@@ -62,6 +67,7 @@ class Chart:
         """`words` are, for each token, what begins there."""
         self._grammar, self._words = grammar, [list(at) for at in words]
         self._known: dict[tuple[str, int], dict[int, Node]] = {}
+        self._matched: dict[tuple[int, int, int], list[Way]] = {}
 
     def spans(self, symbol: str, start: int) -> dict[int, Node]:
         """The cheapest constituent of a symbol from a token up to each that it can end before."""
@@ -75,7 +81,9 @@ class Chart:
                 if word.symbol == symbol:
                     _keep(found, word)
             for one in self._grammar.rules.get(symbol, ()):
-                for end, cost, children in self._match(one.parts, start, start):
+                for end, cost, children in self._match(one.parts, 0, start):
+                    if end == start:
+                        continue
                     features = tuple(feature for child in children for feature in child.features)
                     node: Node = Node(symbol, start, end, one.cost + cost, features, children)
                     said = one.build(node) if one.build else features
@@ -83,18 +91,31 @@ class Chart:
                         _keep(found, node._replace(features=said))
         return found
 
-    def _match(
-        self, parts: tuple[tuple[str, str], ...], start: int, first: int
-    ) -> list[tuple[int, float, tuple[Node, ...]]]:
-        """The ends, costs and children of all ways to match a row of parts."""
-        if not parts:
-            return [(start, 0.0, ())] if start > first else []
-        (symbol, times), rest = parts[0], parts[1:]
-        found = self._match(rest, start, first) if times else []
-        if start - first < MAX_SPAN:
-            for end, node in self.spans(symbol, start).items():
-                after = self._match(parts if times == "*" else rest, end, first)
-                found += [(last, cost + node.cost, (node, *children)) for last, cost, children in after]
+    def _match(self, parts: Parts, number: int, start: int) -> list[Way]:
+        """The cheapest ways to match the parts of a rule from a number on, a few up to each end."""
+        if number == len(parts):
+            return [(start, 0.0, ())]
+        symbol, times = parts[number]
+        nodes = self._known.get((symbol, start))
+        if nodes is None:
+            nodes = self.spans(symbol, start)
+        if not nodes:
+            return self._match(parts, number + 1, start) if times else []
+        key = (id(parts), number, start)
+        known = self._matched.get(key)
+        if known is not None:
+            return known
+        found = list(self._match(parts, number + 1, start)) if times else []
+        for end, node in nodes.items():
+            for last, cost, children in self._match(parts, number + (times != "*"), end):
+                if last - start <= MAX_SPAN:
+                    found.append((last, cost + node.cost, (node, *children)))
+        if len({way[0] for way in found}) < len(found):
+            ways: dict[int, list[Way]] = {}
+            for way in sorted(found, key=lambda way: way[1]):
+                ways.setdefault(way[0], []).append(way)
+            found = [way for to in ways.values() for way in to[:_WAYS]]
+        self._matched[key] = found
         return found
 
     def cover(self) -> list[Node]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, RoadSpec, SceneSpec
+from lidardraft.drafting.solver.sentence_kinds import SentenceKind
 from lidardraft.drafting.text.exceptions import keep_away
 from lidardraft.drafting.text.mentions import JUNCTIONS, Mention, Mentions, RoadNotes
 from lidardraft.drafting.text.parts import divided
@@ -14,6 +15,7 @@ from lidardraft.drafting.text.tree import NO_SCALE
 _BESIDE_EACH_OTHER = 1.0  # m between people in a queue; estimate
 _QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate
 _ROW_GAP = 1.0  # m between things in a row; estimate
+_LEFT_IN_ROADS = ("bench", "bin")
 _SIDES = ("left", "right")
 _CROSSED = ("crossroads", "t-junction")
 
@@ -92,9 +94,11 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         heading = "parked"  # a bicycle at a wall
     if at.on_road and kind.is_vehicle and heading is None:
         lane = lane or "own"
-    on_road = at.on_road or strip_across or (mention.on_road and kind.on_road)  # a house "on the road" is beside it
+    on_road = (
+        at.on_road or strip_across or (mention.on_road and (kind.on_road or kind.name in _LEFT_IN_ROADS))
+    )  # a house "on the road" is beside it
     in_road = on_road and "road" in kind.surfaces and not kind.is_vehicle
-    places = tuple(dict.fromkeys(_named(place) for place in at.places if any(place)))
+    places = tuple(dict.fromkeys(_named(place) for place in _where(at, kind, references) if any(place)))
     return ObjectGroup(
         kind=kind.name,
         count="some" if at.spacing and mention.count == 1 else mention.count,
@@ -120,6 +124,13 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         references=references,
         words=words,
     )
+
+
+def _where(at: Position, kind: SentenceKind, references: tuple[int, ...]) -> tuple[Place, ...]:
+    """The places of a position: what stands beside the road at a distance is ahead, or level with the ego."""
+    if at.distance is None or references or kind.on_road:
+        return at.places
+    return tuple(("" if fore == "beside" else fore or "front", side) for fore, side in at.places)
 
 
 def _overtaking(mention: Mention) -> Position:

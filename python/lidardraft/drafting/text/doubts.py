@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import itertools
+from collections.abc import Iterator, Sequence
 
 from lidardraft.drafting.text.chart import Node
+from lidardraft.drafting.text.grammar import JUNCTIONS
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import leaves
 
@@ -45,18 +47,34 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         )
         return governed if unclear or not known else ()
     last = nodes[index - 1].symbol if index else ""
+    if node.symbol in ("busy", "quiet"):  # "the pavement is empty", "one lane is busy"
+        named = next((one for one in nodes[index::-1] if one.symbol in (*_NAMES, "walkway", "street", "lanes")), None)
+        other = named is not None and named.symbol != "street" and not named.get("traffic")
+        return (index,) if other or after in ("unknown", "stranger", "state") else ()
     of = words[-1:] == ["of"] and index > 0 and nodes[index - 1].symbol in STRANGE  # "tens of cars"
     if node.symbol == "silent" and words[-1] in _PREPOSITIONS and after in _NAMES and not of:
         first = index - 1 if last == "ellipsis" else index
         return range(first, _after_places(nodes, index + 2))  # "in a traffic jam"
     if node.symbol == "pronoun" and last in STRANGE:  # "walks past them towards us"
         return governed
-    if node.symbol == "object" and last == "unknown" and index > 1 and nodes[index - 2].symbol == "object":
-        return (index,)  # "a lorry chasing two cats drives 30 m ahead"
+    acts = (
+        index > 1
+        and last == "unknown"
+        and (nodes[index - 2].symbol == "object" or texts[node.start - 1].endswith("ing"))
+    )
+    if node.symbol == "object" and acts and nodes[index - 2].symbol not in (*_ENDS, "and", "with"):
+        return range(index, _after_places(nodes, index + 1))  # "a lorry chasing two cats drives 30 m ahead"
+    does = last in ("object", "relation", "whereabouts") and words[0].endswith("ing")
+    if node.symbol == "object" and does and next(_first_leaves(node)).symbol == "unknown":
+        return range(index, _after_places(nodes, index + 1))  # "an officer directing traffic stands ahead"
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
-    if node.symbol == "except" or (node.symbol == "object" and node.get("count") == 0):
-        return governed if unclear or any(nodes[one].symbol in ("relation", "pronoun") for one in governed) else ()
+    if node.symbol in ("except", "nothing") or (node.symbol in ("object", "ellipsis") and node.get("count") == 0):
+        said = {nodes[one].symbol for one in governed}
+        before = itertools.takewhile(lambda one: one.symbol not in _ENDS, nodes[index - 1 :: -1] if index else ())
+        if node.symbol == "except":  # "in all bays except two", "light traffic except for a coach"
+            unclear = unclear or any(one.symbol in STRANGE for one in before) or _is_of_others(nodes, index)
+        return governed if unclear or said & {"relation", "pronoun"} else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
     if node.symbol == "ellipsis" and (words == ["not"] or (words[-1].isdigit() and last in ("object", "unknown"))):
@@ -67,10 +85,27 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return (index - 1, index)  # "someone left a box"
     if node.symbol == "whereabouts" and any(one.get("owned") for one in leaves(node, "the")):  # "its left edge"
         return (index,)
-    if node.symbol == "whereabouts" and "gap" in words and index and nodes[index - 1].symbol in (",", "and"):
-        return (index,)  # "two vans, then a 5 m gap"
-    if node.symbol == "except" and any(nodes[one].symbol in ("relation", "street") for one in governed):
-        return governed  # "except near the junction"
+    of = after == "silent" and texts[node.end] == "of"
+    if node.symbol == "whereabouts" and of and (*nodes, node, node)[index + 2].symbol != "street":
+        return (index,)  # "in the back of a pickup"
+    if node.symbol == "whereabouts" and last == "unknown" and not _named_before(nodes, index):
+        return (index,)  # "snow piles on both sides, a car"
+    if node.symbol == "whereabouts" and node.get("other_side") and node.get("road") in JUNCTIONS:
+        return (index,)  # "on the far side of the crossroads"
+    if (
+        words[0] != "between"
+        and after == "whereabouts"
+        and node.symbol == "relation"
+        and words[-2:] in (["the", "car"], ["the", "vehicle"])
+    ):
+        fore = any(fore for fore, _ in (nodes[index + 1].get("at") or Position()).places)
+        return range(index, index + 2) if fore else ()  # "ahead of the car in front", which is not the ego's
+    if node.symbol == "whereabouts" and "gap" in words and index and last in (",", "and", "ellipsis"):
+        return (
+            (index - 1, index) if last == "ellipsis" else (index,)
+        )  # "two vans, then a 5 m gap", "with one gap of 8 m"
+    if words in (["left"], ["right"]) and last == "unknown" and texts[node.start - 1].endswith("ing"):
+        return (index,)  # "a bus indicating left"
     if node.symbol == "ellipsis" and node.get("ordinal") is not None and after in _SAID:
         verb = _after_places(nodes, index + 1)  # "the first on the right is a taxi"
         return governed if verb < len(nodes) and nodes[verb].symbol == "is" else ()
@@ -86,6 +121,31 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     if node.symbol == "whereabouts" and _is_length(node) and after in STRANGE:  # "10 m further"
         return (index,)
     return ()
+
+
+def _named_before(nodes: Sequence[Node], index: int) -> bool:
+    """Whether the sentence names an object or a road before a constituent."""
+    before = itertools.takewhile(lambda one: one.symbol != ".", nodes[index::-1])
+    return any(one.symbol in (*_NAMES, "ego", "there", "street", "walkway", "lanes") for one in before)
+
+
+def _is_of_others(nodes: Sequence[Node], index: int) -> bool:
+    """Whether what is left out is of another kind than what is wanted before it."""
+    kinds = [[one for one in part if one.symbol == "object"] for part in (nodes[index::-1], nodes[index:])]
+    if (
+        not all(kinds)
+        or nodes[index].get("without")
+        or kinds[0][0].get("count") == 0
+        or nodes[index + 1].symbol != "object"
+    ):
+        return False
+    return kinds[0][0].get("kind") != kinds[1][0].get("kind")
+
+
+def _first_leaves(node: Node) -> Iterator[Node]:
+    while node.children:
+        node = node.children[0]
+    yield node
 
 
 def _is_length(node: Node) -> bool:

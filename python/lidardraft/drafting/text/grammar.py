@@ -39,7 +39,7 @@ def _words(tokens: list[Token]) -> list[list[Node]]:
         entries = () if token.is_strange else known.get(token.text, ())
         for parts, word in entries:
             if tuple(texts[index : index + len(parts)]) == parts:
-                cost = _SAYS_NOTHING if word.category == "silent" else UNKNOWN if word.category == "unknown" else 0.0
+                cost = {"silent": _SAYS_NOTHING, "unknown": -_SAYS_NOTHING}.get(word.category, 0.0)
                 here.append(Node(word.category, index, index + len(parts), cost, tuple(word.features.items())))
         match = None if token.is_strange else NUMBER.match(line, start)
         if match and match.end() in ends:
@@ -150,12 +150,25 @@ def _length(node: Node) -> Features:
     return (("length", (values[0], values[-1])),)
 
 
+def _from_to(node: Node) -> Features:
+    return (*_length(node), ("from_to", True))
+
+
 def _pace(node: Node) -> Features:
     return (("speed", round(node.get("value") * node.get("pace"), 3)),)
 
 
 def _distance(node: Node) -> Features:
-    return (("at", Position(distance=node.get("length"))),)
+    return (("at", Position(distance=node.get("length"))), ("from_to", node.get("from_to")))
+
+
+def _aside(node: Node) -> Features:
+    """ "4 m to the left" is level with the ego."""
+    return (("at", Position((("beside", node.get("side")),), node.get("length"))),)
+
+
+def _beside_road(node: Node) -> Features:
+    return (("at", Position((("", node.get("side")),), from_road=node.get("length"))),)
 
 
 def _spacing(node: Node) -> Features:
@@ -256,9 +269,11 @@ def _agreeing(node: Node) -> Features | None:
     attributes = [one for child in node.children if child.symbol == "attribute" for one in child.children]
     if not node.get("traffic") and any(one.symbol in ("busy", "quiet") for one in attributes):
         return None
+    if ("side", "unknown") in itertools.pairwise(one.symbol for one in attributes):
+        return None  # "on the left directing traffic"
     if len([one for one in determiners if one.symbol == "quantity" and isinstance(one.get("count"), int)]) > 1:
         return None
-    if articles and several and not group:
+    if articles and several is True and not group:
         return None
     said = [one.symbol for child in node.children if child.symbol == "determiner" for one in child.children]
     lone = [symbol for symbol in said if symbol in ("a", "the", "another", "each", "no", "both")]
@@ -272,7 +287,12 @@ def _agreeing(node: Node) -> Features | None:
 def _kind_of_traffic(node: Node) -> Features | None:
     """ "Bus traffic" is of buses; "vans queue" is a clause."""
     kind, traffic = node.children
-    return None if kind.get("plural") else (*traffic.features, *kind.features, ("plural", True))
+    return None if kind.get("plural") is True else (*traffic.features, *kind.features, ("plural", True))
+
+
+def _nobody_comes(node: Node) -> Features | None:
+    """ "Nobody is coming the other way" denies vehicles."""
+    return (("kind", "vehicle"), ("count", 0)) if node.get("heading") in ("with", "against") else None
 
 
 def _rides(node: Node) -> Features | None:
@@ -308,7 +328,7 @@ JUNCTIONS = ("crossroads", "t-junction", "roundabout")
 
 def _compound(node: Node) -> Features | None:
     """A noun in the singular says more of the next one: "garden fence"."""
-    return None if node.children[0].get("plural") else node.children[1].features
+    return None if node.children[0].get("plural") is True else node.children[1].features
 
 
 def _family(node: Node) -> Features | None:
@@ -322,11 +342,11 @@ def _qualified_one(node: Node) -> Features | None:
 def _foreign_compound(node: Node) -> Features | None:
     """A "bus stop" is no bus; "buses stop" is a clause."""
     one = any(part.symbol == "a" for child in node.children for part in child.children)  # "a bus stops" is a clause
-    return None if node.children[-2].get("plural") or (one and node.children[-1].get("plural")) else ()
+    return None if node.children[-2].get("plural") is True or (one and node.children[-1].get("plural")) else ()
 
 
 def _foreign_compounds(node: Node) -> Features | None:
-    return None if node.children[1].get("plural") or node.get("count") == 1 else ()
+    return None if node.children[1].get("plural") is True or node.get("count") == 1 else ()
 
 
 def _country_lane(node: Node) -> Features | None:

@@ -79,11 +79,13 @@ def _one_value(text: str) -> int | float | str:
     return float(text) if "." in text else int(text)
 
 
-def _forms(category: str, entry: str) -> list[tuple[str, dict[str, bool]]]:
+def _forms(category: str, entry: str) -> list[tuple[str, dict[str, bool | str]]]:
     """The forms of an entry, with their number where it is a noun."""
     one, _, many = entry.removeprefix("=").partition("|")
     if category not in _NOUNS or entry.startswith("="):
         return [(one, {})]
+    if one == many:  # as sheep
+        return [(one, {"plural": "any"})]
     return [(one, {"plural": False}), (many or _plural(one), {"plural": True})]
 
 

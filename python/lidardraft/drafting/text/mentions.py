@@ -63,6 +63,11 @@ class Mention:
         return SENTENCE_KINDS[self.kind]
 
     @property
+    def denies_all(self) -> bool:
+        """Whether it denies its kind, wherever and however that is."""
+        return self.count == 0 and self.kind is not None and not self.placed and self.heading is None
+
+    @property
     def is_wanted(self) -> bool:
         """Whether it is of a known kind and not denied."""
         return self.kind is not None and self.count != 0
@@ -108,7 +113,6 @@ class Discourse:
     last_lead: PlaceSaid | None = None
     it: int | None = None  # what "it" was in this sentence
     summed: int | None = None
-    host_is_unknown: int | None = None
 
     def add(self, mention: Mention) -> int:
         """The number of a new mention."""

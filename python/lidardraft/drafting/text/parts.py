@@ -156,14 +156,16 @@ def _is_sum(mentions: list[Mention], number: int) -> bool:
         return {place for one in parts for place in one.at.places} == set(whole.at.places)
     if isinstance(whole.count, str) and any(one.host is not None for one in parts):
         return True
-    if whole.summed or (not whole.placed and any(one.at.lane == "each" for one in parts)):
+    if whole.summed or any(one.at.lane == "each" and one.at.agrees(whole.at) for one in parts):
         return True
-    if not parts or whole.count == 1 or sum(one.count for one in parts if isinstance(one.count, int)) != whole.count:
+    counts = [one.count * (1 if one.at.shared else len(one.at.places)) for one in parts if isinstance(one.count, int)]
+    if not parts or whole.count == 1 or sum(counts) != whole.count:
         return False
     if any(one.of_them for one in parts):
         return True
     free = not whole.placed and whole.motion != "overtakes"
-    return free or (len(parts) > 1 and all(one.at.agrees(whole.at) for one in parts))
+    several = len(parts) > 1 or len(parts[0].at.places) > 1
+    return free or (several and all(one.at.agrees(whole.at) for one in parts))
 
 
 def _inherit(one: Mention, whole: Mention) -> Mention:

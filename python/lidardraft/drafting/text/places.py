@@ -31,7 +31,8 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
         return ids
     if place.at.spacing and place.in_row and queue_up(d, ids, place.at.spacing):
         return ids[:1]
-    if place.of_all and len(ids) == 1 and d.mentions[ids[0]].same_as is not None:
+    spaced = modifier.link == "," and place.at == Position(spacing=place.at.spacing)  # "6 left, 4 right, 5 m apart"
+    if (place.of_all or spaced) and len(ids) == 1 and d.mentions[ids[0]].same_as is not None:
         whole = d.mentions[ids[0]].same_as
         ids = [n for n, one in enumerate(d.mentions) if n == whole or one.same_as == whole]
     for one in ids:
@@ -44,8 +45,18 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
         elif mention.of_them and mention.count == 1 and place.at.spacing and mention.same_as is not None:
             return [_begin_row(d, one, place)]
         else:
-            attach(d, one, place, "" if modifier.verb else modifier.link)
+            attach(d, one, _spanned(d, one, place), "" if modifier.verb else modifier.link)
     return ids
+
+
+def _spanned(d: Discourse, number: int, place: Place) -> Place:
+    """ "From 5 m to 35 m" is as long as a wall is, and where its middle is."""
+    near, far = place.at.distance or (0.0, 0.0)
+    mention = d.mentions[number]
+    if place.from_to and mention.record.follows_road and mention.count == 1 and near < far:
+        d.change(number, size=(far - near, *mention.size[1:]))
+        place = replace(place, at=replace(place.at, distance=((near + far) / 2, (near + far) / 2)))
+    return place
 
 
 def _say_there(d: Discourse, ids: Ids) -> None:
@@ -91,8 +102,11 @@ def attach(d: Discourse, number: int, place: Place, link: str) -> None:
         mention = d.mentions[number]
     if mention.at.lane and at.lane and mention.at.lane != at.lane and not mention.weak and link not in ("and", "or"):
         return  # a second lane
+    if at.distance and mention.at.distance and ("beside" in {fore for fore, _ in (*at.places, *mention.at.places)}):
+        return  # "10 m ahead and 3 m to the left"
     if place.times > 1:
-        d.change(number, count=count_times(mention.count, place.times))
+        count = place.times if mention.count == "some" else count_times(mention.count, place.times)
+        d.change(number, count=count)
     if not mention.placed or mention.weak:
         d.change(number, at=at if mention.weak else mention.at.narrowed(at), placed=True, weak=False)
     elif link in ("and", "or", ",") and not _goes_on(at, mention, link):

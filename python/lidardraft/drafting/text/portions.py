@@ -19,6 +19,15 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
     phrase, item = clause.items[number].head, clause.items[number]
     assert isinstance(phrase, NounPhrase)
     following = _following(clause, number)
+    places = [one.said.at for one in item.modifiers if isinstance(one.said, Place)]
+    if (
+        before
+        and phrase.exact
+        and phrase.count == 1
+        and places
+        and all(at == Position(spacing=at.spacing) for at in places)
+    ):
+        return before  # "cones in our lane, one every 5 m"
     if phrase.part is not None and phrase.kind:
         return _part_of_named(d, phrase, told, following in ("has", "have"))
     whole = d.several(phrase.kind or "")

@@ -114,7 +114,7 @@ def _relate_to_road(d: Discourse, subjects: Ids, said: Relation, references: Ids
     if len(said.targets) == 2 and said.relation == "between" and references:
         drives = d.mentions[references[0]].record.drives
         relation = "behind" if ego else "beside" if drives else "in-front-of"
-        if said.targets[0].pronoun == "road":
+        if said.targets[0].pronoun == "road" and not drives:
             relation = "in-front-of"
         return relate(
             d,

@@ -48,10 +48,13 @@ def read(d: Discourse, clause: Clause) -> None:
             named.append([])
             say_of_road(d, item)
             continue
+        own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
         if item.link == "with" and named:
             before = _whose(d, clause.items[number - 1], named[-1])
-        own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
-        ids = _subject(d, clause, number, before, bool(lead or own or item.modifiers))
+        said = [one for one in item.modifiers if not (isinstance(one.said, Manner) and one.said.is_idle)]
+        elsewhere = item.link == "and" and isinstance(item.head, NounPhrase) and item.head.kind == ""
+        told = bool(said) and not (elsewhere and said[0].link == ",")  # "one black and one white, on the left"
+        ids = _subject(d, clause, number, before, bool(lead or told))
         if ids is None:
             say_of_ego(d, item)
             named.append([])
@@ -74,12 +77,26 @@ def read(d: Discourse, clause: Clause) -> None:
         elif related is not None and link == "and" and new and not own:
             relate_another(d, new[0], *related)
             related = (related[0], related[1], new[0])
+        elif link == "and" and new and not item.modifiers and _is_ego_named(clause.items[number - 1]) and d.latest:
+            d.change(new[0], at=d.mentions[d.latest[-1]].at, placed=True, weak=True)  # "we are behind a bus and a van"
         elif link == "then" and new and not own and before:
             places = d.mentions[before[-1]].at.places
             d.change(new[0], at=Position(places), placed=places != (NOWHERE,), weak=True)
         named.append(ids)
         _modify(d, clause, number, named)
+        if item.link not in ("except", "but"):
+            _deny_once(d, new, item.head)
     d.latest = next((ids for ids in reversed(named) if ids), d.latest)
+
+
+def _deny_once(d: Discourse, new: Ids, phrase: NounPhrase) -> None:
+    """Drop what denies what the text asks for, unless it denies others: "no cars and three cars"."""
+    for one in new:
+        kind, denies = d.mentions[one].kind, d.mentions[one].count == 0
+        others = [n for n, other in enumerate(d.mentions) if other.kind == kind and (other.count == 0) is not denies]
+        for denial in [one] if denies and others and not phrase.another else [] if denies else others:
+            if d.mentions[denial].denies_all:
+                d.change(denial, kind=None)
 
 
 def _lead(d: Discourse, clause: Clause) -> tuple[Place | None, tuple[Relation, Ids] | None, list[Manner]]:
@@ -154,8 +171,10 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
     ):
         return named_part(d, clause, number, before, told)
     head = clause.items[number - 1].head if number else None
-    aside = item.link == "," and isinstance(head, NounPhrase) and head.kind == "" and bool(item.modifiers)
-    aside = aside and item.modifiers[0].verb == "one"  # "another one, a taxi, waits behind it"
+    aside = item.link == "," and isinstance(head, NounPhrase) and head.kind == "" and not phrase.definite
+    aside = aside and (  # "another one, a taxi, waits behind it", "the one behind, a van, brakes"
+        head.definite or (bool(item.modifiers) and item.modifiers[0].verb == "one")  # type: ignore[union-attr]
+    )
     if number and (not item.link or aside) and before and phrase.count != 0 and not phrase.exact:
         several = isinstance(head, NounPhrase) and (
             head.kind == "" or head.part is not None or head.ordinal is not None or (head.definite and item.verb)
@@ -193,9 +212,9 @@ def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: 
         host = before[-1]
         if item.link == "have" and d.mentions[host].count != 1 and d.each is None:
             d.each = host
-    unknown = _unknown_host(d, clause, number, before)
-    if unknown is not None:
-        mention = replace(mention, at=Position(unknown.at.places), placed=True, weak=True)
+    others = d.mentions[before[-1]].with_it if before and item.link == "and" else None
+    if others is not None and not (d.mentions[others].record.drives or d.mentions[others].record.walks):
+        host = others if not clause.items[number - 1].modifiers else host  # "a petrol station with a car and a van"
     if (
         item.link == ":"
         and before
@@ -217,18 +236,6 @@ def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: 
     elif d.each is not None and d.mentions[d.each].kind != phrase.kind:
         d.change(made, host=d.each)
     return made
-
-
-def _unknown_host(d: Discourse, clause: Clause, number: int, before: Ids) -> Mention | None:
-    """What is unknown and placed, and what an item is with: "a petrol station on the right with a car and a van"."""
-    link = clause.items[number].link
-    if link in ("and", ",") and d.host_is_unknown is not None and not clause.items[number - 1].modifiers:
-        return d.mentions[d.host_is_unknown]
-    d.host_is_unknown = None
-    if link == "with" and before and d.mentions[before[-1]].kind is None and d.mentions[before[-1]].placed:
-        d.host_is_unknown = before[-1]
-        return d.mentions[before[-1]]
-    return None
 
 
 def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None:

@@ -25,7 +25,7 @@ def note_street(d: Discourse, street: Street) -> None:
         return
     notes = d.road
     kind = notes.kind
-    bend = kind in ("bend", "right-bend", "left-bend") and str(street.kind).endswith("bend")
+    bend = kind in ("bend", "right-bend", "left-bend") and str(street.kind).endswith("-bend")
     second = kind not in (None, "straight", street.kind) and street.kind not in (None, "straight") and not bend
     if street.kind is not None and (street.kind != "straight" or kind is None) and not second:
         kind = street.kind

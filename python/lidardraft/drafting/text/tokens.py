@@ -5,7 +5,6 @@ A number is read whole or not at all: figures that are no single number are one 
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Collection
 from typing import NamedTuple
@@ -67,7 +66,6 @@ _TOKEN = re.compile(
     |(?P<other>\S)""",
     re.VERBOSE,
 )  # fmt: skip
-_MOST_NUMBERS = 10  # in a row, in figures or words
 _LETTERS = "abcdefghijklmnopqrstuvwxyz"
 _SHORTEST_SLIP, _LONG_SLIP = 5, 8  # letters
 _SUBJECTS = ("there", "it", "that", "here", "who", "i", "we", "you", "they", "he", "she")
@@ -135,16 +133,6 @@ def tokens_of(text: str, vocabulary: Collection[str]) -> list[Token]:
                 found.append(Token("per" if text[end:].startswith(("dir", "way", "side", "lane")) else ",", start, end))
             case _:
                 found.append(Token(said, start, end))
-    return _without_endless_numbers(found)
-
-
-def _without_endless_numbers(tokens: list[Token]) -> list[Token]:
-    """Numbers in a long row are none: "9 9 9 9 9 9 9 9" might be cut into numbers in a hundred ways."""
-    found: list[Token] = []
-    for is_number, row in itertools.groupby(tokens, lambda token: NUMBER.fullmatch(token.text) is not None):
-        run = list(row)
-        endless = is_number and len(run) > _MOST_NUMBERS
-        found += [token._replace(is_strange=True) for token in run] if endless else run
     return found
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -43,6 +44,11 @@ class Manner:
     road: str | None = None  # that is crossed
     paint: str | None = None
     tokens: Tokens = frozenset()
+
+    @property
+    def is_idle(self) -> bool:
+        """Whether nothing of the scene comes of it."""
+        return dataclasses.replace(self, says=False, tokens=frozenset()) == Manner()
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +102,7 @@ class Place:
     there: bool = False
     in_row: bool = False  # "each 10 m behind the other"
     of_all: bool = False  # "each 7 m from the next"
+    from_to: bool = False  # "from 5 m to 35 m", as long as a wall is
     tokens: Tokens = frozenset()
 
 
@@ -231,7 +238,8 @@ def noun_phrase(node: Node) -> NounPhrase:
     if kind not in (*_LONG, *_HIGH):
         fits = [one for one in fits if one.symbol != "length"]
     traffic = bool(node.get("traffic"))
-    count, clear = _count(node, attributes, traffic)
+    plural = node.get("plural") is True or (node.get("plural") == "any" and not any(leaves(node, "a", "the", "number")))
+    count, clear = _count(node, attributes, traffic, plural)
     counted = [one for one in leaves(node, "quantity") if one.all("count")] + list(leaves(node, "tally"))
     each = bool(node.get("each")) and node.get("part") is None and node.symbol == "object"
     ones_in = [one for child in node.children if child.symbol == "determiner" for one in leaves(child, "each")]
@@ -239,11 +247,12 @@ def noun_phrase(node: Node) -> NounPhrase:
         each = False
     sides = [one.get("at") for one in attributes if one.symbol == "side"]
     spacing = node.get("spacing")
+    of_nobody = [child for child in node.children if child.symbol == "state"]
     return NounPhrase(
         kind=kind,
         count=count,
         exact=bool(counted and clear and isinstance(count, int)) and node.get("part") != 0,
-        plural=bool(node.get("plural")),
+        plural=plural,
         definite=any(leaves(node, "the", "each", "all", "both")),
         each=each or (node.symbol == "ellipsis" and bool(node.get("each"))),
         all=bool(node.get("all")),
@@ -262,7 +271,7 @@ def noun_phrase(node: Node) -> NounPhrase:
         in_total=bool(node.get("in_total")),
         all_but=node.get("all_but", 0),
         at=Position(spacing=spacing) if spacing else sides[0] if sides else None,
-        manner=manner_of([*fits, *leaves(node, "collective"), *leaves(node, "kind")], kind),
+        manner=manner_of([*fits, *leaves(node, "collective", "kind"), *of_nobody], kind),
         tokens=tokens,
     )
 
@@ -281,7 +290,7 @@ def _special_phrase(node: Node, tokens: Tokens) -> NounPhrase | None:
     return None
 
 
-def _count(node: Node, attributes: list[Node], traffic: bool) -> tuple[Count, bool]:
+def _count(node: Node, attributes: list[Node], traffic: bool, plural: bool) -> tuple[Count, bool]:
     """How many a noun phrase means, and whether its words for it are one number."""
     if any(leaves(node, "no", "no_one")) or node.get("none"):
         return 0, not any(leaves(node, "number"))
@@ -296,7 +305,7 @@ def _count(node: Node, attributes: list[Node], traffic: bool) -> tuple[Count, bo
         quiet = any(one.symbol == "quiet" for one in attributes) or "few" in vague
         few: Count = "many" if busy else "few" if quiet else "some"
         return few, all(isinstance(count, str) for count in said)
-    several: Count = 2 if node.get("both") else "some" if node.get("plural") else 1
+    several: Count = 2 if node.get("both") else "some" if plural else 1
     vague = [count for count in said if isinstance(count, str)]
     if said and len(vague) == len(said):
         return ("many" if "many" in vague else vague[0]), True
@@ -362,6 +371,7 @@ def place_of(node: Node) -> Place:
         shoulder=bool(node.get("shoulder")),
         crosswalk=bool(node.get("crosswalk")),
         in_row=any(leaves(node, "neighbour")) and any(leaves(node, "the_next")),
+        from_to=bool(node.get("from_to")),
         of_all=any(leaves(node, "each")) and any(leaves(node, "neighbour")),
         tokens=tokens_of(node),
     )
