@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, RoadSpec, SceneSpec
-from lidardraft.drafting.solver.sentence_kinds import SentenceKind
 from lidardraft.drafting.text.exceptions import keep_away
 from lidardraft.drafting.text.mentions import JUNCTIONS, Mention, Mentions, RoadNotes
 from lidardraft.drafting.text.parts import divided
 from lidardraft.drafting.text.positions import BESIDE, Place, Position
 from lidardraft.drafting.text.tree import NO_SCALE
+from lidardraft.objects.sentence_kind import SentenceKind
 
 _BESIDE_EACH_OTHER = 1.0  # m between people in a queue; estimate
 _QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate

@@ -71,9 +71,9 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return governed
     if node.symbol in ("except", "nothing") or (node.symbol in ("object", "ellipsis") and node.get("count") == 0):
         said = {nodes[one].symbol for one in governed}
-        before = itertools.takewhile(lambda one: one.symbol not in _ENDS, nodes[index - 1 :: -1] if index else ())
+        clause = itertools.takewhile(lambda one: one.symbol not in _ENDS, nodes[index - 1 :: -1] if index else ())
         if node.symbol == "except":  # "in all bays except two", "light traffic except for a coach"
-            unclear = unclear or any(one.symbol in STRANGE for one in before) or _is_of_others(nodes, index)
+            unclear = unclear or any(one.symbol in STRANGE for one in clause) or _is_of_others(nodes, index)
         return governed if unclear or said & {"relation", "pronoun"} else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))

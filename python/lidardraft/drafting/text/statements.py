@@ -65,8 +65,8 @@ def read(d: Discourse, clause: Clause) -> None:
         for one in new if lead is not None and not alone else []:
             place_at(d, one, lead, weak=not strong)  # type: ignore[arg-type]
             d.cover(one, lead.tokens)  # type: ignore[union-attr]
-        for one, said in itertools.product(new, manner):
-            describe(d, one, said)
+        for one, way in itertools.product(new, manner):
+            describe(d, one, way)
         link = clause.items[number].link
         if relation is not None and ids:
             if relation[0].at.distance is None or not any(d.mentions[one].at.distance for one in ids):
