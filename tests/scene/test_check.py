@@ -87,7 +87,7 @@ def test_in_range() -> None:
 
 
 def test_check_runs_all() -> None:
-    bad = Layout((*Road().surfaces(), box("a", (1, 0, 3), (9, 2, 1.5)), box("b", (1, 0, 3)), box("c", (200, 50, 0.75))))
+    bad = Layout((*Road().surfaces(), box("a", (1, 0, 3), (9, 2, 1.5)), box("b", (1, 0, 3)), box("c", (300, 50, 0.75))))
     names = {finding.check for finding in check(bad)}
     assert names == {"overlap", "grounded", "on_road", "size", "in_range"}
 

@@ -18,6 +18,7 @@ from lidardraft.drafting.text.tree import leaves
 
 Path = tuple[int, ...]  # from the sentence down to a constituent, by the numbers of children
 Changes = Mapping[Path, tuple[Node, ...]]  # what stands in the place of constituents
+Same = Callable[[Changes], bool]  # whether the spec stays as it is
 Read = Callable[[Sequence[Node]], SceneSpec]
 _SAYS_NOTHING = [(one.name, one.default) for one in dataclasses.fields(Position)]
 _VERBS = ("crossed", "turned", "state")
@@ -87,18 +88,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     more: list[Node] = []
     for index, node in enumerate(nodes):
         visit((index,), node)
-    for run in _runs(nodes):
-        paths = [(index,) for index in run]
-        others = set().union(*(node.all("kind") for index, node in enumerate(nodes) if index not in run))
-        again = any(others.intersection(nodes[index].all("kind")) for index in run)
-        gone = {path: kept for path, (_, kept) in idle.items()}
-        if (
-            len(run) > 1
-            and not (again or any(path in idle for path in paths))
-            and same(dict.fromkeys(paths, ()))
-            and same(gone) is same(gone | dict.fromkeys(paths, ()))
-        ):
-            idle |= {(index,): (nodes[index], ()) for index in run if not _is_neutral(nodes[index])}
+    _add_runs(nodes, idle, same)
     known = [path for path, (node, _) in idle.items() if node.symbol not in STRANGE]
     twice = [
         pair
@@ -112,6 +102,22 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     ]
     more += [leaf for path in settled for _, leaf in _leaves(idle[path][0], path) if leaf.get("more")]
     return [*more, *numbers, *(node for path, (node, _) in idle.items() if path not in settled)]
+
+
+def _add_runs(nodes: Sequence[Node], idle: dict[Path, tuple[Node, tuple[Node, ...]]], same: Same) -> None:
+    """Add the runs of constituents that change nothing together, though each of them does."""
+    for run in _runs(nodes):
+        paths = [(index,) for index in run]
+        others = set().union(*(node.all("kind") for index, node in enumerate(nodes) if index not in run))
+        again = any(others.intersection(nodes[index].all("kind")) for index in run)
+        gone = {path: kept for path, (_, kept) in idle.items()}
+        if (
+            len(run) > 1
+            and not (again or any(path in idle for path in paths))
+            and same(dict.fromkeys(paths, ()))
+            and same(gone) is same(gone | dict.fromkeys(paths, ()))
+        ):
+            idle |= {(index,): (nodes[index], ()) for index in run if not _is_neutral(nodes[index])}
 
 
 def _runs(nodes: Sequence[Node]) -> Iterator[list[int]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.grammar import JUNCTIONS
@@ -65,15 +65,15 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     if node.symbol == "object" and acts and nodes[index - 2].symbol not in (*_ENDS, "and", "with"):
         return range(index, _after_places(nodes, index + 1))  # "a lorry chasing two cats drives 30 m ahead"
     does = last in ("object", "relation", "whereabouts") and words[0].endswith("ing")
-    if node.symbol == "object" and does and next(_first_leaves(node)).symbol == "unknown":
+    if node.symbol == "object" and does and _first_leaf(node).symbol == "unknown":
         return range(index, _after_places(nodes, index + 1))  # "an officer directing traffic stands ahead"
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
     if node.symbol in ("except", "nothing") or (node.symbol in ("object", "ellipsis") and node.get("count") == 0):
         said = {nodes[one].symbol for one in governed}
-        clause = itertools.takewhile(lambda one: one.symbol not in _ENDS, nodes[index - 1 :: -1] if index else ())
+        base = itertools.takewhile(lambda one: one.symbol not in _ENDS, nodes[index - 1 :: -1] if index else ())
         if node.symbol == "except":  # "in all bays except two", "light traffic except for a coach"
-            unclear = unclear or any(one.symbol in STRANGE for one in clause) or _is_of_others(nodes, index)
+            unclear = unclear or any(one.symbol in STRANGE for one in base) or _is_of_others(nodes, index)
         return governed if unclear or said & {"relation", "pronoun"} else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
@@ -81,6 +81,15 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return (index,)  # "a car 20 30 m ahead", "a sign reading 30", "has not stopped"
     if node.symbol == "ellipsis" and any(leaves(node, "unknown")):  # "the middle one is set back"
         return governed
+    return _doubtful_place(nodes, index, texts)
+
+
+def _doubtful_place(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[int]:
+    """As above, of places and of what stands beside unknown words."""
+    words = texts[nodes[index].start : nodes[index].end]
+    node, after = nodes[index], nodes[index + 1].symbol if index + 1 < len(nodes) else ""
+    last = nodes[index - 1].symbol if index else ""
+    governed = range(index, _end(nodes, index))
     if words in (["left"], ["right"]) and after in _NAMES and nodes[index - 1].symbol == "object":
         return (index - 1, index)  # "someone left a box"
     if node.symbol == "whereabouts" and any(one.get("owned") for one in leaves(node, "the")):  # "its left edge"
@@ -142,10 +151,10 @@ def _is_of_others(nodes: Sequence[Node], index: int) -> bool:
     return kinds[0][0].get("kind") != kinds[1][0].get("kind")
 
 
-def _first_leaves(node: Node) -> Iterator[Node]:
+def _first_leaf(node: Node) -> Node:
     while node.children:
         node = node.children[0]
-    yield node
+    return node
 
 
 def _is_length(node: Node) -> bool:

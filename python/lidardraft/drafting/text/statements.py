@@ -51,10 +51,7 @@ def read(d: Discourse, clause: Clause) -> None:
         own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
         if item.link == "with" and named:
             before = _whose(d, clause.items[number - 1], named[-1])
-        said = [one for one in item.modifiers if not (isinstance(one.said, Manner) and one.said.is_idle)]
-        elsewhere = item.link == "and" and isinstance(item.head, NounPhrase) and item.head.kind == ""
-        told = bool(said) and not (elsewhere and said[0].link == ",")  # "one black and one white, on the left"
-        ids = _subject(d, clause, number, before, bool(lead or told))
+        ids = _subject(d, clause, number, before, bool(lead) or _is_told(item))
         if ids is None:
             say_of_ego(d, item)
             named.append([])
@@ -87,6 +84,13 @@ def read(d: Discourse, clause: Clause) -> None:
         if item.link not in ("except", "but"):
             _deny_once(d, new, item.head)
     d.latest = next((ids for ids in reversed(named) if ids), d.latest)
+
+
+def _is_told(item: Item) -> bool:
+    """Whether something is said of an item itself; not so in "one black and one white, on the left"."""
+    said = [one for one in item.modifiers if not (isinstance(one.said, Manner) and one.said.is_idle)]
+    elsewhere = item.link == "and" and isinstance(item.head, NounPhrase) and item.head.kind == ""
+    return bool(said) and not (elsewhere and said[0].link == ",")
 
 
 def _deny_once(d: Discourse, new: Ids, phrase: NounPhrase) -> None:
