@@ -26,8 +26,6 @@ from lidardraft.calibration import surface_groups
 from lidardraft.calibration.receiver import bisected, edge_drops
 from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.formats.pcd import read_pcd
-from lidardraft.metrics import surfaces
-from lidardraft.metrics.profiles import road_level
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.materials import MATERIAL_BY_NAME, Material, diffuse_response, leaf_response, response
 from lidardraft.scene.sensor import PRESETS, Sensor
@@ -61,7 +59,6 @@ LONGEST = 8  # columns that a hole in a surface may be wide
 STREETS, SEED = 24, 5_000_000  # that edges are held against
 EDGE_DROPS = (1e-3, 5.0)
 LAGS = (1, 3, 8, 32)  # columns
-PLANTS, FAR = ((-1.0, 2.2), (3.0, 15.0)), (3.0, 8.0, 15.0, 30.0, 80.0)  # m over the road, m from the sensor
 UNLABELLED = {
     "ground": (surface_groups.LANE, surface_groups.GROUND),
     "high and smooth": (surface_groups.SMOOTH,),
@@ -289,27 +286,6 @@ def street_sweeps(sensor: Sensor) -> list[Sweep]:
     return [Sweep.by_azimuth(pair.scan) for pair in pairs]
 
 
-def report_foliage(places: dict[str, list[Sweep]]) -> None:
-    """How far returns of low and of high plants lie off the middle of their neighbours in the row, by range."""
-    print(f"\n| plants [m over the road] | in | {' | '.join(f'{a:g} to {b:g} m' for a, b in pairwise(FAR))} |"
-          f"\n|---|---|{'---:|' * (len(FAR) - 1)}")  # fmt: skip
-    for low, high in PLANTS:
-        for place, sweeps in places.items():
-            depths, offs = [], []
-            for sweep in sweeps:
-                assert sweep.label is not None
-                height = sweep.points[..., 2] - road_level(sweep)
-                plant = (sweep.label == BY_NAME["vegetation"].id) & (height > low) & (height < high)
-                off, inside = surfaces.bends(sweep.depth)
-                inside &= plant[:, 1:-1] & plant[:, 2:] & plant[:, :-2]
-                depths.append(sweep.depth[:, 1:-1][inside])
-                offs.append(off[inside])
-            depth, off = np.concatenate(depths), np.concatenate(offs)
-            parts = [off[(depth >= a) & (depth < b)] for a, b in pairwise(FAR)]
-            shown = (f"{np.median(part):.3f}" if len(part) >= 200 else "" for part in parts)
-            print(f"| {low:g} to {high:g} | {place} | {' | '.join(shown)} |")
-
-
 def report_scatter(sensor: Sensor, places: dict[str, list[Sweep]]) -> None:
     """How much neighbouring readings differ in recordings and in streets."""
     made = street_sweeps(sensor)
@@ -341,7 +317,6 @@ def main(folder: Path) -> None:
     pandar64 = recordings.pandar64(folder.parent, COLUMNS)
     pjlab = {"PJLab, all": [sweep for group in pandar64.plain.values() for sweep in group]}
     report_edges(pandar64.plain | pjlab | pandar64.labelled, PRESETS["pandar64"], MODEL)
-    report_foliage(pandar64.labelled | {"streets": street_sweeps(PRESETS["pandar64"])})
     for name, read in (("os0-128", recordings.os0_128), ("os1-32", recordings.os1_32)):
         halves = [sweep for group in read(folder.parent, 1024).plain.values() for sweep in group]
         report_noise(name, halves, MODELS[name], None)
