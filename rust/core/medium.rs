@@ -16,7 +16,6 @@ use std::sync::OnceLock;
 use glam::DVec3;
 
 use crate::simd::WIDEST;
-use crate::{Pose, Scene, SensorPattern};
 
 /// How many different free paths there are, and the length of a walk.
 pub(crate) const QUANTILES: usize = 1 << 12;
@@ -40,9 +39,9 @@ pub(crate) struct ScanKey {
 }
 
 impl ScanKey {
-    /// That of a scan from these poses.
-    pub(crate) fn new(scene: &Scene, pattern: &SensorPattern, poses: &[Pose], seed: u64) -> ScanKey {
-        ScanKey { seed, width: pattern.spec().column_width(), origin: poses[0].translation - scene.origin() }
+    /// That of a scan whose columns are so wide [rad], and which begins there in the scene's frame.
+    pub(crate) fn new(seed: u64, width: f64, origin: DVec3) -> ScanKey {
+        ScanKey { seed, width, origin }
     }
 
     /// The free paths within the medium of that number and extinction [1/m], which is there in the scene's frame.

@@ -59,7 +59,7 @@ pub(super) fn scan(
     threads: usize,
 ) {
     let local = |pose: &Pose| Pose { translation: pose.translation - scene.origin(), ..*pose };
-    let key = ScanKey::new(scene, pattern, poses, seed);
+    let key = reference::scan_key(scene, pattern, poses, seed);
     let scan = Scan { scene, pattern, poses, local: poses.iter().map(local).collect(), key, backend };
     let width = if poses.len() > 1 { rolling_width(poses) } else { still_width(pattern, threads) };
     spread(threads, jobs(pattern, images, width), |job| scan.run(job));

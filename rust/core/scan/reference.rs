@@ -16,7 +16,7 @@ pub(super) fn scan(
     images: &mut ImagesMut<'_>,
     threads: usize,
 ) {
-    let key = ScanKey::new(scene, pattern, poses, seed);
+    let key = scan_key(scene, pattern, poses, seed);
     let rows = images.pieces(pattern.columns()).into_iter().enumerate().collect();
     spread(threads, rows, |(row, mut pixels): (usize, ImagesMut<'_>)| {
         for column in 0..pattern.columns() {
@@ -38,6 +38,11 @@ pub(super) fn cast_pixel(
     let hit = scene.closest(origin, direction, key)?;
     let depth = pattern.reported(hit.distance)?;
     Some(Return::new(scene, origin, direction, &hit, depth))
+}
+
+/// What decides the free paths of a scan.
+pub(super) fn scan_key(scene: &Scene, pattern: &SensorPattern, poses: &[Pose], seed: u64) -> ScanKey {
+    ScanKey::new(seed, pattern.spec().column_width(), poses[0].translation - scene.origin())
 }
 
 /// Where the ray of a pixel starts in the world, and where it looks; `poses` are one, or one for each column.

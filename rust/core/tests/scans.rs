@@ -22,7 +22,7 @@ fn at(x: f64, y: f64, z: f64) -> Pose {
 /// Every pixel is that of the closest of all surfaces, with the normal there.
 fn agrees_with_every_surface(scene: &Scene, pattern: &SensorPattern, pose: &Pose) -> usize {
     let images = scanned(scene, pattern, pose);
-    let media = ScanKey::new(scene, pattern, std::slice::from_ref(pose), 0);
+    let media = ScanKey::new(0, pattern.spec().column_width(), pose.translation - scene.origin());
     let mut hits = 0;
     for row in 0..pattern.rows() {
         for column in 0..pattern.columns() {
