@@ -83,7 +83,7 @@ def test_the_model_writes_a_script(
 def test_of_many_findings_the_first_are_told(
     server: ReplayServer, model: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    cube = "import bpy\nfor k in range(40):\n    bpy.ops.mesh.primitive_cube_add(location=(8 + 5 * k, 0, 1))\n"
+    cube = "import bpy\nfor k in range(40):\n    bpy.ops.mesh.primitive_cube_add(location=(8 + 10 * k, 0, 1))\n"
     server.answers = [llama_cpp(f'{cube}    bpy.context.object.name = f"wall_{{k}}"\n    bpy.ops.render.render()\n')]
     assert cli.main([*DRAFT, *model, "--llm-blender"]) == 0
     lines = capsys.readouterr().err.splitlines()

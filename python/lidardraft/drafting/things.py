@@ -16,6 +16,7 @@ from lidardraft.scene.class_names import class_of, class_of_last_word, id_of, sa
 from lidardraft.scene.layout import MORE
 from lidardraft.semantics import BY_NAME
 
+_NUMBERED_PART = re.compile(r"(.*?\d+)[._ -]+(\D.*)", re.DOTALL)  # of stuff: "tree_1_trunk" is a part of "tree_1"
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+")
 _BODY = re.compile("body|chassis|hull|base|main|frame|torso")  # the part of which a thing has one
 _PART = re.compile(
@@ -111,7 +112,8 @@ class Things:
     def _named(self, node: Node, label: str | None) -> tuple[str, str]:
         """The whole and the part that its name says."""
         if not _is_thing(label):
-            return self._own(node, *whole_and_part(node.name))
+            numbered = _NUMBERED_PART.fullmatch(node.name[:200])
+            return self._own(node, *(numbered.groups() if numbered else whole_and_part(node.name)))
         name = _Name(node.name)
         keys = [(key, suffix) for key in name.keys for suffix in (node.suffix, "")]
         key = next((key for key in keys if key in self._known), None)
