@@ -57,7 +57,8 @@ ORDINARY = (
     "a shopping street with a market stall and cyclists",
     "four cars in a queue at a red light",
 )
-SPLIT, SPLIT_HEIGHT = PRESETS["os1-128"], 400  # the sensor and rows of pictures without and with a street
+SPLIT = PRESETS["os1-128"]  # the sensor of pictures without and with a street
+VIEW, SPLIT_SIZE = (980, 560), (700, 400)  # pixels of the view of a scan's picture, and of it here
 COLUMNS, GAP = 6, 4
 COLOURS = 160
 TITLE, TITLE_HEIGHT = (210, 210, 210), 15
@@ -142,8 +143,8 @@ def pairs_of_sentences(count: int) -> Iterator[np.ndarray]:
         for layout in (bare, surround(bare, seed=seed)):
             scan = simulate(layout, SPLIT, seed=seed)
             points, boxes = view.points_on_road(scan.image), layout.boxes()
-            whole = view.render_returns(scan.image, points, boxes=boxes, title=sentence, height=SPLIT_HEIGHT)
-            yield whole[:SPLIT_HEIGHT, : SPLIT_HEIGHT * 7 // 4]
+            whole = Image.fromarray(view.render_returns(scan.image, points, boxes=boxes, title=sentence))
+            yield np.asarray(whole.crop((0, 0, *VIEW)).resize(SPLIT_SIZE, Image.Resampling.LANCZOS))
 
 
 def main() -> None:
@@ -155,7 +156,7 @@ def main() -> None:
     given = parser.parse_args()
     folder = None if given.data is None else Path(given.data)
     if given.surroundings is not None:
-        pairs = Image.fromarray(view.sheet(list(pairs_of_sentences(given.surroundings))) & 0xFC)  # as `render_large`
+        pairs = Image.fromarray(view.sheet(list(pairs_of_sentences(given.surroundings)))).quantize(256)
         pairs.save(given.output, optimize=True)
         return
     picture = Image.fromarray(sheet(list(cells(folder))))

@@ -36,9 +36,11 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
         return []
     if phrase.all_but or phrase.all or phrase.each:
         return _all_or_each(d, phrase, whole, before) if told or phrase.one_each or following in _HAVING else []
+    known = d.mentions[whole].count if whole is not None else None
+    beyond = phrase.another and isinstance(known, int) and phrase.ordinal is not None and phrase.ordinal >= known
     of_them = phrase.of_them or (
-        whole is not None and (phrase.rest or phrase.ordinal is not None or phrase.at is not None)
-    )
+        whole is not None and not beyond and (phrase.rest or phrase.ordinal is not None or phrase.at is not None)
+    )  # but of "two vans and a third" the third is one more
     last = whole if of_them and whole is not None else last
     source = d.mentions[last]
     if item.link == ":" and not phrase.of_them and (source.count == 1 or isinstance(source.count, str)):

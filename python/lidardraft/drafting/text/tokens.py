@@ -52,7 +52,7 @@ _TOKEN = re.compile(
     |(?P<pace>{_figures}(?=\ ?(?:km/h|m/s|mph|kph)\b)|\b(?:km/h|m/s))
     |(?P<compound>(?<![a-z0-9])(?:{_word}-)*(?:{_word}|[\d.,]*\d)-(?!{_goes_on})[a-z][a-z-]*)
     |(?P<nth>\b\d(?=(?:st|nd|rd|th)\b)(?:st|nd|rd|th))
-    |(?P<figure>(?:(?<![\w.,'/+-])|(?<=\d-)|(?<=\ x)|(?<=\(x)){_figures}
+    |(?P<figure>(?<!\d:)(?!\d{{1,2}}:\d)(?:(?<![\w.,'/+-])|(?<=\d-)|(?<=\ x)|(?<=\(x)){_figures}
         (?=(?:\ ?x)?(?:\s|[;:!?)("\]]|[.,](?!\d)|$)|-(?=[a-z0-9])|\ ?{_UNIT}|/[a-z]))
     |(?P<times>(?<=\d)\ ?x(?=\s)|x(?=\d+(?:\s|$|[,.;)])))
     |(?P<hyphen>(?<=[a-z0-9])-(?=[a-z0-9]))
