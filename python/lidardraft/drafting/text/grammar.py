@@ -13,6 +13,7 @@ from lidardraft.drafting.text.lexicon import features_of, lexicon, rows
 from lidardraft.drafting.text.positions import NOWHERE, Position
 from lidardraft.drafting.text.tokens import NUMBER, Token, number
 
+_NO_COUNT = 20  # from here on, a number before a singular noun says something else: "two bench", but "a 30 sign"
 _FURTHER = 40.0  # m, what "at least 20 m" reaches beyond; estimate
 _FEW_TIMES = {"few": (3, 5), "some": (3, 6)}  # dozen, hundred, thousand; estimate
 UNKNOWN = 10.0  # the cost of a word that is not known
@@ -271,7 +272,10 @@ def _agreeing(node: Node) -> Features | None:
         return None
     if ("side", "unknown") in itertools.pairwise(one.symbol for one in attributes):
         return None  # "on the left directing traffic"
-    if len([one for one in determiners if one.symbol == "quantity" and isinstance(one.get("count"), int)]) > 1:
+    counts = [one.get("count") for one in determiners if one.symbol == "quantity" and isinstance(one.get("count"), int)]
+    if several is False and any(count >= _NO_COUNT for count in counts):
+        return None  # a "speed limit 30 sign"
+    if len(counts) > 1:
         return None
     if articles and several is True and not group:
         return None
