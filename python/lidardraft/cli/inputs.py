@@ -285,6 +285,8 @@ def notes_on(layout: Layout) -> list[str]:
     notes += [f"{name} cannot be seen: {by} stands before it" for name, by in around.get("hidden", {}).items()]
     if len(notes) > _MOST_NOTES:
         notes[_MOST_NOTES:] = [f"and {len(notes) - _MOST_NOTES} more, in the layout's provenance"]
+    if told.get("not_shown"):
+        notes.insert(0, f"not shown: {', '.join(told['not_shown'])}")
     if told.get("not_understood"):
         near = "".join(f"; did you mean {known!r}?" for known in told.get("nearest_words", {}).values())
         free = "; --llm-url takes free text" if told.get("source") == "text" else ""

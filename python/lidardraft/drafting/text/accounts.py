@@ -13,6 +13,7 @@ from typing import Any
 from lidardraft.drafting.solver.scene_spec import SceneSpec, relations
 from lidardraft.drafting.text.chart import Features, Grammar, Node, Rule
 from lidardraft.drafting.text.doubts import STRANGE
+from lidardraft.drafting.text.grammar import UNSHOWN
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import leaves
 
@@ -57,7 +58,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         return kept is not None and _read(read, kept) in (None, whole)
 
     def is_idle(path: Path, node: Node) -> bool:
-        if node.symbol in STRANGE:
+        if node.symbol in (*STRANGE, *UNSHOWN):
             return True
         turned = [{at: (other,)} for at, leaf in _leaves(node, path) if (other := _turned(leaf, whole)) is not None]
         turned = [one for one in turned if _with(nodes, one, grammar) is not None]
@@ -231,6 +232,8 @@ def _other(name: str, value: Any) -> Any:
         return replace(value, places=places, heading=_OTHERS.get(str(value.heading), value.heading))
     if name == "value":
         return value + 1
+    if name == "plain":
+        return False
     if name == "kind":
         return "car" if value == "person" else "person"
     if name == "heading":

@@ -7,7 +7,8 @@ import itertools
 from collections.abc import Iterable, Iterator
 
 from lidardraft.drafting.text.chart import Node
-from lidardraft.drafting.text.positions import Position
+from lidardraft.drafting.text.grammar import UNSHOWN
+from lidardraft.drafting.text.positions import LEFT, RIGHT, Position
 from lidardraft.drafting.text.tree import (
     Clause,
     Item,
@@ -36,6 +37,7 @@ _ROADS = ("street", "lanes", "walkway", "oneway", "eachway")
 _MANNERS = ("state", "crossed", "turned", "measure", "abreast", "overtaking", "overtakes")
 _SAID = ("whereabouts", "relation", "road_part", "distances", "blocked", *_MANNERS)
 _PASSED = ("is", "silent", "there")
+_BOTH_SIDES = Position((LEFT, RIGHT), both_sides=True)
 _FALSE_NOUNS = ("ed", "ing", "ly")  # endings of words that say more of the noun before them
 
 
@@ -69,9 +71,16 @@ def _with_names(nodes: list[Node], texts: list[str]) -> list[Node]:
             and not word.endswith(_FALSE_NOUNS)
         ):
             found[-1] = found[-1]._replace(end=node.end)
+        elif node.symbol == "unseen" and node.children[0].symbol != "worn" and not _goes_on_with(found, "unseen"):
+            found.append(node._replace(symbol="stranger"))  # "a hat on the road"
         else:
             found.append(node)
     return found
+
+
+def _goes_on_with(before: list[Node], symbol: str) -> bool:
+    """Whether "and" goes on with a constituent, as in "with a hat and a coat"."""
+    return [node.symbol for node in before[-2:]] == [symbol, "and"]
 
 
 def _with_crosswalks(nodes: list[Node], texts: list[str]) -> list[Node]:
@@ -109,6 +118,7 @@ class _Reading:
         self._clause_link = ""
         self._anchor = -1  # the item before a bracket
         self._about = (0, -1)  # the number of items, and of the one that something was said of last
+        self._lined = False  # whether what comes next stands along both sides
         self._alone = False  # whether what is said first introduces no object
 
     def clauses(self) -> list[Clause]:
@@ -135,9 +145,9 @@ class _Reading:
             elif node.symbol in ("busy", "quiet", "size", "colour") and self._items and self._is_said(verb, link):
                 self._qualify(node)
                 link = ""
-            elif node.symbol == "unknown":
+            elif node.symbol in ("unknown", *UNSHOWN):
                 verb = verb or ("one" if link == "and" and self._word(node).endswith("ing") else "")
-                link = "" if link == "has" else link
+                link = "" if link == "has" or node.symbol == "unseen" else link
                 if self._items:
                     self._items[-1] = dataclasses.replace(self._items[-1], is_told=True)
             elif node.symbol in (*_NAMES, *_ROADS):
@@ -170,6 +180,7 @@ class _Reading:
             return "have" if self._items else ""
         if node.symbol == "has":
             return "has"
+        self._lined = bool(node.get("lined"))
         strong = node.symbol in ("with", "except", "which")
         return node.symbol if not link or link in _WEAK or strong else link
 
@@ -232,7 +243,8 @@ class _Reading:
             return  # it only says something of the object before it: "a man walking his dog"
         if not link and named and is_known(head) and (head.kind == "animal" or head.owned):
             link = "with"  # "a man walking his dog"
-        self._items.append(Item(head, link, verb))
+        along = (Modifier(Place(_BOTH_SIDES)),) if self._lined and link == "with" else ()
+        self._items.append(Item(head, link, verb, along))
 
     def _qualify(self, node: Node) -> None:
         """ "The road is busy", "the traffic is heavy", "the house is big"."""

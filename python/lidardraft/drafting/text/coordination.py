@@ -13,8 +13,8 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
     first = _list_begins(clause, last)
     if modifier.verb == "one" or first == last:
         return [last]
-    if modifier.verb != "many" and clause.items[last].head.kind is None:
-        return [last]  # "two cars and a llama on the left", but "are on the left"
+    if modifier.verb != "many" and (clause.items[last].head.kind is None or clause.items[last].is_told):
+        return [last]  # "two cars and a llama on the left", "cars and a man who sings on the left", but "are on the left"
     after = clause.items[last + 1].link if last + 1 < len(clause.items) else ""
     if clause.items[last].link == "," and after in (",", "and") and not modifier.verb:
         return [last]  # "a bus, a car on the left, and a van"
@@ -38,7 +38,7 @@ def _list_begins(clause: Clause, last: int) -> int:
 
     "A bus, cars and people, houses and trees" are two lists: a comma after an "and" begins another one.
     """
-    first, ended = last, False
+    first = last
     while first > 0:
         item, before = clause.items[first], clause.items[first - 1]
         if item.link not in (",", "and", "or", "then") or _is_told(before) or item.verb or not _is_listed(before.head):
@@ -47,11 +47,16 @@ def _list_begins(clause: Clause, last: int) -> int:
             _denied(item.head) != _denied(before.head)
         ):
             break
-        if item.link == "," and ended and before.link == "and":
+        if item.link == "," and (before.link == "and" or (first == last and _differ(before.head, item.head))):
             break
-        ended = ended or item.link == "and"
         first -= 1
     return first
+
+
+def _differ(one: object, other: object) -> bool:
+    """Whether a comma alone parts what is said of each: "an oncoming bus, a man on the left", "a van, trees on the left"."""
+    assert isinstance(one, NounPhrase) and isinstance(other, NounPhrase)
+    return one.plural != other.plural or one.manner.heading is not None
 
 
 def _is_told(item: Item) -> bool:
@@ -75,7 +80,9 @@ def _can_move(phrase: NounPhrase, said: object) -> bool:
     """Whether what is named can drive or walk, if a verb says so."""
     moves = isinstance(said, Manner) and (said.heading or said.motion or said.speed or said.queue)
     kind = SENTENCE_KINDS.get(str(phrase.kind))
-    return not moves or kind is None or kind.drives or kind.walks
+    if not moves or kind is None:
+        return True
+    return kind.drives or (kind.walks and said.heading != "parked")  # type: ignore[attr-defined]
 
 
 def _can_be(phrase: NounPhrase, place: Place) -> bool:

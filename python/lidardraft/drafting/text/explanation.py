@@ -13,13 +13,15 @@ class Meaning:
     """Some words in a row, and what they gave to the spec.
 
     `groups` are the numbers of the groups that they say something of, `others` what they say of the road and of what is
-    around; both are empty for words that only join others. `lost` are those of the words that gave nothing.
+    around; both are empty for words that only join others. `lost` are those of the words that gave nothing, `unshown`
+    those that are understood, but have no shape.
     """
 
     words: str
     groups: tuple[int, ...] = ()
     others: tuple[str, ...] = ()
     lost: tuple[str, ...] = ()
+    unshown: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +30,7 @@ class Explanation:
 
     meanings: tuple[Meaning, ...]
     spec: SceneSpec
+    not_shown: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         """A line for each run of words; a group is described where it is named first."""
@@ -41,8 +44,9 @@ class Explanation:
 
     def _said(self, one: Meaning, told: Collection[int]) -> str:
         gave = [*(self._group(number, number in told) for number in one.groups), *one.others]
-        lost = [f"not understood: {', '.join(one.lost)}" if gave else "not understood"] if one.lost else []
-        return "; ".join([*gave, *lost])
+        left = (("not understood", one.lost), ("not shown", one.unshown))
+        notes = [f"{what}: {', '.join(words)}" if gave else what for what, words in left if words]
+        return "; ".join([*gave, *notes])
 
     def _group(self, number: int, told: bool) -> str:
         group = self.spec.groups[number]

@@ -12,10 +12,12 @@ from lidardraft.drafting.text.chart import Build, Chart, Features, Grammar, Node
 from lidardraft.drafting.text.lexicon import features_of, lexicon, rows
 from lidardraft.drafting.text.positions import NOWHERE, Position
 from lidardraft.drafting.text.tokens import NUMBER, Token, number
+from lidardraft.drafting.text.tree import leaves
 
 _NO_COUNT = 20  # from here on, a number before a singular noun says something else: "two bench", but "a 30 sign"
 _FURTHER = 40.0  # m, what "at least 20 m" reaches beyond; estimate
 _FEW_TIMES = {"few": (3, 5), "some": (3, 6)}  # dozen, hundred, thousand; estimate
+UNSHOWN = ("unshown", "unseen")  # what is understood, but has no shape
 UNKNOWN = 10.0  # the cost of a word that is not known
 _SAYS_NOTHING = 1.0  # that of one that says nothing here
 
@@ -319,6 +321,11 @@ def _no_junction(node: Node) -> Features | None:
     return node.features if node.get("road") not in JUNCTIONS else None
 
 
+def _at_thing(node: Node) -> Features | None:
+    """ "On the right parked cars" are cars on the right."""
+    return None if node.get("on") and any(leaves(node.children[-1], "side")) else node.features
+
+
 def _distances(node: Node) -> Features | None:
     """Each of some distances that share a unit, as in "at 10, 20 and 30 m"."""
     unit, at = node.get("metres"), node.get("at", Position())
@@ -418,7 +425,7 @@ _TOPS = dict.fromkeys(
             "sky",
             "colour",
         ),
-        *("time", "usual", "aside"),
+        *("time", "usual", "aside", *UNSHOWN),
         *("and", "or", "with", "has", "but", "except", "which", "is", "silent", "unknown", *_SIGNS),
     ),
     2.0,

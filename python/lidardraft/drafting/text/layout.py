@@ -15,7 +15,7 @@ from lidardraft.drafting.text.clauses import clauses_of
 from lidardraft.drafting.text.defaults import spec_of
 from lidardraft.drafting.text.doubts import STRANGE, with_doubts
 from lidardraft.drafting.text.explanation import Explanation, Meaning
-from lidardraft.drafting.text.grammar import grammar, parse
+from lidardraft.drafting.text.grammar import UNSHOWN, grammar, parse
 from lidardraft.drafting.text.lexicon import lexicon, vocabulary
 from lidardraft.drafting.text.parts import divided, part
 from lidardraft.drafting.text.statements import resolve
@@ -29,6 +29,7 @@ MAX_WORDS = 200  # and signs; each is tried without
 _FREE_TEXT = "--llm-url takes free text"
 _SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
 _SETTING = ("weather", "wetness", "road", "setting", "busy", "quiet", "time", "traffic")
+_SHAPELESS = (*UNSHOWN, "colour", "bendy", "crosswalk")  # words that may say nothing of shapes
 _JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
 _GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
 
@@ -39,19 +40,22 @@ def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> L
     `layout.provenance` holds the sentence, the seed and the spec, and
     - "understood": the relations that the sentence was read as, a line each;
     - "not_understood": the words that changed nothing, and "nearest_words": known words that some of them are near to;
+    - "not_shown": words that are understood, but have no shape, such as "talking" and "with an umbrella";
     - "objects": for each object the number of its group in the spec, whose "words" asked for it;
     - "notes": words with a slip, and what they are read as.
 
     Raises `TextError` where nothing was understood or, with `strict`, anything was not; `LayoutError` where a relation
     cannot hold, naming it and what is in the way.
     """
-    spec = spec_from_text(sentence, strict=strict)
+    explanation = explain(sentence)
+    spec = _strictly(explanation.spec) if strict else explanation.spec
     layout = layout_from_spec(spec, seed=seed)
     said = {
         "source": "text",
         "sentence": sentence,
         "understood": relations(spec),
         "not_understood": list(spec.not_understood),
+        "not_shown": list(explanation.not_shown),
         "notes": [f"{word!r} is read as {slip!r}" for word, slip in slips(sentence).items()],
         "nearest_words": nearest_words(spec.not_understood),
     }
@@ -64,7 +68,11 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
     Raises `TextError` as above, and on a sentence that is empty or longer than `MAX_LENGTH`.
     """
     spec = explain(sentence).spec
-    if strict and spec.not_understood:
+    return _strictly(spec) if strict else spec
+
+
+def _strictly(spec: SceneSpec) -> SceneSpec:
+    if spec.not_understood:
         raise TextError(f"not understood: {_listed(spec.not_understood)}; {_FREE_TEXT}")
     return spec
 
@@ -85,6 +93,7 @@ def explain(sentence: str) -> Explanation:
     mentions, _ = resolve(clauses_of(list(nodes), texts))
     spec, silent = _spec_of(nodes, texts), {n for one in idle for n in range(one.start, one.end)}
     said = [mention.tokens for _, mention in divided(part(mentions))]
+    unshown = {n for node in nodes for leaf in leaves(node, *_SHAPELESS) for n in range(leaf.start, leaf.end)}
     meanings = []
     for index, node in enumerate(nodes):
         run = range(node.start, node.end)
@@ -95,15 +104,15 @@ def explain(sentence: str) -> Explanation:
             silent |= set() if groups or others else set(run)
         words = text[tokens[node.start].start : tokens[node.end - 1].end]
         if words.strip(",.:();"):
-            lost = tuple(_reported(text, tokens[: node.end], silent & set(run)))
-            meanings.append(Meaning(words, groups, others, lost))
-    unknown = _reported(text, tokens, silent)
+            lost, its_unshown = _reported(text, tokens[: node.end], silent & set(run), unshown)
+            meanings.append(Meaning(words, groups, others, tuple(lost), tuple(its_unshown)))
+    unknown, not_shown = _reported(text, tokens, silent, unshown)
     if spec == SceneSpec() and not any(_names_road(node) for node in nodes):
         parts = f" (unknown as a whole: {_listed(unknown)})" if unknown else ""
         raise TextError(
             f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are; {_FREE_TEXT}"
         )
-    return Explanation(tuple(meanings), dataclasses.replace(spec, not_understood=tuple(unknown)))
+    return Explanation(tuple(meanings), dataclasses.replace(spec, not_understood=tuple(unknown)), tuple(not_shown))
 
 
 def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]]:
@@ -133,22 +142,26 @@ def _without_words(spec: SceneSpec) -> SceneSpec:
     return dataclasses.replace(spec, groups=tuple(dataclasses.replace(one, words="") for one in spec.groups))
 
 
-def _reported(text: str, tokens: list[Token], idle: Collection[int]) -> list[str]:
-    """The words that changed nothing; those that adjoin are one."""
-    found: list[str] = []
-    run: list[Token] = []
-    for index, token in enumerate([*tokens, None]):
-        if token is not None and index in idle:
-            run.append(token)
+def _reported(
+    text: str, tokens: list[Token], idle: Collection[int], unshown: Collection[int]
+) -> tuple[list[str], list[str]]:
+    """The words that changed nothing, those that adjoin as one: what is not understood, and what has no shape."""
+    unknown: list[str] = []
+    shapeless: list[str] = []
+    run: list[int] = []
+    for index in range(len(tokens) + 1):
+        if index < len(tokens) and index in idle:
+            run.append(index)
             continue
-        while run and run[-1].text in _GLUE:
+        while run and tokens[run[-1]].text in _GLUE:
             run.pop()
-        while run and run[0].text in _JOINS:
+        while run and tokens[run[0]].text in _JOINS:
             run.pop(0)
         if run:
-            found.append(text[run[0].start : run[-1].end])
+            known = all(one in unshown or tokens[one].text in _GLUE for one in run)
+            (shapeless if known else unknown).append(text[tokens[run[0]].start : tokens[run[-1]].end])
         run = []
-    return found
+    return unknown, shapeless
 
 
 def slips(sentence: str) -> dict[str, str]:

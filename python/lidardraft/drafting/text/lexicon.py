@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from lidardraft.drafting.text.positions import Position, place_named
 from lidardraft.drafting.text.tokens import NUMBER_WORDS
 
-_NOUNS = ("kind", "road", "foreign")
+_NOUNS = ("kind", "road", "foreign", "accessory")
 
 
 class Word(NamedTuple):

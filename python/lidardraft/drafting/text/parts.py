@@ -67,7 +67,7 @@ def _keep_with(mentions: list[Mention], number: int) -> None:
     other = mentions[mention.with_it] if mention.with_it is not None else None
     if other is None or other.kind in (None, "vehicle") or not mention.is_wanted or other.count == 0:
         return
-    if mention.placed or mention.relation is not None:
+    if mention.placed or mention.on_road or mention.relation is not None:
         return
     if not _depends(mentions, mention.with_it, number):  # type: ignore[arg-type]
         mentions[number] = kept_with(mention, mention.with_it)  # type: ignore[arg-type]

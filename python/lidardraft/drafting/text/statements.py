@@ -90,7 +90,7 @@ def _is_told(item: Item) -> bool:
     """Whether something is said of an item itself; not so in "one black and one white, on the left"."""
     said = [one for one in item.modifiers if not (isinstance(one.said, Manner) and one.said.is_idle)]
     elsewhere = item.link == "and" and isinstance(item.head, NounPhrase) and item.head.kind == ""
-    return bool(said) and not (elsewhere and said[0].link == ",")
+    return item.is_told or (bool(said) and not (elsewhere and said[0].link == ","))
 
 
 def _deny_once(d: Discourse, new: Ids, phrase: NounPhrase) -> None:

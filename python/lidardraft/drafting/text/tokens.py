@@ -39,7 +39,7 @@ NUMBER = re.compile(rf"(?:{_in_words}|{_figures}|zero)(?= |$)")
 _UNIT = r"(?:(?:kilo|centi)?met(?:re|er)s?|km|cm|m|feet|foot|ft|yards?|yd|inch(?:es)?)\b(?!\/)"
 NUMBER_WORDS = (*_VALUE_OF, "hundred", *_SCALES)
 _word = rf"(?:{'|'.join((*_VALUE_OF, 'hundred', *_SCALES))})"
-_goes_on = rf"(?:(?:{_word}|dozen|and|to|or|point|lanes?|ways?|wheelers?)\b|{_UNIT})"
+_goes_on = rf"(?:(?:{_word}|dozen|and|to|or|point|lanes?|ways?|wheelers?|store?y|storeys|doors?)\b|{_UNIT})"
 
 _SYMBOLS = {
     **{"\u2019": "'", "\u2018": "'", "\u201c": '"', "\u201d": '"', "\u2013": "-", "\u2014": " ; ", "\u2026": " . "},

@@ -77,6 +77,7 @@ class NounPhrase:
     traffic: bool = False
     ridden: bool = False
     owned: bool = False  # "its roof"
+    plain: bool = False  # "the car", which may be the ego's, as "the taxi" may not
     one_each: bool = False
     in_total: bool = False
     all_but: int = 0
@@ -234,7 +235,7 @@ def noun_phrase(node: Node) -> NounPhrase:
         return special
     kind = node.get("kind") or ""
     attributes = [inner for one in leaves(node, "attribute") for inner in one.children]
-    fits = [one for one in attributes if one.symbol not in ("unknown", "busy", "quiet", "setting", "adverb")]
+    fits = [one for one in attributes if one.symbol not in ("unknown", "unshown", "busy", "quiet", "setting", "adverb")]
     if kind not in (*_LONG, *_HIGH):
         fits = [one for one in fits if one.symbol != "length"]
     traffic = bool(node.get("traffic"))
@@ -267,6 +268,7 @@ def noun_phrase(node: Node) -> NounPhrase:
         traffic=traffic,
         ridden=bool(node.get("ridden")),
         owned=any(one.get("owned") for one in leaves(node, "the")),
+        plain=bool(node.get("plain")),
         one_each=node.symbol == "ellipsis" and bool(node.get("each")) and bool(counted),
         in_total=bool(node.get("in_total")),
         all_but=node.get("all_but", 0),
