@@ -247,6 +247,11 @@ def _from_side(node: Node) -> Features:
     return (("at", dataclasses.replace(at, heading=heading)),)
 
 
+def _joined(node: Node) -> Features:
+    """What merges from a side is there, and drives as we do."""
+    return (("at", dataclasses.replace(node.get("at"), heading="with")),)
+
+
 _ACROSS_FROM = {"left": "right", "right": "left"}
 
 
