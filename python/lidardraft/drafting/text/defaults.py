@@ -83,6 +83,8 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
     if mention.queue and kind.drives and heading is None and not references:
         heading, lane = "with", lane or (None if at.sides else "own")
         spacing = spacing or (kind.sizes.largest[0] if kind.sizes else 6.0) + _QUEUE_GAP
+    elif mention.queue and kind.drives and heading is None and mention.relation == "behind":
+        heading = "with"
     elif mention.queue and kind.walks:
         spacing = spacing or _BESIDE_EACH_OTHER
     elif mention.queue and kind.sizes and not references and mention.count != 1:

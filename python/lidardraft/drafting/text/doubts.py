@@ -9,6 +9,7 @@ from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.grammar import JUNCTIONS
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import leaves
+from lidardraft.objects.kinds import SENTENCE_KINDS
 
 STRANGE = ("unknown", "stranger", "aside")  # constituents that nothing comes of
 _ENDS = (",", ".", ":", ")", "but")  # of what a word governs
@@ -17,6 +18,22 @@ _SAID = ("whereabouts", "relation")
 _PREPOSITIONS = ("in", "of", "to", "from", "on", "at", "by", "through", "onto", "into", "for", "as")
 _MANNERS = ("ly", "ing", "ed", "en")  # endings of words that say how something is done
 _SUBORDINATE = ("if", "until", "although", "though", "since", "as")
+
+
+def with_cargo(nodes: Sequence[Node]) -> list[Node]:
+    """The constituents of a text; what a vehicle carries is on it, and has no shape of its own."""
+    found: list[Node] = []
+    carrier: Node | None = None
+    for node in nodes:
+        loaded = bool(found) and found[-1].symbol == "with" and found[-1].get("cargo")
+        vehicle = carrier is not None and SENTENCE_KINDS[carrier.get("kind")].is_vehicle
+        if node.symbol in ("object", "stranger") and loaded and vehicle:
+            load = found.pop()
+            node = Node("unseen", load.start, node.end, 0.0, (), (load._replace(symbol="worn"), node))
+        elif node.symbol == "object":
+            carrier = node
+        found.append(node)
+    return found
 
 
 def with_doubts(nodes: Sequence[Node], texts: Sequence[str]) -> list[Node]:

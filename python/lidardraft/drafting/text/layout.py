@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import cache
 
 from lidardraft.drafting.solver.layout import layout_from_spec
@@ -13,7 +13,7 @@ from lidardraft.drafting.text.accounts import gave, idle_parts, says_something
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.clauses import clauses_of
 from lidardraft.drafting.text.defaults import spec_of
-from lidardraft.drafting.text.doubts import STRANGE, with_doubts
+from lidardraft.drafting.text.doubts import STRANGE, with_cargo, with_doubts
 from lidardraft.drafting.text.explanation import Explanation, Meaning
 from lidardraft.drafting.text.grammar import UNSHOWN, grammar, parse
 from lidardraft.drafting.text.lexicon import lexicon, vocabulary
@@ -29,7 +29,7 @@ MAX_WORDS = 200  # and signs; each is tried without
 _FREE_TEXT = "--llm-url takes free text"
 _SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
 _SETTING = ("weather", "wetness", "road", "setting", "busy", "quiet", "time", "traffic")
-_SHAPELESS = (*UNSHOWN, "colour", "bendy", "crosswalk")  # words that may say nothing of shapes
+_SHAPELESS = (*UNSHOWN, "colour", "size", "bendy", "crosswalk")  # words that may say nothing of shapes
 _JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
 _GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
 
@@ -93,7 +93,8 @@ def explain(sentence: str) -> Explanation:
     mentions, _ = resolve(clauses_of(list(nodes), texts))
     spec, silent = _spec_of(nodes, texts), {n for one in idle for n in range(one.start, one.end)}
     said = [mention.tokens for _, mention in divided(part(mentions))]
-    unshown = {n for node in nodes for leaf in leaves(node, *_SHAPELESS) for n in range(leaf.start, leaf.end)}
+    shapeless = (leaf for node in nodes for leaf in _words(node) if leaf.symbol in _SHAPELESS or leaf.get("more"))
+    unshown = {n for leaf in shapeless for n in range(leaf.start, leaf.end)}
     meanings = []
     for index, node in enumerate(nodes):
         run = range(node.start, node.end)
@@ -117,8 +118,17 @@ def explain(sentence: str) -> Explanation:
 
 def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]]:
     """The constituents of a text, and those that nothing comes of."""
-    nodes = with_doubts(parse(tokens), texts)
+    nodes = with_doubts(with_cargo(parse(tokens)), texts)
     return nodes, idle_parts(nodes, grammar(), lambda said: _without_words(_spec_of(said, texts)))
+
+
+def _words(node: Node) -> Iterator[Node]:
+    """The words of a constituent, those of what somebody wears or carries as one."""
+    if not node.children or node.symbol in UNSHOWN:
+        yield node
+    else:
+        for child in node.children:
+            yield from _words(child)
 
 
 def _names_road(node: Node) -> bool:
