@@ -60,7 +60,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     def is_idle(path: Path, node: Node) -> bool:
         if node.symbol in (*STRANGE, *UNSHOWN):
             return True
-        turned = [{at: (other,)} for at, leaf in _leaves(node, path) if (other := _turned(leaf, whole)) is not None]
+        turned = [{at: (other,)} for at, leaf in _leaves(node, path) for other in _turned(leaf, whole)]
         turned = [one for one in turned if _with(nodes, one, grammar) is not None]
         if (node.symbol == "number") and _with(nodes, {path: ()}, grammar) is None:
             return bool(turned) and all(_read(read, _with(nodes, one, grammar) or []) == whole for one in turned)
@@ -68,8 +68,8 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
 
     def is_lost(path: Path, noun: Node) -> bool:
         """Whether a noun only changes what others mean, so that another in its place changes nothing."""
-        other = _turned(noun, whole)
-        return other is not None and _with(nodes, {path: (other,)}, grammar) is not None and same({path: (other,)})
+        others = [{path: (other,)} for other in _turned(noun, whole)]
+        return bool(others) and all(_with(nodes, one, grammar) is not None and same(one) for one in others)
 
     idle: dict[Path, tuple[Node, tuple[Node, ...]]] = {}  # with what stays of it
 
@@ -216,22 +216,25 @@ def _apart(relation: Node) -> tuple[Node, ...]:
     return tuple(node for target in targets for node in (comma, target))
 
 
-def _turned(leaf: Node, spec: SceneSpec) -> Node | None:
-    """A word with another meaning of the same sort, such as "right" for "left" or "three" for "two"."""
+def _turned(leaf: Node, spec: SceneSpec) -> list[Node]:
+    """A word with other meanings of the same sort, such as "right" for "left", "three" and "four" for "two"."""
     heading = leaf.get("heading")
     if heading and not any(str(group.heading).startswith(heading) for group in spec.groups):
-        return None
-    said = {name: _other(name, value) for name, value in leaf.features}
-    features = tuple((name, value if said[name] is None else said[name]) for name, value in leaf.features)
-    return leaf._replace(features=features) if features != leaf.features else None
+        return []
+    found = []
+    for further in (1, 2) if leaf.symbol == "number" else (1,):
+        said = {name: _other(name, value, further) for name, value in leaf.features}
+        features = tuple((name, value if said[name] is None else said[name]) for name, value in leaf.features)
+        found += [leaf._replace(features=features)] if features != leaf.features else []
+    return found
 
 
-def _other(name: str, value: Any) -> Any:
+def _other(name: str, value: Any, further: int) -> Any:
     if isinstance(value, Position):
         places = tuple((_OTHERS.get(fore, fore), _OTHERS.get(side, side)) for fore, side in value.places)
         return replace(value, places=places, heading=_OTHERS.get(str(value.heading), value.heading))
     if name == "value":
-        return value + 1
+        return value + further
     if name == "plain":
         return False
     if name == "kind":

@@ -119,6 +119,7 @@ class _Reading:
         self._anchor = -1  # the item before a bracket
         self._about = (0, -1)  # the number of items, and of the one that something was said of last
         self._lined = False  # whether what comes next stands along both sides
+        self._carried = False  # whether it is carried, pushed or led
         self._alone = False  # whether what is said first introduces no object
 
     def clauses(self) -> list[Clause]:
@@ -180,7 +181,7 @@ class _Reading:
             return "have" if self._items else ""
         if node.symbol == "has":
             return "has"
-        self._lined = bool(node.get("lined"))
+        self._lined, self._carried = bool(node.get("lined")), bool(node.get("act"))
         strong = node.symbol in ("with", "except", "which")
         return node.symbol if not link or link in _WEAK or strong else link
 
@@ -244,7 +245,7 @@ class _Reading:
         if not link and named and is_known(head) and (head.kind == "animal" or head.owned):
             link = "with"  # "a man walking his dog"
         along = (Modifier(Place(_BOTH_SIDES)),) if self._lined and link == "with" else ()
-        self._items.append(Item(head, link, verb, along))
+        self._items.append(Item(head, link, verb, along, is_carried=self._carried and link == "with"))
 
     def _qualify(self, node: Node) -> None:
         """ "The road is busy", "the traffic is heavy", "the house is big"."""

@@ -28,8 +28,9 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
         if "it" in pronouns:
             return [last]
         counts = [clause.items[one].head.count for one in listed]  # type: ignore[union-attr]
+        apart = clause.items[last].head.manner.heading is not None and clause.items[first].head.manner.heading is None  # type: ignore[union-attr]
         crowd = any(count == "many" or (isinstance(count, int) and count > _MANY) for count in counts[:-1])
-        return [last] if crowd and counts[-1] == 1 else listed
+        return [last] if apart or (crowd and counts[-1] == 1) else listed
     return [one for one in listed if _can_move(clause.items[one].head, said)] or [last]  # type: ignore[arg-type]
 
 

@@ -91,10 +91,12 @@ def explain(sentence: str) -> Explanation:
     texts = [token.text for token in tokens]
     nodes, idle = _read(tokens, texts)
     mentions, _ = resolve(clauses_of(list(nodes), texts))
-    spec, silent = _spec_of(nodes, texts), {n for one in idle for n in range(one.start, one.end)}
+    spec = _spec_of(nodes, texts)
     said = [mention.tokens for _, mention in divided(part(mentions))]
-    shapeless = (leaf for node in nodes for leaf in _words(node) if leaf.symbol in _SHAPELESS or leaf.get("more"))
+    shapeless = (leaf for node in nodes for leaf in _words(node) if _is_shapeless(leaf))
     unshown = {n for leaf in shapeless for n in range(leaf.start, leaf.end)}
+    idle = [one for one in idle if one.symbol != "ellipsis" or not _names_group(one, said)]
+    silent = {n for one in idle for n in range(one.start, one.end)}
     meanings = []
     for index, node in enumerate(nodes):
         run = range(node.start, node.end)
@@ -131,6 +133,16 @@ def _words(node: Node) -> Iterator[Node]:
             yield from _words(child)
 
 
+def _names_group(node: Node, groups: Iterable[Collection[int]]) -> bool:
+    """Whether a group came of it; without "a third", its place would be one more of "a second"."""
+    return any(set(range(node.start, node.end)) <= set(tokens) for tokens in groups)
+
+
+def _is_shapeless(word: Node) -> bool:
+    """Whether a word, if nothing came of it, is understood all the same."""
+    return word.symbol in _SHAPELESS or bool(word.get("more")) or word.get("road") == "straight"
+
+
 def _names_road(node: Node) -> bool:
     return node.symbol not in STRANGE and any(leaves(node, "road"))
 
@@ -143,9 +155,9 @@ def _spec_of(nodes: Sequence[Node], texts: list[str]) -> SceneSpec:
 
 
 def _setting(nodes: Sequence[Node], name: str) -> str | None:
-    """The first value of a feature of the words for roads and what is around them."""
-    found = (leaf.get(name) for node in nodes for leaf in leaves(node, *_SETTING))
-    return next(filter(None, found), None)
+    """What the words for roads and what is around them say; "nothing else" overrules "a quiet street"."""
+    found = [leaf.get(name) for node in nodes for leaf in leaves(node, *_SETTING)]
+    return "empty" if "empty" in found else next(filter(None, found), None)
 
 
 def _without_words(spec: SceneSpec) -> SceneSpec:

@@ -8,7 +8,7 @@ from lidardraft.drafting.text.exceptions import all_but_some
 from lidardraft.drafting.text.mentions import Discourse, Ids, Mention, mention_of
 from lidardraft.drafting.text.places import describe
 from lidardraft.drafting.text.positions import FRONT, Position
-from lidardraft.drafting.text.tree import Clause, Count, Item, Manner, NounPhrase, Place
+from lidardraft.drafting.text.tree import Clause, Count, Item, Manner, NounPhrase, Place, Relation
 
 _HAVING = ("with", "has", "have")
 _SHARES = {"some": 0.5, "few": 0.25, "many": 0.75}  # of "them"; estimates
@@ -39,7 +39,9 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
     known = d.mentions[whole].count if whole is not None else None
     beyond = phrase.another and isinstance(known, int) and phrase.ordinal is not None and phrase.ordinal >= known
     of_them = phrase.of_them or (
-        whole is not None and not beyond and (phrase.rest or phrase.ordinal is not None or phrase.at is not None)
+        whole is not None
+        and not beyond
+        and (phrase.rest or phrase.ordinal is not None or phrase.at is not None or _is_to_the_rest(item))
     )  # but of "two vans and a third" the third is one more
     last = whole if of_them and whole is not None else last
     source = d.mentions[last]
@@ -66,6 +68,12 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
     return [_new_part(d, phrase, last, of_them)]
 
 
+def _is_to_the_rest(item: Item) -> bool:
+    """Whether a part is related to the others: "two trucks, one overtaking the other"."""
+    relations = (one.said for one in item.modifiers if isinstance(one.said, Relation))
+    return any(phrase.rest and not phrase.kind for said in relations for phrase in said.targets)
+
+
 def _new_part(d: Discourse, phrase: NounPhrase, last: int, of_them: bool) -> int:
     """A mention of a part of others, or of more of the same; of "half of them" the share counts."""
     source = d.mentions[last]
@@ -84,6 +92,7 @@ def _new_part(d: Discourse, phrase: NounPhrase, last: int, of_them: bool) -> int
         heading=source.heading if kept else None,
         same_as=root if source.count != 0 else None,
         of_them=of_them or (count == "some" and source.of_them),
+        tokens=phrase.tokens,
     )
     number = d.add(made)
     describe(d, number, phrase.manner)

@@ -55,7 +55,8 @@ def relate(d: Discourse, ids: Ids, said: Relation, references: Ids) -> Ids:
     ]
     for one in subjects if sides else []:
         place_at(d, one, Place(sides[0]))
-    new = [one for one in references if not d.mentions[one].placed and not d.mentions[one].references]
+    named = not any(pronouns)  # "a car behind it waits": the car
+    new = [one for one in references if named and not d.mentions[one].placed and not d.mentions[one].references]
     for one in subjects:
         _relate_one(d, one, said, references)
     return new if new and new[-1] == references[-1] and not said.followed else subjects

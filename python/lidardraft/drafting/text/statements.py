@@ -330,7 +330,7 @@ def _carries(d: Discourse, item: Item, ids: Ids, named: list[Ids], number: int, 
     if len(host) != 1 or d.mentions[host[0]].placed or d.mentions[host[0]].relation:
         return False
     carried, carrier = d.mentions[ids[0]], d.mentions[host[0]]
-    owned = isinstance(item.head, NounPhrase) and item.head.owned
+    owned = item.is_carried or (isinstance(item.head, NounPhrase) and item.head.owned)
     if carried.kind not in COMPANIONS and not owned and (not said.at.distance or len(item.modifiers) != 1):
         return False
     if (

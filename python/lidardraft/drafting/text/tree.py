@@ -160,6 +160,7 @@ class Item:
     verb: str = ""  # before it, as in "one of them is a taxi"
     modifiers: tuple[Modifier, ...] = ()
     is_told: bool = False  # something of it that is not understood
+    is_carried: bool = False  # by the one before it, as in "a man pushing a pram"
 
 
 @dataclass(frozen=True, slots=True)
