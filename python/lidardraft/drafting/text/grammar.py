@@ -326,6 +326,11 @@ def _no_junction(node: Node) -> Features | None:
     return node.features if node.get("road") not in JUNCTIONS else None
 
 
+def _acts_on(node: Node) -> Features | None:
+    """Who repairs a car, or leaves a house, is near it."""
+    return node.features if node.get("does") else None
+
+
 def _at_thing(node: Node) -> Features | None:
     """ "On the right parked cars" are cars on the right."""
     return None if node.get("on") and any(leaves(node.children[-1], "side")) else node.features

@@ -166,7 +166,7 @@ def place_at(d: Discourse, number: int, place: Place, weak: bool = False) -> Non
 def _fitting(place: Place, mention: Mention) -> Position | None:
     """The position of a place, None where its kind cannot be there."""
     at, kind = place.at, mention.record
-    if place.crosswalk and not kind.walks:
+    if (place.crosswalk and not kind.walks) or (place.middle and not kind.on_road):
         return None
     if at.sidewalk and "sidewalk" not in kind.surfaces:
         return None if at == Position(sidewalk=True) else replace(at, sidewalk=False)

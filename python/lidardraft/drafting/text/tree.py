@@ -99,6 +99,7 @@ class Place:
     bare: bool = False  # "in front", which may be of a building
     only: bool = False
     shoulder: bool = False
+    middle: bool = False  # "in the middle", of what may be on the road
     crosswalk: bool = False
     there: bool = False
     in_row: bool = False  # "each 10 m behind the other"
@@ -335,7 +336,7 @@ def relation_of(node: Node) -> Relation:
     targets += [one for one in node.children if one.symbol == "ego"]
     places = [one for one in node.children if one.symbol == "whereabouts"]
     said = {name: value for head in heads for name, value in head.features}
-    relation = said.get("relation")
+    relation = "near" if said.get("does") else said.get("relation")
     if relation is None and "side" in said:
         relation = f"{said['side']}-of"
     lengths = [one.get("length") for one in node.children if one.symbol == "length"]
@@ -372,6 +373,7 @@ def place_of(node: Node) -> Place:
         bare=bool(node.get("bare")),
         only=any(leaves(node, "'only")),
         shoulder=bool(node.get("shoulder")),
+        middle=bool(node.get("middle")),
         crosswalk=bool(node.get("crosswalk")),
         in_row=any(leaves(node, "neighbour")) and any(leaves(node, "the_next")),
         from_to=bool(node.get("from_to")),
