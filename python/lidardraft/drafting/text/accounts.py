@@ -32,10 +32,10 @@ _CONTENT = ("usual", "time", "motion", "unit", "ego")  # of those, what says som
 _PLAIN = (
     ("road", "straight"),
     ("each_way", True),
+    ("anyway", "coming"),
     ("anyway", "walking"),
     ("anyway", "riding"),
     ("anyway", "standing"),
-    ("everywhere", True),
     ("another", True),
     ("rest", "other"),
 )
@@ -97,7 +97,12 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         if _said(idle[pair[0]][0]) & _said(idle[pair[1]][0]) and not same({path: idle[path][1] for path in pair})
     ]
     settled = {path for pair in twice for path in pair}
-    settled |= {path for path in known if any(_said(idle[path][0]) & _said(one) for one in _beside(nodes, path))}
+    settled |= {
+        path
+        for path in known
+        if idle[path][0].symbol in _VERBS and any(_said(idle[path][0]) & _said(one) for one in _beside(nodes, path[0]))
+    }
+    settled |= {path for path in known if whole.district is not None and idle[path][0].get("district") == whole.district}
     numbers = [
         leaf for pair in twice for node in (idle[path][0] for path in pair) for leaf in leaves(node, "number", *STRANGE)
     ]
@@ -170,11 +175,9 @@ def says_something(node: Node) -> bool:
     return not (silent or node.symbol.startswith("'") or (node.symbol == "number" and node.get("value") == 1))
 
 
-def _beside(nodes: Sequence[Node], path: Path) -> Sequence[Node]:
-    """The constituents before and after a verb of a sentence."""
-    if len(path) > 1 or nodes[path[0]].symbol not in _VERBS:
-        return []
-    return [*nodes[max(0, path[0] - 1) : path[0]], *nodes[path[0] + 1 : path[0] + 2]]
+def _beside(nodes: Sequence[Node], index: int) -> Sequence[Node]:
+    """The constituents before and after one of a sentence."""
+    return [*nodes[max(0, index - 1) : index], *nodes[index + 1 : index + 2]]
 
 
 def _said(node: Node) -> set[str]:

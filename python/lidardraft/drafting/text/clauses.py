@@ -305,6 +305,8 @@ class _Reading:
         first = self._texts[node.start]
         singular = node.symbol in (*_MANNERS, "relation") and first.endswith("s") and first not in ("across", "towards")
         modifiers = self._modifiers(node, link, "one" if singular else verb)
+        if self._at(index + 1) in ("whereabouts", "state"):
+            modifiers = [_of_another_car(one) for one in modifiers]
         for modifier in modifiers:
             if self._items:
                 at = self._anchor if link == ")" and self._anchor >= 0 else self._subject(link, verb or singular)
@@ -336,12 +338,16 @@ class _Reading:
         backward = self._nodes[index].symbol == "relation" and any(leaves(self._nodes[index], "pronoun", "owner"))
         for end in range(index, len(self._nodes)):
             node = self._nodes[end]
+            if node.symbol == "state" and self._word(node) == "for":
+                return 0  # "and waits for a bus"
             if node.symbol in ("object", "ellipsis", "stranger", "nothing"):
                 alone = node.symbol == "ellipsis" and comma
                 return end if end > index and not alone and (free or not comma or (backward and link == "and")) else 0
             if node.symbol in (",", "which"):
                 comma = True
-            elif node.symbol in (":", "has") or (node.symbol == "with" and self._nodes[index].get("crosswalk")):
+            elif node.symbol in (":", "has") or (
+                node.symbol == "with" and (self._nodes[index].get("crosswalk") or (link == "," and self._items))
+            ):
                 continue
             elif node.symbol not in (*_SAID, *_PASSED, "ego") or (node.symbol == "ego" and not self._only_looks(end)):
                 return 0
@@ -360,6 +366,14 @@ class _Reading:
         if node.symbol == "relation":
             return relation_of(node)
         return street_of(node) if node.symbol == "road_part" else manner_of([node])
+
+
+def _of_another_car(modifier: Modifier) -> Modifier:
+    """ "Behind the car on the left" is behind a car that is there, not behind the ego's."""
+    if not isinstance(modifier.said, Relation):
+        return modifier
+    targets = tuple(dataclasses.replace(one, plain=False) for one in modifier.said.targets)
+    return dataclasses.replace(modifier, said=dataclasses.replace(modifier.said, targets=targets))
 
 
 def _with(item: Item, modifier: Modifier) -> Item:

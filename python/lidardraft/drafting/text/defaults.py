@@ -71,7 +71,7 @@ def _wanted(mention: Mention, denied: list[Mention], road: RoadNotes) -> Mention
 def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, words: str) -> ObjectGroup:
     """As a group of the spec; vehicles along the sides of a road are parked."""
     at, kind = _overtaking(mention), mention.record
-    sideways = str(at.heading).startswith("across-") and mention.heading == "across"
+    sideways = str(at.heading).startswith("across-") and mention.heading in ("across", "against")
     heading = at.heading if sideways or at.heading == "across" else mention.heading or at.heading
     lane, spacing = at.lane, at.spacing
     if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides):

@@ -86,12 +86,14 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return range(index, _after_places(nodes, index + 1))  # "an officer directing traffic stands ahead"
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
+    if index and node.symbol == "nothing" and texts[node.start - 1] == "so":
+        return governed  # "so nothing can overtake"
     if node.symbol in ("except", "nothing") or (node.symbol in ("object", "ellipsis") and node.get("count") == 0):
         said = {nodes[one].symbol for one in governed}
         base = itertools.takewhile(lambda one: one.symbol not in _ENDS, nodes[index - 1 :: -1] if index else ())
         if node.symbol == "except":  # "in all bays except two", "light traffic except for a coach"
             unclear = unclear or any(one.symbol in STRANGE for one in base) or _is_of_others(nodes, index)
-        return governed if unclear or said & {"relation", "pronoun"} else ()
+        return governed if unclear or "pronoun" in said or ("relation" in said and after != "object") else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
     if node.symbol == "ellipsis" and (words == ["not"] or (words[-1].isdigit() and last in ("object", "unknown"))):
@@ -118,14 +120,6 @@ def _doubtful_place(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequ
         return (index,)  # "snow piles on both sides, a car"
     if node.symbol == "whereabouts" and node.get("other_side") and node.get("road") in JUNCTIONS:
         return (index,)  # "on the far side of the crossroads"
-    if (
-        words[0] != "between"
-        and after == "whereabouts"
-        and node.symbol == "relation"
-        and words[-2:] in (["the", "car"], ["the", "vehicle"])
-    ):
-        fore = any(fore for fore, _ in (nodes[index + 1].get("at") or Position()).places)
-        return range(index, index + 2) if fore else ()  # "ahead of the car in front", which is not the ego's
     if node.symbol == "whereabouts" and "gap" in words and index and last in (",", "and", "ellipsis"):
         return (
             (index - 1, index) if last == "ellipsis" else (index,)

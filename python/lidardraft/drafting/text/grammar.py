@@ -331,6 +331,10 @@ def _acts_on(node: Node) -> Features | None:
     return node.features if node.get("does") else None
 
 
+def _for_each(node: Node) -> Features | None:
+    return node.features if any(leaves(node, "each")) else None
+
+
 def _at_thing(node: Node) -> Features | None:
     """ "On the right parked cars" are cars on the right."""
     return None if node.get("on") and any(leaves(node.children[-1], "side")) else node.features

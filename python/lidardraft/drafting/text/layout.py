@@ -17,6 +17,7 @@ from lidardraft.drafting.text.doubts import STRANGE, with_cargo, with_doubts
 from lidardraft.drafting.text.explanation import Explanation, Meaning
 from lidardraft.drafting.text.grammar import UNSHOWN, grammar, parse
 from lidardraft.drafting.text.lexicon import lexicon, vocabulary
+from lidardraft.drafting.text.mentions import RUNNING
 from lidardraft.drafting.text.parts import divided, part
 from lidardraft.drafting.text.statements import resolve
 from lidardraft.drafting.text.tokens import Token, clean, slip_of, tokens_of
@@ -29,7 +30,7 @@ MAX_WORDS = 200  # and signs; each is tried without
 _FREE_TEXT = "--llm-url takes free text"
 _SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
 _SETTING = ("weather", "wetness", "road", "setting", "busy", "quiet", "time", "traffic")
-_SHAPELESS = (*UNSHOWN, "colour", "size", "bendy", "crosswalk")  # words that may say nothing of shapes
+_SHAPELESS = (*UNSHOWN, "colour", "size", "bendy", "crosswalk", "time", "wetness")  # words that may say nothing of shapes
 _JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
 _GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
 
@@ -140,7 +141,8 @@ def _names_group(node: Node, groups: Iterable[Collection[int]]) -> bool:
 
 def _is_shapeless(word: Node) -> bool:
     """Whether a word, if nothing came of it, is understood all the same."""
-    return word.symbol in _SHAPELESS or bool(word.get("more")) or word.get("road") == "straight"
+    said = word.get("more") or word.get("road") == "straight" or word.get("speed") == RUNNING
+    return word.symbol in _SHAPELESS or bool(said)
 
 
 def _names_road(node: Node) -> bool:

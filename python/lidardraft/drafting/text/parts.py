@@ -10,6 +10,7 @@ from lidardraft.drafting.text.positions import RIGHT, Position
 from lidardraft.drafting.text.tree import NO_SCALE, Count
 
 _DRAWBAR = (0.5, 1.0)  # m
+_FOR_EACH = {"few": 3, "some": 4, "many": 8}  # so that there are as many of what each of them has
 _MOST_ABREAST = 5  # that stand side by side; a word for a number says nothing of them
 
 
@@ -53,7 +54,12 @@ def _count_for_hosts(mentions: list[Mention], number: int) -> None:
     mention = mentions[number]
     if mention.host is None:
         return
-    hosts = mentions[mention.host].count
+    host = mentions[mention.host]
+    if isinstance(host.count, str) and host.count != "none":
+        mentions[mention.host] = host = replace(host, count=_FOR_EACH[host.count])
+    hosts = host.count
+    if isinstance(hosts, int) and not host.at.shared:
+        hosts *= len(host.at.places)
     if isinstance(hosts, int) and hosts > mention.left_out:
         hosts -= mention.left_out
     mentions[number] = replace(mention, count=count_times(mention.count, hosts))

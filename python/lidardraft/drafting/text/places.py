@@ -6,7 +6,7 @@ import itertools
 from dataclasses import replace
 
 from lidardraft.drafting.text.exceptions import leave_out_place
-from lidardraft.drafting.text.mentions import Discourse, Ids, Mention, count_times, fitting_manner
+from lidardraft.drafting.text.mentions import JUNCTIONS, Discourse, Ids, Mention, count_times, fitting_manner
 from lidardraft.drafting.text.positions import BEHIND, FRONT, LEFT, RIGHT, Position
 from lidardraft.drafting.text.tree import Count, Manner, Modifier, Place
 
@@ -15,6 +15,8 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
     """Note a place of objects; those that what is said next is said of."""
     note_place(d, place)
     place = with_side(d, place)
+    if place.middle and d.road.kind in JUNCTIONS:
+        place = replace(place, at=Position(at_junction=True))
     building = d.building_before(ids[0]) if place.bare and ids else None
     if building is not None:  # "a house, hedge in front"
         for one in ids:
@@ -104,6 +106,8 @@ def attach(d: Discourse, number: int, place: Place, link: str) -> None:
         return  # a second lane
     if at.distance and mention.at.distance and ("beside" in {fore for fore, _ in (*at.places, *mention.at.places)}):
         return  # "10 m ahead and 3 m to the left"
+    if place.everywhere and mention.count == "some":
+        d.change(number, count="many")
     if place.times > 1:
         count = place.times if mention.count == "some" else count_times(mention.count, place.times)
         d.change(number, count=count)
@@ -166,7 +170,7 @@ def place_at(d: Discourse, number: int, place: Place, weak: bool = False) -> Non
 def _fitting(place: Place, mention: Mention) -> Position | None:
     """The position of a place, None where its kind cannot be there."""
     at, kind = place.at, mention.record
-    if (place.crosswalk and not kind.walks) or (place.middle and not kind.on_road):
+    if (place.crosswalk and not kind.walks) or (place.middle and (not kind.on_road or kind.follows_road)):
         return None
     if at.sidewalk and "sidewalk" not in kind.surfaces:
         return None if at == Position(sidewalk=True) else replace(at, sidewalk=False)

@@ -11,9 +11,9 @@ from lidardraft.drafting.text.mentions import COMPANIONS, Discourse, Ids, Mentio
 from lidardraft.drafting.text.parts import kept_with
 from lidardraft.drafting.text.places import attach, describe, note_place, place_at, queue_up, say_place, with_side
 from lidardraft.drafting.text.portions import counted_later, named_part
-from lidardraft.drafting.text.positions import NOWHERE, Position
+from lidardraft.drafting.text.positions import BEHIND, FRONT, NOWHERE, Position
 from lidardraft.drafting.text.references import call, can_be_where, known_mention, meant_by, targets_of
-from lidardraft.drafting.text.relations import is_side_of, relate, relate_another
+from lidardraft.drafting.text.relations import TURNED, is_side_of, relate, relate_another
 from lidardraft.drafting.text.streets import (
     note_junction,
     note_street,
@@ -43,10 +43,13 @@ def read(d: Discourse, clause: Clause) -> None:
         before = next((ids for ids in reversed(named) if ids), [])
         if before and d.mentions[before[-1]].kind is None and item.link == ",":
             lead = None  # it was that of what is unknown
+        if number and item.link == "," and any(isinstance(one.said, Manner) and one.said.heading for one in item.modifiers):
+            lead = None  # "on the right parked cars, a bus coming towards us"
         if isinstance(item.head, Street):
             note_street(d, with_direction(item))
             named.append([])
             say_of_road(d, item)
+            lead = _area(clause, number) or lead
             continue
         own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
         if item.link == "with" and named:
@@ -77,13 +80,35 @@ def read(d: Discourse, clause: Clause) -> None:
         elif link == "and" and new and not item.modifiers and _is_ego_named(clause.items[number - 1]) and d.latest:
             d.change(new[0], at=d.mentions[d.latest[-1]].at, placed=True, weak=True)  # "we are behind a bus and a van"
         elif link == "then" and new and not own and before:
-            places = d.mentions[before[-1]].at.places
-            d.change(new[0], at=Position(places), placed=places != (NOWHERE,), weak=True)
+            _follow(d, new[0], before[-1])
         named.append(ids)
         _modify(d, clause, number, named)
         if item.link not in ("except", "but"):
             _deny_once(d, new, item.head)
     d.latest = next((ids for ids in reversed(named) if ids), d.latest)
+
+
+def _area(clause: Clause, number: int) -> Place | None:
+    """Where an area without a road is, which is the place of what it has: "roadworks on the left with cones"."""
+    street, after = clause.items[number].head, clause.items[number + 1 : number + 2]
+    places = [one.said for one in clause.items[number].modifiers if isinstance(one.said, Place)]
+    of_area = isinstance(street, Street) and street.kind is None and after and after[0].link == "with"
+    return places[0] if places and of_area else None
+
+
+def _follow(d: Discourse, number: int, before: int) -> None:
+    """What comes "then" is further away at the same place: of what drives, the next in the row."""
+    one, other = d.mentions[number], d.mentions[before]
+    at = Position(other.at.places)
+    d.change(number, at=at, placed=at != Position(), weak=True, heading=one.heading or other.heading)
+    if not (one.is_wanted and other.is_wanted and one.record.drives and other.record.drives):
+        return
+    whole = d.mentions[other.same_as] if other.same_as is not None else other
+    relation = other.relation if other.relation in TURNED else None
+    relation = "behind" if whole.heading == "against" or other.at.places == (BEHIND,) else relation
+    relation = "in-front-of" if relation is None and other.at.places == (FRONT,) else relation
+    if relation is not None and not one.references:
+        d.change(number, relation=relation, references=(before,), at=Position(), placed=True, weak=False)
 
 
 def _is_told(item: Item) -> bool:
@@ -265,8 +290,10 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
         if not isinstance(said, Street):
             for one in open_ids:
                 d.cover(one, said.tokens)
-        if is_first and (_respective(d, clause, number, open_ids) or _carries(d, item, open_ids, named, number, said)):
+        if is_first and _respective(d, clause, number, open_ids):
             return
+        if is_first and number:
+            open_ids = _carrier(d, item, open_ids, named[number - 1], said) or open_ids
         apart = modifier.link == "," and isinstance(said, Relation | Manner)
         if last is not None and (apart or (modifier.link == "and" and modifier.verb)):
             open_ids = named[number]  # "in front of the shop, next to a bench"
@@ -322,29 +349,20 @@ def _split_part(d: Discourse, clause: Clause, number: int, ids: Ids) -> tuple[Mo
     return item.modifiers[cut:]
 
 
-def _carries(d: Discourse, item: Item, ids: Ids, named: list[Ids], number: int, said: object) -> bool:
-    """ "A lorry with a sign at 65 m": the place is that of the lorry, where the sign is."""
-    if item.link != "with" or not isinstance(said, Place) or number == 0 or len(ids) != 1:
-        return False
-    host = named[number - 1]
-    if len(host) != 1 or d.mentions[host[0]].placed or d.mentions[host[0]].relation:
-        return False
+def _carrier(d: Discourse, item: Item, ids: Ids, host: Ids, said: object) -> Ids:
+    """Who has something, where what is said is of them: "a lorry with a sign at 65 m"; none where it is of the thing."""
+    if item.link != "with" or len(ids) != 1 or len(host) != 1:
+        return []
     carried, carrier = d.mentions[ids[0]], d.mentions[host[0]]
-    owned = item.is_carried or (isinstance(item.head, NounPhrase) and item.head.owned)
-    if carried.kind not in COMPANIONS and not owned and (not said.at.distance or len(item.modifiers) != 1):
-        return False
-    if (
-        not carrier.is_wanted
-        or not carried.is_wanted
-        or (carried.record.drives and carried.kind not in COMPANIONS and not owned)
-        or carrier.same_as is not None
-    ):
-        return False
+    companion = carried.kind in COMPANIONS or item.is_carried or (isinstance(item.head, NounPhrase) and item.head.owned)
+    at_distance = isinstance(said, Place) and bool(said.at.distance) and len(item.modifiers) == 1
+    if not (companion and isinstance(said, Place | Relation)) and not at_distance:
+        return []
+    known = carrier.is_wanted and carried.is_wanted and carrier.same_as is None
+    if not known or carrier.placed or carrier.relation or (carried.record.drives and not companion):
+        return []
     d.mentions[ids[0]] = kept_with(carried, host[0])
-    for modifier in item.modifiers:
-        if isinstance(modifier.said, Place):
-            say_place(d, host, modifier.said, modifier)
-    return True
+    return host
 
 
 def _who_acts(item: Item, named: list[Ids], number: int, ids: Ids) -> Ids:

@@ -103,7 +103,8 @@ def on_street(d: Discourse, ids: Ids, street: Street) -> None:
             at = replace(mention.at, at_junction=not mention.record.at_junction)
             d.change(one, at=at, placed=True)
         elif street.kind is not None or street.on:
-            d.change(one, on_road=mention.on_road or not mention.placed)
+            on_foot = mention.record.on_road and not mention.record.drives
+            d.change(one, on_road=mention.on_road or on_foot or not mention.placed)
 
 
 def say_of_ego(d: Discourse, item: Item) -> None:

@@ -66,6 +66,7 @@ _TOKEN = re.compile(
     |(?P<other>\S)""",
     re.VERBOSE,
 )  # fmt: skip
+_OF_LANES = re.compile(r" (?:dir|way|side|lane)|-")  # "two lanes per direction"
 _LETTERS = "abcdefghijklmnopqrstuvwxyz"
 _SHORTEST_SLIP, _LONG_SLIP = 5, 8  # letters
 _SUBJECTS = ("there", "it", "that", "here", "who", "i", "we", "you", "they", "he", "she")
@@ -127,6 +128,8 @@ def tokens_of(text: str, vocabulary: Collection[str]) -> list[Token]:
                     found += [Token(part, start + at, start + at + len(part)) for at, part in parts]
                 else:
                     found.append(Token(said, start, end))
+            case "letters" if said == "per" and not _OF_LANES.match(text, match.end()):
+                found += [Token("for", start, end), Token("each", start, end)]
             case "letters":
                 found += _letters(slip_of(said, vocabulary) or said, start, start + len(said))
             case "other" if said == "/":

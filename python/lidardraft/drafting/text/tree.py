@@ -99,6 +99,7 @@ class Place:
     bare: bool = False  # "in front", which may be of a building
     only: bool = False
     shoulder: bool = False
+    everywhere: bool = False
     middle: bool = False  # "in the middle", of what may be on the road
     crosswalk: bool = False
     there: bool = False
@@ -373,6 +374,7 @@ def place_of(node: Node) -> Place:
         bare=bool(node.get("bare")),
         only=any(leaves(node, "'only")),
         shoulder=bool(node.get("shoulder")),
+        everywhere=bool(node.get("everywhere")),
         middle=bool(node.get("middle")),
         crosswalk=bool(node.get("crosswalk")),
         in_row=any(leaves(node, "neighbour")) and any(leaves(node, "the_next")),
