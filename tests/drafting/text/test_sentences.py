@@ -31,22 +31,25 @@ from spec_checker import broken
 
 
 class Sentence(NamedTuple):
-    """A sentence with what it says, what is unknown of it, and the refusal that it meets, if any."""
+    """A sentence with what it says, what is unknown of it, what has no shape, and the refusal that it meets, if any."""
 
     text: str
     relations: list[str]
     unknown: list[str]
+    shapeless: list[str]
     refusal: str
 
 
 def read_sentences() -> list[Sentence]:
-    """Those of sentences.txt: a line each, and indented under it its relations, "? unknown words", "! a refusal"."""
+    """Those of sentences.txt: a line each, and under it its relations, "? unknown words", "~ no shape", "! a refusal"."""
     found: list[Sentence] = []
     for line in Path(__file__).with_name("sentences.txt").read_text(encoding="utf-8").splitlines():
         if not line.startswith("    "):
-            found.append(Sentence(line, [], [], ""))
+            found.append(Sentence(line, [], [], [], ""))
         elif line.startswith("    ? "):
             found[-1].unknown.append(line[6:])
+        elif line.startswith("    ~ "):
+            found[-1].shapeless.append(line[6:])
         elif line.startswith("    ! "):
             found[-1] = found[-1]._replace(refusal=line[6:])
         else:
@@ -103,8 +106,10 @@ def explained(text: str) -> Explanation:
     spec = explanation.spec
     for one in explanation.meanings:
         words = re.findall(r"[^\W_]+(?:'s|'re)?", one.words)
-        assert one.groups or one.others or one.lost or FUNCTION_WORDS.issuperset(words), one
+        left = (*one.lost, *one.unshown)
+        assert one.groups or one.others or left or FUNCTION_WORDS.issuperset(words), one
         assert all(any(lost in part for part in spec.not_understood) for lost in one.lost), one
+        assert all(any(lost in part for part in explanation.not_shown) for lost in one.unshown), one
         assert all(number < len(spec.groups) for number in one.groups)
     return explanation
 
@@ -122,9 +127,11 @@ def test_there_are_many() -> None:
 
 @pytest.mark.parametrize("sentence", SENTENCES, ids=[sentence.text for sentence in SENTENCES])
 def test_what_is_understood_and_what_is_not(sentence: Sentence) -> None:
-    spec = explained(sentence.text).spec
+    explanation = explained(sentence.text)
+    spec = explanation.spec
     assert [text for text in relations(spec) if text != "road: straight"] == sentence.relations
     assert list(spec.not_understood) == sentence.unknown
+    assert list(explanation.not_shown) == sentence.shapeless
     if sentence.unknown:
         with pytest.raises(TextError, match="not understood: "):
             spec_from_text(sentence.text, strict=True)

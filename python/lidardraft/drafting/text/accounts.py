@@ -102,7 +102,9 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         for path in known
         if idle[path][0].symbol in _VERBS and any(_said(idle[path][0]) & _said(one) for one in _beside(nodes, path[0]))
     }
-    settled |= {path for path in known if whole.district is not None and idle[path][0].get("district") == whole.district}
+    settled |= {
+        path for path in known if whole.district is not None and idle[path][0].get("district") == whole.district
+    }
     numbers = [
         leaf for pair in twice for node in (idle[path][0] for path in pair) for leaf in leaves(node, "number", *STRANGE)
     ]

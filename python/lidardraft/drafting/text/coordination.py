@@ -14,7 +14,9 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
     if modifier.verb == "one" or first == last:
         return [last]
     if modifier.verb != "many" and (clause.items[last].head.kind is None or clause.items[last].is_told):
-        return [last]  # "two cars and a llama on the left", "cars and a man who sings on the left", but "are on the left"
+        return [
+            last
+        ]  # "two cars and a llama on the left", "cars and a man who sings on the left", but "are on the left"
     after = clause.items[last + 1].link if last + 1 < len(clause.items) else ""
     if clause.items[last].link == "," and after in (",", "and") and not modifier.verb:
         return [last]  # "a bus, a car on the left, and a van"

@@ -74,6 +74,9 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
     sideways = str(at.heading).startswith("across-") and mention.heading in ("across", "against")
     heading = at.heading if sideways or at.heading == "across" else mention.heading or at.heading
     lane, spacing = at.lane, at.spacing
+    if lane == "own" and at.heading == "parked" and at.sides:  # double parked, beside the strip on its side
+        lane = "opposite" if at.sides == ["left"] else lane
+        at = replace(at, places=tuple((fore, "") for fore, _ in at.places))
     if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides):
         heading = "parked"
     strip_across = heading == "across" and kind.follows_road  # a fence across the road

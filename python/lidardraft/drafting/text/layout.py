@@ -30,7 +30,15 @@ MAX_WORDS = 200  # and signs; each is tried without
 _FREE_TEXT = "--llm-url takes free text"
 _SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
 _SETTING = ("weather", "wetness", "road", "setting", "busy", "quiet", "time", "traffic")
-_SHAPELESS = (*UNSHOWN, "colour", "size", "bendy", "crosswalk", "time", "wetness")  # words that may say nothing of shapes
+_SHAPELESS = (
+    *UNSHOWN,
+    "colour",
+    "size",
+    "bendy",
+    "crosswalk",
+    "time",
+    "wetness",
+)  # words that may say nothing of shapes
 _JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
 _GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
 

@@ -133,10 +133,4 @@ def _target(d: Discourse, phrase: NounPhrase, subjects: Ids) -> Ids:
 def is_car_of_ego(d: Discourse, phrase: NounPhrase) -> bool:
     """Whether "the car" can only be that of the ego: no other was named."""
     vehicles = any(one.kind is not None and one.record.is_vehicle for one in d.mentions)
-    return (
-        phrase.plain
-        and phrase.definite
-        and phrase.count == 1
-        and len(phrase.tokens) == 2
-        and not vehicles
-    )
+    return phrase.plain and phrase.definite and phrase.count == 1 and len(phrase.tokens) == 2 and not vehicles

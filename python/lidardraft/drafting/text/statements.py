@@ -43,7 +43,11 @@ def read(d: Discourse, clause: Clause) -> None:
         before = next((ids for ids in reversed(named) if ids), [])
         if before and d.mentions[before[-1]].kind is None and item.link == ",":
             lead = None  # it was that of what is unknown
-        if number and item.link == "," and any(isinstance(one.said, Manner) and one.said.heading for one in item.modifiers):
+        if (
+            number
+            and item.link == ","
+            and any(isinstance(one.said, Manner) and one.said.heading for one in item.modifiers)
+        ):
             lead = None  # "on the right parked cars, a bus coming towards us"
         if isinstance(item.head, Street):
             note_street(d, with_direction(item))
