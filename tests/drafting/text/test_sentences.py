@@ -64,7 +64,7 @@ _JOINING = (
     "through up down out also here there it they them we one ones each all both is are was were be been being am "
     "do does did has have had having can could should must will would may might and or but nor not except which "
     "who whom where while when if with including containing contains featuring however whereas then plus very "
-    "quite rather fairly really mostly apart other than another well away now he she that's there's it's we're "
+    "quite rather fairly really mostly apart lined about ready wants want wanting trying tries starts begins going other than another well away now he she that's there's it's we're "
     "aren t exception besides respectively already still currently just so because let letting"
 )
 FUNCTION_WORDS = frozenset(_JOINING.split())
@@ -191,11 +191,11 @@ def test_an_explanation_says_what_each_word_became() -> None:
         ("an empty road", "an empty road", "around: empty"),
         ("nobody on the road", "nobody", "person: none"),
         ("a roundabout with a truck", "a roundabout", "road: roundabout"),
-        ("a man at the zebra crossing", "at the zebra crossing", "person [0]; not understood: zebra crossing"),
+        ("a man at the zebra crossing", "at the zebra crossing", "person [0]; not shown: zebra crossing"),
         ("two cyclists ride ahead", "ride", "bicycle [0]"),
-        ("a tram runs ahead", "runs", "not understood"),
+        ("a tram runs ahead", "runs", "not shown"),
         ("three trucks are heading the opposite way", "heading the opposite way", "truck [0]"),
-        ("a woman holding hands", "holding", "not understood"),
+        ("a woman holding hands", "holding hands", "not shown"),
         ("a row of five trees", "a row of five trees", "tree [0]: 5"),
     ],
 )
@@ -380,7 +380,7 @@ WORDS = WORDS.strip().replace("\n", "|").split("|")
 NO_PLAIN_WORDS = ("dozen", "each direction", "two", "no", "without")
 PLAIN_WORDS = [word for word in WORDS if not word.isdigit() and word not in NO_PLAIN_WORDS]
 NUMBERS = {15: "15", 13: "thirteen", 27: "27", 31: "thirty-one", 45: "45", 101: "hundred and one", 150: "150"}
-STRANGE = ["tent", "android", "fourteenth", "Xylophones", "4x4", "naïve", "--", "andante"]
+STRANGE = ["blimp", "android", "fourteenth", "Xylophones", "4x4", "naïve", "--", "andante"]
 
 
 @settings(max_examples=150, deadline=None)
@@ -426,15 +426,12 @@ def test_a_word_put_in_that_changes_nothing_is_reported(sentence: Sentence, word
     assume(word not in sentence.text.lower().split())  # what is said twice is accounted for
     assume(not NEAR_OTHERS.search(" ".join(words[max(0, at - 2) : at + 2]).lower()))
     try:
-        before, after = (spec_from_text(" ".join(one)) for one in (words, [*words[:at], word, *words[at:]]))
+        both = [explain(" ".join(one)) for one in (words, [*words[:at], word, *words[at:]])]
     except (TextError, LayoutError):
         return
-    said = [sum(len(part.split()) for part in spec.not_understood) for spec in (before, after)]
-    assert (
-        dataclasses.replace(before, not_understood=()) != dataclasses.replace(after, not_understood=())
-        or said[1] > said[0]
-        or word in " ".join(after.not_understood)
-    )
+    before, after = (dataclasses.replace(one.spec, not_understood=()) for one in both)
+    said = [" ".join((*one.spec.not_understood, *one.not_shown)).split() for one in both]
+    assert before != after or len(said[1]) > len(said[0]) or set(word.split()) <= set(said[1])
 
 
 @settings(max_examples=500, deadline=None)

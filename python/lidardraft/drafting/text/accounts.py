@@ -31,13 +31,13 @@ _NEUTRAL = (  # words that join others, or say what is so anyway
 _CONTENT = ("usual", "time", "motion", "unit", "ego")  # of those, what says something
 _PLAIN = (
     ("road", "straight"),
-    ("each_way", True),
     ("anyway", "coming"),
     ("anyway", "walking"),
     ("anyway", "riding"),
     ("anyway", "standing"),
     ("another", True),
     ("rest", "other"),
+    ("each_way", True),
 )
 _OTHERS = {
     **{"left": "right", "right": "left", "front": "behind", "behind": "front"},
@@ -74,6 +74,8 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     idle: dict[Path, tuple[Node, tuple[Node, ...]]] = {}  # with what stays of it
 
     def visit(path: Path, node: Node) -> None:
+        if not node.children and node.get("more"):
+            more.append(node)
         if _is_neutral(node):
             return
         if is_idle(path, node):
@@ -81,7 +83,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
             return
         if node.symbol == "relation" and same({path: _apart(node)}):
             idle[path] = (node._replace(end=node.children[-1].start), _apart(node))
-        if not node.children and (node.get("more") or (node.symbol == "kind" and is_lost(path, node))):
+        if node.symbol == "kind" and is_lost(path, node):
             more.append(node)
         for index, child in enumerate(node.children):
             visit((*path, index), child)
@@ -100,7 +102,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     settled |= {
         path
         for path in known
-        if idle[path][0].symbol in _VERBS and any(_said(idle[path][0]) & _said(one) for one in _beside(nodes, path[0]))
+        if any(_is_said_by(idle[path][0], one) for one in _beside(nodes, path[0]))
     }
     settled |= {
         path for path in known if whole.district is not None and idle[path][0].get("district") == whole.district
@@ -175,6 +177,14 @@ def says_something(node: Node) -> bool:
         return any(map(says_something, node.children))
     silent = node.symbol in _NEUTRAL and node.symbol not in _CONTENT and not (node.get("act") or node.get("asks"))
     return not (silent or node.symbol.startswith("'") or (node.symbol == "number" and node.get("value") == 1))
+
+
+def _is_said_by(node: Node, other: Node) -> bool:
+    """Whether what is beside a verb or a place says the same."""
+    said = _said(node)
+    if node.symbol == "whereabouts":
+        return bool(said) and said <= _said(other)
+    return node.symbol in _VERBS and bool(said & _said(other))
 
 
 def _beside(nodes: Sequence[Node], index: int) -> Sequence[Node]:

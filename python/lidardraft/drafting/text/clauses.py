@@ -143,13 +143,13 @@ class _Reading:
             elif node.symbol == "ego" and self._only_looks(index):
                 link = "" if self._at(index + 1) == "has" else link
                 index += self._at(index + 1) == "has"
-            elif node.symbol in ("busy", "quiet", "size", "colour") and self._items and self._is_said(verb, link):
+            elif node.symbol in ("busy", "quiet", "size", "colour") and self._items and self._is_said(index, verb, link):
                 self._qualify(node)
                 link = ""
             elif node.symbol in ("unknown", *UNSHOWN):
                 verb = verb or ("one" if link == "and" and self._word(node).endswith("ing") else "")
                 link = "" if link == "has" or node.symbol == "unseen" else link
-                if self._items:
+                if self._items and not self._items[-1].modifiers:
                     self._items[-1] = dataclasses.replace(self._items[-1], is_told=True)
             elif node.symbol in (*_NAMES, *_ROADS):
                 self._name(node, link, "" if verb == "there" else verb)
@@ -162,9 +162,10 @@ class _Reading:
         self._end()
         return self._found
 
-    def _is_said(self, verb: str, link: str) -> bool:
+    def _is_said(self, index: int, verb: str, link: str) -> bool:
         """Whether a word alone is said of what is before it, as in "the road is wide" and "a road, narrow"."""
-        return (bool(verb) and not link) or (link == "," and isinstance(self._items[-1].head, Street))
+        of_road = link == "," and isinstance(self._items[-1].head, Street) and self._at(index + 1) in ("", *LINKS)
+        return (bool(verb) and not link) or of_road
 
     def _at(self, index: int) -> str:
         return self._nodes[index].symbol if index < len(self._nodes) else ""

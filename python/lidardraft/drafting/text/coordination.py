@@ -22,6 +22,8 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
         return [last]  # "a bus, a car on the left, and a van"
     said, listed = modifier.said, list(range(first, last + 1))
     if isinstance(said, Place):
+        if said.times > 1 and clause.items[last].head.count == 1:  # type: ignore[union-attr]
+            return [last]  # "trees, and a lamp at each corner"
         if (said.at.distance or said.at.sidewalk) and clause.items[last].link == ",":
             return [last]
         return [one for one in listed if _can_be(clause.items[one].head, said)] or [last]  # type: ignore[arg-type]

@@ -72,7 +72,8 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
     """As a group of the spec; vehicles along the sides of a road are parked."""
     at, kind = _overtaking(mention), mention.record
     sideways = str(at.heading).startswith("across-") and mention.heading in ("across", "against")
-    heading = at.heading if sideways or at.heading == "across" else mention.heading or at.heading
+    across = at.heading == "across" and not str(mention.heading).startswith("across-")
+    heading = at.heading if sideways or across else mention.heading or at.heading
     lane, spacing = at.lane, at.spacing
     if lane == "own" and at.heading == "parked" and at.sides:  # double parked, beside the strip on its side
         lane = "opposite" if at.sides == ["left"] else lane

@@ -247,6 +247,12 @@ def _from_side(node: Node) -> Features:
     return (("at", dataclasses.replace(at, heading=heading)),)
 
 
+def _level(node: Node) -> Features:
+    """ "On both sides of us" is beside us."""
+    at = node.get("at")
+    return (("at", dataclasses.replace(at, places=(("beside", "left"), ("beside", "right")), both_sides=False)),)
+
+
 def _joined(node: Node) -> Features:
     """What merges from a side is there, and drives as we do."""
     return (("at", dataclasses.replace(node.get("at"), heading="with")),)

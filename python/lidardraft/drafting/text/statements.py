@@ -85,6 +85,10 @@ def read(d: Discourse, clause: Clause) -> None:
             d.change(new[0], at=d.mentions[d.latest[-1]].at, placed=True, weak=True)  # "we are behind a bus and a van"
         elif link == "then" and new and not own and before:
             _follow(d, new[0], before[-1])
+        before_it = clause.items[number - 1].head if number else None
+        if item.verb and not link and isinstance(before_it, Street) and before_it.sidewalk:
+            for one in new:  # "the sidewalks are full of people"
+                place_at(d, one, Place(Position(sidewalk=True)))
         named.append(ids)
         _modify(d, clause, number, named)
         if item.link not in ("except", "but"):
@@ -296,7 +300,7 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
                 d.cover(one, said.tokens)
         if is_first and _respective(d, clause, number, open_ids):
             return
-        if is_first and number:
+        if number and open_ids == named[number]:
             open_ids = _carrier(d, item, open_ids, named[number - 1], said) or open_ids
         apart = modifier.link == "," and isinstance(said, Relation | Manner)
         if last is not None and (apart or (modifier.link == "and" and modifier.verb)):
@@ -322,7 +326,7 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
         elif isinstance(said, Manner) and said.in_row and queue_up(d, open_ids, None):
             open_ids = open_ids[:1]
         elif isinstance(said, Manner):
-            for one in _who_acts(item, named, number, open_ids):
+            for one in _who_acts(d, item, named, number, open_ids):
                 describe(d, one, said)
                 if d.mentions[one].kind is not None:
                     d.change(one, described=True)
@@ -358,20 +362,28 @@ def _carrier(d: Discourse, item: Item, ids: Ids, host: Ids, said: object) -> Ids
     if item.link != "with" or len(ids) != 1 or len(host) != 1:
         return []
     carried, carrier = d.mentions[ids[0]], d.mentions[host[0]]
+    if not (carrier.is_wanted and carried.is_wanted and carrier.same_as is None):
+        return []
+    together = carrier.kind == carried.kind == "person"
     companion = carried.kind in COMPANIONS or item.is_carried or (isinstance(item.head, NounPhrase) and item.head.owned)
+    companion = companion or together or (carrier.record.walks and carried.record.cycles)
     at_distance = isinstance(said, Place) and bool(said.at.distance) and len(item.modifiers) == 1
     if not (companion and isinstance(said, Place | Relation)) and not at_distance:
         return []
-    known = carrier.is_wanted and carried.is_wanted and carrier.same_as is None
-    if not known or carrier.placed or carrier.relation or (carried.record.drives and not companion):
+    if carrier.placed or carrier.relation or (carried.record.drives and not companion):
         return []
+    if together:  # "a mother with two kids at the corner"
+        return [*host, *ids]
     d.mentions[ids[0]] = kept_with(carried, host[0])
     return host
 
 
-def _who_acts(item: Item, named: list[Ids], number: int, ids: Ids) -> Ids:
+def _who_acts(d: Discourse, item: Item, named: list[Ids], number: int, ids: Ids) -> Ids:
     """Who does what a companion does: "a pickup with a trailer crossing"; the trailer follows what pulls it."""
-    if not (number and isinstance(item.head, NounPhrase) and item.head.kind in COMPANIONS and item.link == "with"):
+    if not (number and isinstance(item.head, NounPhrase) and item.link == "with"):
+        return ids
+    together = [item.head.kind] == [d.mentions[one].kind for one in named[number - 1]] == ["person"]
+    if not (item.head.kind in COMPANIONS or together):
         return ids
     return [*named[number - 1], *(ids if item.head.kind != "trailer" else [])]
 

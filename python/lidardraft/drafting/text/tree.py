@@ -400,7 +400,7 @@ def street_of(node: Node) -> Street:
     return Street(
         kind=bends[-1] if bends and kind in ("straight", *bends) else kind,
         lanes=tuple(node.all("lanes")) + (tuple(exact) if node.symbol == "lanes" else ()),
-        usual_lanes=wide[-1] if wide and not is_walkway else 0,
+        usual_lanes=wide[-1] if wide and roads and not is_walkway else 0,
         one_way=bool(node.get("one_way")),
         each_way=bool(node.get("each_way")),
         sidewalk=not any(leaves(node, "no")) if is_walkway else None,
