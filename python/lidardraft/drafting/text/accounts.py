@@ -189,7 +189,9 @@ def _is_said_by(node: Node, other: Node) -> bool:
 
 def _beside(nodes: Sequence[Node], index: int) -> Sequence[Node]:
     """The constituents before and after one of a sentence."""
-    return [*nodes[max(0, index - 1) : index], *nodes[index + 1 : index + 2]]
+    before = [one for one in nodes[:index] if one.symbol not in UNSHOWN]
+    after = [one for one in nodes[index + 1 :] if one.symbol not in UNSHOWN]
+    return [*before[-1:], *after[:1]]
 
 
 def _said(node: Node) -> set[str]:

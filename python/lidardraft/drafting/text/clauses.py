@@ -306,7 +306,7 @@ class _Reading:
         first = self._texts[node.start]
         singular = node.symbol in (*_MANNERS, "relation") and first.endswith("s") and first not in ("across", "towards")
         modifiers = self._modifiers(node, link, "one" if singular else verb)
-        if self._at(index + 1) in ("whereabouts", "state"):
+        if self._at(index + 1) in ("whereabouts", "state", "which"):
             modifiers = [_of_another_car(one) for one in modifiers]
         for modifier in modifiers:
             if self._items:

@@ -8,7 +8,7 @@ from lidardraft.drafting.solver.scene_spec import ObjectGroup, RoadSpec, SceneSp
 from lidardraft.drafting.text.exceptions import keep_away
 from lidardraft.drafting.text.mentions import JUNCTIONS, Mention, Mentions, RoadNotes
 from lidardraft.drafting.text.parts import divided
-from lidardraft.drafting.text.positions import BESIDE, Place, Position
+from lidardraft.drafting.text.positions import BEHIND, BESIDE, Place, Position
 from lidardraft.drafting.text.tree import NO_SCALE
 from lidardraft.objects.sentence_kind import SentenceKind
 
@@ -75,6 +75,8 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
     across = at.heading == "across" and not str(mention.heading).startswith("across-")
     heading = at.heading if sideways or across else mention.heading or at.heading
     lane, spacing = at.lane, at.spacing
+    if heading == "against" and at.places == (BEHIND,):  # it comes up to us
+        heading = None
     if lane == "own" and at.heading == "parked" and at.sides:  # double parked, beside the strip on its side
         lane = "opposite" if at.sides == ["left"] else lane
         at = replace(at, places=tuple((fore, "") for fore, _ in at.places))

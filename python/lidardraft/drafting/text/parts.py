@@ -162,6 +162,8 @@ def _is_sum(mentions: list[Mention], number: int) -> bool:
         return {place for one in parts for place in one.at.places} == set(whole.at.places)
     if isinstance(whole.count, str) and any(one.host is not None for one in parts):
         return True
+    if whole.count == "some" and not whole.placed and any(one.at.both_sides for one in parts):
+        return True  # "people walk there, two on each side"
     if whole.summed or any(one.at.lane == "each" and one.at.agrees(whole.at) for one in parts):
         return True
     counts = [one.count * (1 if one.at.shared else len(one.at.places)) for one in parts if isinstance(one.count, int)]
@@ -193,6 +195,7 @@ def _inherit(one: Mention, whole: Mention) -> Mention:
         scale=whole.scale if alike and one.scale == NO_SCALE else one.scale,
         heading=one.heading or whole.heading,
         paint=one.paint or whole.paint,
+        speed=whole.speed if one.speed is None else one.speed,
         on_road=one.on_road or whole.on_road,
     )
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from lidardraft.drafting.text.mentions import Discourse, Ids, mention_of
+from lidardraft.drafting.text.mentions import JUNCTIONS, Discourse, Ids, mention_of
 from lidardraft.drafting.text.places import describe, place_at
 from lidardraft.drafting.text.tree import Item, NounPhrase, Place, Relation
 
@@ -17,6 +17,10 @@ def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
         fitting = [n for n in numbers if d.mentions[n].count != 1]
     else:
         fitting = [n for n in numbers if d.mentions[n].count in (1, "many", "few")]
+        of_sort = [n for n in fitting if (d.mentions[n].record.walks or d.mentions[n].record.cycles) or not phrase.of_person]
+        if not phrase.of_person:
+            of_sort = [n for n in fitting if d.mentions[n].kind != "person"]
+        fitting = of_sort or ([] if d.road.kind in JUNCTIONS else fitting)
     found = (fitting or numbers)[-1:]
     for subject in fitting[:-1]:  # "a car behind a truck, a man next to it": the car
         other, one = d.mentions[found[-1]], d.mentions[subject]

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from lidardraft.drafting.text.mentions import JUNCTIONS, Discourse, Ids
 from lidardraft.drafting.text.places import describe, place_at
-from lidardraft.drafting.text.positions import Position
+from lidardraft.drafting.text.positions import LEFT, RIGHT, Position
 from lidardraft.drafting.text.references import is_car_of_ego
 from lidardraft.drafting.text.tree import Manner, Place, Relation
 
@@ -30,6 +30,9 @@ def relate(d: Discourse, ids: Ids, said: Relation, references: Ids) -> Ids:
         return _relate_to_ego(d, ids, said)
     if said.overtakes and not references:
         return ids
+    if pronouns == ["it"] and not references and said.relation in ("left-of", "right-of"):
+        side = LEFT if said.relation == "left-of" else RIGHT
+        return _relate_to_ego(d, ids, replace(said, ego_at=Position((side,))))
     if pronouns == ["it"] and not references and (d.road.kind is not None or (said.at_it and d.last_lead)):
         return _relate_to_junction(d, ids)
     if pronouns == ["junction"]:

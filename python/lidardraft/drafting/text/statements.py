@@ -22,7 +22,7 @@ from lidardraft.drafting.text.streets import (
     say_of_road,
     with_direction,
 )
-from lidardraft.drafting.text.tree import Clause, Item, Manner, Modifier, NounPhrase, Place, Relation, Street
+from lidardraft.drafting.text.tree import NO_SCALE, Clause, Item, Manner, Modifier, NounPhrase, Place, Relation, Street
 
 
 def read(d: Discourse, clause: Clause) -> None:
@@ -100,8 +100,10 @@ def _area(clause: Clause, number: int) -> Place | None:
     """Where an area without a road is, which is the place of what it has: "roadworks on the left with cones"."""
     street, after = clause.items[number].head, clause.items[number + 1 : number + 2]
     places = [one.said for one in clause.items[number].modifiers if isinstance(one.said, Place)]
-    of_area = isinstance(street, Street) and street.kind is None and after and after[0].link == "with"
-    return places[0] if places and of_area else None
+    if not (isinstance(street, Street) and street.kind is None and after and after[0].link == "with"):
+        return None
+    at = Position(sidewalk=bool(street.sidewalk))
+    return Place(places[0].at.narrowed(at)) if places else Place(at) if street.sidewalk else None
 
 
 def _follow(d: Discourse, number: int, before: int) -> None:
@@ -224,7 +226,7 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
         return [counted]
     known = known_mention(d, phrase, [])
     if known is not None and can_be_where(d, known, item):
-        describe(d, known, phrase.manner)
+        describe(d, known, replace(phrase.manner, scale=NO_SCALE))
         if phrase.each:
             d.each = known
         return [known]

@@ -73,6 +73,7 @@ class NounPhrase:
     of_them: bool = False
     name: str = ""
     pronoun: str = ""
+    of_person: bool = False  # "him", which "it" is not
     without: bool = False
     traffic: bool = False
     ridden: bool = False
@@ -287,7 +288,8 @@ def _special_phrase(node: Node, tokens: Tokens) -> NounPhrase | None:
         return NounPhrase(None, tokens=tokens, definite=any(leaves(node, "the")))
     if node.symbol in ("pronoun", "ego", "'that"):
         word = "us" if node.symbol == "ego" else "them" if node.get("several") else "it"
-        return NounPhrase("", pronoun=word, each=bool(node.get("each")), tokens=tokens)
+        person = bool(node.get("person"))
+        return NounPhrase("", pronoun=word, of_person=person, each=bool(node.get("each")), tokens=tokens)
     if node.symbol in ("border", "junction"):
         return NounPhrase("", pronoun="road" if node.symbol == "border" else "junction", tokens=tokens)
     if node.symbol == "nothing":
