@@ -6,7 +6,7 @@ from lidardraft.drafting.solver.scene_spec import MAX_COUNT
 from lidardraft.drafting.text import lexicon
 from lidardraft.drafting.text.chart import Chart, Grammar, Node, rule
 from lidardraft.drafting.text.grammar import parse
-from lidardraft.drafting.text.layout import nearest_words, spec_from_text
+from lidardraft.drafting.text.layout import explain, nearest_words, spec_from_text
 from lidardraft.drafting.text.lexicon import rows, vocabulary
 from lidardraft.drafting.text.positions import BEHIND, FRONT, LEFT, Position
 from lidardraft.drafting.text.tokens import NUMBER, clean, number, tokens_of
@@ -82,8 +82,9 @@ def test_other_ways_to_say_a_number(text: str, value: int) -> None:
     ],
 )
 def test_what_is_no_single_whole_number_is_reported_whole(number: str) -> None:
-    spec = spec_from_text(f"{number} cars")
-    assert " ".join(spec.not_understood) == number
+    explanation = explain(f"{number} cars")
+    spec = explanation.spec
+    assert " ".join((*spec.not_understood, *explanation.not_shown)) == number
     assert [(group.kind, group.count) for group in spec.groups] == [("car", "some")]
 
 

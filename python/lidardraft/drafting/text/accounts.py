@@ -83,7 +83,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
             return
         if node.symbol == "relation" and same({path: _apart(node)}):
             idle[path] = (node._replace(end=node.children[-1].start), _apart(node))
-        if node.symbol == "kind" and is_lost(path, node):
+        if node.symbol in ("kind", "ordinal") and is_lost(path, node):
             more.append(node)
         for index, child in enumerate(node.children):
             visit((*path, index), child)
@@ -99,14 +99,8 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         if _said(idle[pair[0]][0]) & _said(idle[pair[1]][0]) and not same({path: idle[path][1] for path in pair})
     ]
     settled = {path for pair in twice for path in pair}
-    settled |= {
-        path
-        for path in known
-        if any(_is_said_by(idle[path][0], one) for one in _beside(nodes, path[0]))
-    }
-    settled |= {
-        path for path in known if whole.district is not None and idle[path][0].get("district") == whole.district
-    }
+    settled |= {path for path in known if any(_is_said_by(idle[path][0], one) for one in _beside(nodes, path[0]))}
+    settled |= {path for path in known if _names_district(idle[path][0], whole.district)}
     numbers = [
         leaf for pair in twice for node in (idle[path][0] for path in pair) for leaf in leaves(node, "number", *STRANGE)
     ]
@@ -177,6 +171,12 @@ def says_something(node: Node) -> bool:
         return any(map(says_something, node.children))
     silent = node.symbol in _NEUTRAL and node.symbol not in _CONTENT and not (node.get("act") or node.get("asks"))
     return not (silent or node.symbol.startswith("'") or (node.symbol == "number" and node.get("value") == 1))
+
+
+def _names_district(node: Node, district: str | None) -> bool:
+    """Whether it says nothing but where the road lies, as "fields" beside "a rural road"."""
+    plain = all(leaf.symbol in ("setting", "the", "a") for _, leaf in _leaves(node, ()))
+    return plain and district is not None and node.get("district") == district
 
 
 def _is_said_by(node: Node, other: Node) -> bool:
@@ -250,7 +250,7 @@ def _other(name: str, value: Any, further: int) -> Any:
     if isinstance(value, Position):
         places = tuple((_OTHERS.get(fore, fore), _OTHERS.get(side, side)) for fore, side in value.places)
         return replace(value, places=places, heading=_OTHERS.get(str(value.heading), value.heading))
-    if name == "value":
+    if name in ("value", "ordinal"):
         return value + further
     if name == "plain":
         return False

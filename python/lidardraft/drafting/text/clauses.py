@@ -143,7 +143,9 @@ class _Reading:
             elif node.symbol == "ego" and self._only_looks(index):
                 link = "" if self._at(index + 1) == "has" else link
                 index += self._at(index + 1) == "has"
-            elif node.symbol in ("busy", "quiet", "size", "colour") and self._items and self._is_said(index, verb, link):
+            elif (
+                node.symbol in ("busy", "quiet", "size", "colour") and self._items and self._is_said(index, verb, link)
+            ):
                 self._qualify(node)
                 link = ""
             elif node.symbol in ("unknown", *UNSHOWN):

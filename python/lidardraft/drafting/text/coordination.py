@@ -59,8 +59,9 @@ def _list_begins(clause: Clause, last: int) -> int:
 
 
 def _differ(one: object, other: object) -> bool:
-    """Whether a comma alone parts what is said of each: "an oncoming bus, a man on the left", "a van, trees on the left"."""
-    assert isinstance(one, NounPhrase) and isinstance(other, NounPhrase)
+    """Whether a comma parts what is said of each, as in "an oncoming bus, a man on the left"."""
+    assert isinstance(one, NounPhrase)
+    assert isinstance(other, NounPhrase)
     return one.plural != other.plural or one.manner.heading is not None
 
 

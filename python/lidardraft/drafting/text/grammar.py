@@ -233,7 +233,7 @@ def _crossing(node: Node) -> Features | None:
     sides = node.all("side")
     if len(sides) == 2:
         return (("heading", f"across-{sides[1]}"),) if sides[0] != sides[1] else None
-    said: Features = (("heading", "across"),)
+    said: Features = (("heading", "across"), *((name, value) for name, value in node.features if name == "speed"))
     if node.all("road"):
         junction = node.get("road") in JUNCTIONS
         said = (*said, ("road", node.get("road"))) if junction else (*said, ("on_the_road", True))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from functools import cache
 
 from lidardraft.drafting.solver.layout import layout_from_spec
@@ -15,9 +15,9 @@ from lidardraft.drafting.text.clauses import clauses_of
 from lidardraft.drafting.text.defaults import spec_of
 from lidardraft.drafting.text.doubts import STRANGE, with_cargo, with_doubts
 from lidardraft.drafting.text.explanation import Explanation, Meaning
-from lidardraft.drafting.text.grammar import UNSHOWN, grammar, parse
+from lidardraft.drafting.text.grammar import grammar, parse
+from lidardraft.drafting.text.left_over import LeftOver
 from lidardraft.drafting.text.lexicon import lexicon, vocabulary
-from lidardraft.drafting.text.mentions import RUNNING
 from lidardraft.drafting.text.parts import divided, part
 from lidardraft.drafting.text.statements import resolve
 from lidardraft.drafting.text.tokens import Token, clean, slip_of, tokens_of
@@ -30,17 +30,6 @@ MAX_WORDS = 200  # and signs; each is tried without
 _FREE_TEXT = "--llm-url takes free text"
 _SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
 _SETTING = ("weather", "wetness", "road", "setting", "busy", "quiet", "time", "traffic")
-_SHAPELESS = (
-    *UNSHOWN,
-    "colour",
-    "size",
-    "bendy",
-    "crosswalk",
-    "time",
-    "wetness",
-)  # words that may say nothing of shapes
-_JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
-_GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
 
 
 def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> Layout:
@@ -102,29 +91,32 @@ def explain(sentence: str) -> Explanation:
     mentions, _ = resolve(clauses_of(list(nodes), texts))
     spec = _spec_of(nodes, texts)
     said = [mention.tokens for _, mention in divided(part(mentions))]
-    shapeless = (leaf for node in nodes for leaf in _words(node) if _is_shapeless(leaf))
-    unshown = {n for leaf in shapeless for n in range(leaf.start, leaf.end)}
     idle = [one for one in idle if one.symbol != "ellipsis" or not _names_group(one, said)]
+    idle = [one for one in idle if one.symbol != "ordinal" or texts[one.start - 1] != "a"]  # "a third" is one more
     silent = {n for one in idle for n in range(one.start, one.end)}
-    meanings = []
+    given = []
     for index, node in enumerate(nodes):
-        run = range(node.start, node.end)
-        groups = tuple(number for number, its in enumerate(said) if its & set(run) - silent)
+        run = set(range(node.start, node.end))
+        groups = tuple(number for number, its in enumerate(said) if its & run - silent)
         others: tuple[str, ...] = ()
         if not groups and says_something(node) and not silent.issuperset(run):
             groups, others = gave(nodes, index, lambda kept: _without_words(_spec_of(kept, texts)))
-            silent |= set() if groups or others else set(run)
-        words = text[tokens[node.start].start : tokens[node.end - 1].end]
+            silent |= set() if groups or others else run
+        given.append((groups, others))
+    left = LeftOver(text, tokens, nodes, silent)
+    meanings = []
+    for node, (groups, others) in zip(nodes, given, strict=True):
+        words = left.said((node.start, node.end - 1))
         if words.strip(",.:();"):
-            lost, its_unshown = _reported(text, tokens[: node.end], silent & set(run), unshown)
-            meanings.append(Meaning(words, groups, others, tuple(lost), tuple(its_unshown)))
-    unknown, not_shown = _reported(text, tokens, silent, unshown)
+            meanings.append(Meaning(words, groups, others, *left.parts(range(node.start, node.end))))
+    unknown, not_shown = left.parts(range(len(tokens)))
     if spec == SceneSpec() and not any(_names_road(node) for node in nodes):
         parts = f" (unknown as a whole: {_listed(unknown)})" if unknown else ""
         raise TextError(
             f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are; {_FREE_TEXT}"
         )
-    return Explanation(tuple(meanings), dataclasses.replace(spec, not_understood=tuple(unknown)), tuple(not_shown))
+    spec = dataclasses.replace(spec, not_understood=unknown)
+    return Explanation(tuple(meanings), spec, not_shown)
 
 
 def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]]:
@@ -133,24 +125,9 @@ def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]
     return nodes, idle_parts(nodes, grammar(), lambda said: _without_words(_spec_of(said, texts)))
 
 
-def _words(node: Node) -> Iterator[Node]:
-    """The words of a constituent, those of what somebody wears or carries as one."""
-    if not node.children or node.symbol in UNSHOWN:
-        yield node
-    else:
-        for child in node.children:
-            yield from _words(child)
-
-
 def _names_group(node: Node, groups: Iterable[Collection[int]]) -> bool:
     """Whether a group came of it; without "a third", its place would be one more of "a second"."""
     return any(set(range(node.start, node.end)) <= set(tokens) for tokens in groups)
-
-
-def _is_shapeless(word: Node) -> bool:
-    """Whether a word, if nothing came of it, is understood all the same."""
-    said = word.get("more") or word.get("road") == "straight" or word.get("speed") == RUNNING
-    return word.symbol in _SHAPELESS or bool(said)
 
 
 def _names_road(node: Node) -> bool:
@@ -172,28 +149,6 @@ def _setting(nodes: Sequence[Node], name: str) -> str | None:
 
 def _without_words(spec: SceneSpec) -> SceneSpec:
     return dataclasses.replace(spec, groups=tuple(dataclasses.replace(one, words="") for one in spec.groups))
-
-
-def _reported(
-    text: str, tokens: list[Token], idle: Collection[int], unshown: Collection[int]
-) -> tuple[list[str], list[str]]:
-    """The words that changed nothing, those that adjoin as one: what is not understood, and what has no shape."""
-    unknown: list[str] = []
-    shapeless: list[str] = []
-    run: list[int] = []
-    for index in range(len(tokens) + 1):
-        if index < len(tokens) and index in idle:
-            run.append(index)
-            continue
-        while run and tokens[run[-1]].text in _GLUE:
-            run.pop()
-        while run and tokens[run[0]].text in _JOINS:
-            run.pop(0)
-        if run:
-            known = all(one in unshown or tokens[one].text in _GLUE for one in run)
-            (shapeless if known else unknown).append(text[tokens[run[0]].start : tokens[run[-1]].end])
-        run = []
-    return unknown, shapeless
 
 
 def slips(sentence: str) -> dict[str, str]:

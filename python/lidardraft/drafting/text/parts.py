@@ -162,7 +162,8 @@ def _is_sum(mentions: list[Mention], number: int) -> bool:
         return {place for one in parts for place in one.at.places} == set(whole.at.places)
     if isinstance(whole.count, str) and any(one.host is not None for one in parts):
         return True
-    if whole.count == "some" and not whole.placed and any(one.at.both_sides for one in parts):
+    anywhere = not whole.at.distance and not whole.at.sides and not whole.references
+    if whole.count == "some" and anywhere and any(one.at.both_sides for one in parts):
         return True  # "people walk there, two on each side"
     if whole.summed or any(one.at.lane == "each" and one.at.agrees(whole.at) for one in parts):
         return True
@@ -183,7 +184,7 @@ def _inherit(one: Mention, whole: Mention) -> Mention:
         at = whole.at.narrowed(one.at)
         if len(at.places) > max(len(whole.at.places), len(one.at.places)):
             at = replace(at, places=one.at.places)
-    related = not one.references and whole.references and whole.relation is not None
+    related = not one.references and whole.references and whole.relation is not None and not one.on_road
     alike = one.kind == whole.kind
     return replace(
         one,

@@ -62,11 +62,16 @@ def _spanned(d: Discourse, number: int, place: Place) -> Place:
 
 
 def _say_there(d: Discourse, ids: Ids) -> None:
-    """ "There" is where the last of before is, known or not."""
-    before = next((one.at for one in reversed(d.mentions[: ids[0]] if ids else []) if one.placed), Position())
-    for one in ids if before != Position() else []:
-        if d.mentions[one].kind is not None:
-            place_at(d, one, Place(Position(before.places, before.distance, lane=before.lane)))
+    """ "There" is at the last thing of before, or where what is unknown is."""
+    before = [n for n, one in enumerate(d.mentions[: ids[0]] if ids else []) if one.placed or one.kind is None]
+    for one in ids if before else []:
+        there, mention = d.mentions[before[-1]], d.mentions[one]
+        if mention.kind is None or mention.relation is not None:
+            continue
+        if there.is_wanted and not there.record.on_road and not d.depends(before[-1], one):
+            d.change(one, relation="near", references=(before[-1],), placed=True)
+        elif there.at != Position():
+            place_at(d, one, Place(Position(there.at.places, there.at.distance, lane=there.at.lane)))
 
 
 def _begin_row(d: Discourse, first: int, place: Place) -> int:
@@ -220,6 +225,8 @@ def describe(d: Discourse, number: int, manner: Manner) -> None:
         d.change(number, kind="bicycle", ridden=False)
     mention = d.mentions[number]
     manner = fitting_manner(manner, mention)
+    if str(mention.heading).startswith("turning") and manner.heading == "across":
+        manner = replace(manner, heading=None)  # "turns left across our lane"
     stays = mention.heading == "parked" and (manner.facing or str(manner.heading).startswith("across"))
     heading = mention.heading if stays else manner.heading or mention.heading
     at, size, scale = mention.at, manner.size, manner.scale

@@ -17,7 +17,9 @@ def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
         fitting = [n for n in numbers if d.mentions[n].count != 1]
     else:
         fitting = [n for n in numbers if d.mentions[n].count in (1, "many", "few")]
-        of_sort = [n for n in fitting if (d.mentions[n].record.walks or d.mentions[n].record.cycles) or not phrase.of_person]
+        of_sort = [
+            n for n in fitting if (d.mentions[n].record.walks or d.mentions[n].record.cycles) or not phrase.of_person
+        ]
         if not phrase.of_person:
             of_sort = [n for n in fitting if d.mentions[n].kind != "person"]
         fitting = of_sort or ([] if d.road.kind in JUNCTIONS else fitting)

@@ -49,6 +49,8 @@ def read(d: Discourse, clause: Clause) -> None:
             and any(isinstance(one.said, Manner) and one.said.heading for one in item.modifiers)
         ):
             lead = None  # "on the right parked cars, a bus coming towards us"
+        if number and item.link == "," and isinstance(lead, Place) and lead.at.lane == "each":
+            lead = None  # "in all lanes cars, a motorcycle on the left"
         if isinstance(item.head, Street):
             note_street(d, with_direction(item))
             named.append([])
@@ -94,6 +96,10 @@ def read(d: Discourse, clause: Clause) -> None:
         if item.link not in ("except", "but"):
             _deny_once(d, new, item.head)
     d.latest = next((ids for ids in reversed(named) if ids), d.latest)
+
+
+def _is_traffic(item: Item) -> bool:
+    return isinstance(item.head, NounPhrase) and item.head.traffic
 
 
 def _area(clause: Clause, number: int) -> Place | None:
@@ -254,15 +260,16 @@ def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: 
     others = d.mentions[before[-1]].with_it if before and item.link == "and" else None
     if others is not None and not (d.mentions[others].record.drives or d.mentions[others].record.walks):
         host = others if not clause.items[number - 1].modifiers else host  # "a petrol station with a car and a van"
+    traffic = item.verb in ("one", "many") and bool(before) and number and _is_traffic(clause.items[number - 1])
     if (
-        item.link == ":"
+        (item.link == ":" or traffic)
         and before
         and d.mentions[before[-1]].kind == "vehicle"
         and isinstance(d.mentions[before[-1]].count, str)
     ):
         d.change(before[-1], summed=True)
         d.summed = before[-1]
-    if not clause.items[number].link or item.link == "." or number == 0:
+    if (not item.link and not traffic) or item.link == "." or number == 0:
         d.summed = None
     if d.summed is not None and mention.is_wanted and mention.record.is_vehicle:
         tokens = mention.tokens | d.mentions[d.summed].tokens
@@ -360,7 +367,7 @@ def _split_part(d: Discourse, clause: Clause, number: int, ids: Ids) -> tuple[Mo
 
 
 def _carrier(d: Discourse, item: Item, ids: Ids, host: Ids, said: object) -> Ids:
-    """Who has something, where what is said is of them: "a lorry with a sign at 65 m"; none where it is of the thing."""
+    """Who has something, where what is said is of them: "a lorry with a sign at 65 m"."""
     if item.link != "with" or len(ids) != 1 or len(host) != 1:
         return []
     carried, carrier = d.mentions[ids[0]], d.mentions[host[0]]

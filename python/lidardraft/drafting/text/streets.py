@@ -133,6 +133,7 @@ def say_of_ego(d: Discourse, item: Item) -> None:
             for one in placed if said.overtakes and said.followed else []:
                 d.change(one, motion="overtakes")
             where = BEHIND if said.followed else _FROM_THE_EGO.get(said.relation)
+            where = FRONT if said.at_it and where is None else where  # "we wait at a traffic light"
             for one in placed if where is not None else []:
                 if not d.mentions[one].placed:
                     place_at(d, one, Place(Position(places=(where,)).narrowed(said.at)))  # type: ignore[arg-type]

@@ -1,0 +1,74 @@
+"""The words of a sentence that gave nothing: what is not understood of it, and what is but has no shape."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+
+from lidardraft.drafting.text.chart import Node
+from lidardraft.drafting.text.grammar import UNSHOWN
+from lidardraft.drafting.text.mentions import RUNNING
+from lidardraft.drafting.text.tokens import Token
+
+_JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
+_GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
+_SHAPELESS = (  # words that are understood, if nothing comes of them
+    *(*UNSHOWN, "colour", "size", "bendy", "crosswalk", "time", "wetness", "ordinal"),
+)
+
+
+class LeftOver:
+    """The tokens of a text that gave nothing; those that adjoin are reported as one part."""
+
+    def __init__(self, text: str, tokens: Sequence[Token], nodes: Sequence[Node], silent: Collection[int]) -> None:
+        self._text, self._tokens, self._silent = text, tokens, silent
+        shapeless = {n for node in nodes for word in _words(node) if _has_no_shape(word) for n in _span(word)}
+        runs = [run for run in self._runs(range(len(tokens))) if all(self._joins(n) or n in shapeless for n in run)]
+        self._unshown = {n for run in runs for n in run}
+
+    def parts(self, within: range) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Of some tokens, what is not understood, and what has no shape."""
+        runs = list(self._runs(within))
+        unknown, unshown = (
+            tuple(self.said(run) for run in runs if self._unshown.issuperset(run) is known) for known in (False, True)
+        )
+        return unknown, unshown
+
+    def said(self, run: Sequence[int]) -> str:
+        """The text from the first to the last of some tokens."""
+        return self._text[self._tokens[run[0]].start : self._tokens[run[-1]].end]
+
+    def _joins(self, token: int) -> bool:
+        return self._tokens[token].text in _GLUE
+
+    def _runs(self, within: range) -> Iterator[list[int]]:
+        """Silent tokens that adjoin, without those at the ends that only join others."""
+        run: list[int] = []
+        for index in range(within.start, within.stop + 1):
+            if index < within.stop and index in self._silent:
+                run.append(index)
+                continue
+            while run and self._joins(run[-1]):
+                run.pop()
+            while run and self._tokens[run[0]].text in _JOINS:
+                run.pop(0)
+            if run:
+                yield run
+            run = []
+
+
+def _words(node: Node) -> Iterator[Node]:
+    """The words of a constituent, those of what somebody wears or carries as one."""
+    if not node.children or node.symbol in UNSHOWN:
+        yield node
+    else:
+        for child in node.children:
+            yield from _words(child)
+
+
+def _has_no_shape(word: Node) -> bool:
+    said = word.get("more") or word.get("road") == "straight" or word.get("speed") == RUNNING
+    return word.symbol in _SHAPELESS or bool(said)
+
+
+def _span(node: Node) -> range:
+    return range(node.start, node.end)
