@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence, Set
 
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.grammar import UNSHOWN
@@ -12,16 +12,17 @@ from lidardraft.drafting.text.tokens import Token
 _JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
 _GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
 _SHAPELESS = (  # words that are understood, if nothing comes of them
-    *(*UNSHOWN, "colour", "size", "bendy", "crosswalk", "time", "wetness", "ordinal"),
+    *(*UNSHOWN, "colour", "size", "bendy", "crosswalk", "time", "wetness", "ordinal", "crossing"),
 )
 
 
 class LeftOver:
     """The tokens of a text that gave nothing; those that adjoin are reported as one part."""
 
-    def __init__(self, text: str, tokens: Sequence[Token], nodes: Sequence[Node], silent: Collection[int]) -> None:
-        self._text, self._tokens, self._silent = text, tokens, silent
-        shapeless = {n for node in nodes for word in _words(node) if _has_no_shape(word) for n in _span(word)}
+    def __init__(self, text: str, tokens: Sequence[Token], nodes: Sequence[Node], silent: Set[int]) -> None:
+        self._text, self._tokens, self._silent = text, tokens, frozenset(silent)
+        words = (word for node in nodes for word in _words(node) if word.symbol in UNSHOWN or not self._is_lost(node))
+        shapeless = {n for word in words if _has_no_shape(word) for n in range(word.start, word.end)}
         runs = [run for run in self._runs(range(len(tokens))) if all(self._joins(n) or n in shapeless for n in run)]
         self._unshown = {n for run in runs for n in run}
 
@@ -36,6 +37,10 @@ class LeftOver:
     def said(self, run: Sequence[int]) -> str:
         """The text from the first to the last of some tokens."""
         return self._text[self._tokens[run[0]].start : self._tokens[run[-1]].end]
+
+    def _is_lost(self, node: Node) -> bool:
+        """Whether it is a place that nothing is at: "cars at the zebra crossing"."""
+        return node.symbol in ("whereabouts", "relation") and self._silent.issuperset(range(node.start, node.end))
 
     def _joins(self, token: int) -> bool:
         return self._tokens[token].text in _GLUE
@@ -68,7 +73,3 @@ def _words(node: Node) -> Iterator[Node]:
 def _has_no_shape(word: Node) -> bool:
     said = word.get("more") or word.get("road") == "straight" or word.get("speed") == RUNNING
     return word.symbol in _SHAPELESS or bool(said)
-
-
-def _span(node: Node) -> range:
-    return range(node.start, node.end)
