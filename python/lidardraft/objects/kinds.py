@@ -1,6 +1,6 @@
 """The table of kinds, a row each: what sentences ask for, and the kinds of object that are built as that.
 
-All else is a view of it, but for words (`drafting/text/words.txt`, `scene/class_names.py`), the sizes that streets have
+All else is a view of it, but for words (`drafting/text/kinds.txt`, `scene/class_names.py`), the sizes that streets have
 (`arranging/sizes.py`), and the extents that a class can have at all (`semantics.py`).
 """
 

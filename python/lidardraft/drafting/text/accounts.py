@@ -26,7 +26,7 @@ _VERBS = ("crossed", "turned", "state")
 _NEUTRAL = (  # words that join others, or say what is so anyway
     *("silent", "usual", "is", "and", "with", "has", "but", "except", "which", "there", "ego", "pronoun", "time"),
     *("the", "a", "single", "about", "motion", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
-    *(",", ".", ":", "(", ")"),
+    *(",", ".", ":", "(", ")", "of_road"),
 )
 _CONTENT = ("usual", "time", "motion", "unit", "ego")  # of those, what says something
 _PLAIN = (
@@ -77,6 +77,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         if not node.children and node.get("more"):
             more.append(node)
         if _is_neutral(node):
+            more.extend(leaf for _, leaf in _leaves(node, path) if leaf.get("more") and leaf is not node)
             return
         if is_idle(path, node):
             idle[path] = (node, ())

@@ -120,6 +120,7 @@ class _Reading:
         self._about = (0, -1)  # the number of items, and of the one that something was said of last
         self._lined = False  # whether what comes next stands along both sides
         self._carried = False  # whether it is carried, pushed or led
+        self._unclear = False  # whether the clause begins with what is not understood
         self._alone = False  # whether what is said first introduces no object
 
     def clauses(self) -> list[Clause]:
@@ -151,6 +152,7 @@ class _Reading:
             elif node.symbol in ("unknown", *UNSHOWN):
                 verb = verb or ("one" if link == "and" and self._word(node).endswith("ing") else "")
                 link = "" if link == "has" or node.symbol == "unseen" else link
+                self._unclear = self._unclear or not self._items
                 if self._items and not self._items[-1].modifiers:
                     self._items[-1] = dataclasses.replace(self._items[-1], is_told=True)
             elif node.symbol in (*_NAMES, *_ROADS):
@@ -198,9 +200,9 @@ class _Reading:
         )
 
     def _end(self, link: str = "") -> None:
-        if self._lead or self._items:
+        if self._items or (self._lead and not self._unclear):
             self._found.append(Clause(tuple(self._lead), tuple(self._items), self._clause_link, begins=not self._found))
-        self._lead, self._items, self._clause_link = [], [], link
+        self._lead, self._items, self._clause_link, self._unclear = [], [], link, False
 
     def _part_out(self) -> None:
         """ "Respectively" says that as many places as objects are one for each."""
@@ -210,7 +212,12 @@ class _Reading:
 
     def _name(self, node: Node, link: str, verb: str) -> None:
         """Open an object or a road; a road at once after an object says where that is."""
-        if self._alone and not self._items and any(isinstance(one.said, Manner) for one in self._lead):
+        if (
+            self._alone
+            and not self._items
+            and not self._unclear
+            and any(isinstance(one.said, Manner) for one in self._lead)
+        ):
             self._items = [Item(NounPhrase("", pronoun="us"), modifiers=tuple(self._lead))]  # "driving down a street"
             self._lead = []
         elif self._alone and not self._items and node.symbol != "street":
@@ -325,6 +332,9 @@ class _Reading:
         at = self._about[1] if not link and self._about[0] == len(self._items) else len(self._items) - 1
         last = self._items[at].modifiers[-1].said if self._items[at].modifiers else None
         goes_on = has_verb and (link == "and" or (not link and last is not None))
+        goes_on = goes_on or (
+            bool(has_verb) and self._items[at].link == "with" and isinstance(self._items[at - 1].head, NounPhrase)
+        )
         goes_on = goes_on or (link == "," and isinstance(last, Relation) and last.targets[0].pronoun == "it")
         while at > 0 and goes_on and self._items[at].link in ("with", "has", *([""] if link else [])):
             at -= 1

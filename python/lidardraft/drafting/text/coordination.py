@@ -34,7 +34,10 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
         counts = [clause.items[one].head.count for one in listed]  # type: ignore[union-attr]
         apart = clause.items[last].head.manner.heading is not None and clause.items[first].head.manner.heading is None  # type: ignore[union-attr]
         crowd = any(count == "many" or (isinstance(count, int) and count > _MANY) for count in counts[:-1])
-        return [last] if apart or (crowd and counts[-1] == 1) else listed
+        several = [clause.items[one].head.plural for one in listed]  # type: ignore[union-attr]
+        alone = len(listed) > 2 and not several[-1] and any(several) and "them" not in pronouns
+        commas = clause.items[last].link == ","
+        return [last] if apart or alone or commas or (crowd and counts[-1] == 1) else listed
     return [one for one in listed if _can_move(clause.items[one].head, said)] or [last]  # type: ignore[arg-type]
 
 
@@ -88,7 +91,7 @@ def _can_move(phrase: NounPhrase, said: object) -> bool:
     kind = SENTENCE_KINDS.get(str(phrase.kind))
     if not moves or kind is None:
         return True
-    return kind.drives or (kind.walks and said.heading != "parked")  # type: ignore[attr-defined]
+    return kind.drives or (kind.walks and said.heading != "parked" and not said.drives)  # type: ignore[attr-defined]
 
 
 def _can_be(phrase: NounPhrase, place: Place) -> bool:

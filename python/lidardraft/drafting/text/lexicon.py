@@ -1,7 +1,8 @@
-"""The words of `words.txt`, and what they say."""
+"""The words of `words.txt`, `kinds.txt` and `shapeless.txt`, and what they say."""
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator, Mapping
 from functools import cache
@@ -11,6 +12,7 @@ from typing import Any, NamedTuple
 from lidardraft.drafting.text.positions import Position, place_named
 from lidardraft.drafting.text.tokens import NUMBER_WORDS
 
+_FILES = ("words.txt", "kinds.txt", "shapeless.txt")
 _NOUNS = ("kind", "road", "foreign", "accessory")
 
 
@@ -25,7 +27,7 @@ class Word(NamedTuple):
 def lexicon() -> dict[str, tuple[tuple[tuple[str, ...], Word], ...]]:
     """By the first of their words: the words that go together, and what they can be."""
     found: dict[str, list[tuple[tuple[str, ...], Word]]] = {}
-    for line in rows("words.txt"):
+    for line in itertools.chain.from_iterable(map(rows, _FILES)):
         head, _, words = line.partition(": ")
         category, *said = head.split()
         features = features_of(said)

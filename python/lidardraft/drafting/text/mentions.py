@@ -113,6 +113,7 @@ class Discourse:
     last_lead: PlaceSaid | None = None
     it: int | None = None  # what "it" was in this sentence
     summed: int | None = None
+    unfit: set[int] = field(default_factory=set)  # tokens of places that some of their objects cannot be at
 
     def add(self, mention: Mention) -> int:
         """The number of a new mention."""

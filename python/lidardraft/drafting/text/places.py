@@ -17,6 +17,8 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
     place = with_side(d, place)
     if place.middle and d.road.kind in JUNCTIONS:
         place = replace(place, at=Position(at_junction=True))
+    if place.at.at_junction and d.road.kind == "parking-lot":
+        return ids
     building = d.building_before(ids[0]) if place.bare and ids else None
     if building is not None:  # "a house, hedge in front"
         for one in ids:
@@ -104,6 +106,7 @@ def attach(d: Discourse, number: int, place: Place, link: str) -> None:
     at = _fitting(place, mention)
     if at is None:
         return
+    _note_unfit(d, place, at)
     if mention.weak:
         d.change(number, relation=None, references=())
         mention = d.mentions[number]
@@ -169,7 +172,14 @@ def place_at(d: Discourse, number: int, place: Place, weak: bool = False) -> Non
         return
     at = _fitting(place, mention)
     if at is not None:
+        _note_unfit(d, place, at)
         d.change(number, at=mention.at.narrowed(at), placed=True, weak=weak)
+
+
+def _note_unfit(d: Discourse, place: Place, at: Position) -> None:
+    """A wall on the right sidewalk is on the right; the sidewalk is reported."""
+    if place.at.sidewalk and not (at.sidewalk or at.beside_road):
+        d.unfit |= place.tokens
 
 
 def _fitting(place: Place, mention: Mention) -> Position | None:

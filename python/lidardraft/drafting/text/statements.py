@@ -22,7 +22,18 @@ from lidardraft.drafting.text.streets import (
     say_of_road,
     with_direction,
 )
-from lidardraft.drafting.text.tree import NO_SCALE, Clause, Item, Manner, Modifier, NounPhrase, Place, Relation, Street
+from lidardraft.drafting.text.tree import (
+    NO_SCALE,
+    Clause,
+    Item,
+    Manner,
+    Modifier,
+    NounPhrase,
+    Place,
+    Relation,
+    Street,
+    Tokens,
+)
 
 
 def read(d: Discourse, clause: Clause) -> None:
@@ -55,10 +66,10 @@ def read(d: Discourse, clause: Clause) -> None:
             note_street(d, with_direction(item))
             named.append([])
             say_of_road(d, item)
-            lead = _area(clause, number) or lead
+            lead = _area(clause, number) or (None if number and item.link == "," else lead)
             continue
         own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
-        if item.link == "with" and named:
+        if item.link == "with" and named and named[-1]:
             before = _whose(d, clause.items[number - 1], named[-1])
         ids = _subject(d, clause, number, before, bool(lead) or _is_told(item))
         if ids is None:
@@ -421,12 +432,12 @@ def _respective(d: Discourse, clause: Clause, number: int, open_ids: Ids) -> boo
     return True
 
 
-def resolve(clauses: list[Clause]) -> tuple[Mentions, RoadNotes]:
-    """The mentions of a text, in the order in which they are named, and what it says of the road."""
+def resolve(clauses: list[Clause]) -> tuple[Mentions, RoadNotes, Tokens]:
+    """The mentions of a text in the order of their names, what it says of the road, and tokens of unfit places."""
     discourse = Discourse(_inner_side(clauses))
     for clause in clauses:
         read(discourse, clause)
-    return tuple(discourse.mentions), discourse.road
+    return tuple(discourse.mentions), discourse.road, frozenset(discourse.unfit)
 
 
 def _inner_side(clauses: list[Clause]) -> str | None:

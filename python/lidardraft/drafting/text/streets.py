@@ -85,7 +85,8 @@ def say_of_road(d: Discourse, item: Item) -> None:
             note_junction(d, said)
         elif isinstance(said, Relation) and said.relation == "between" and len(said.targets) == 1:
             for one in targets_of(d, said, []):
-                place_at(d, one, Place(Position((LEFT, RIGHT), both_sides=True)))  # "an alley between houses"
+                at = Position((LEFT, RIGHT), both_sides=True, shared=isinstance(d.mentions[one].count, int))
+                place_at(d, one, Place(at))  # "an alley between houses"
         elif isinstance(said, Street):
             note_street(d, said)
 

@@ -29,6 +29,7 @@ class Manner:
     queue: bool = False
     cycling: bool = False
     facing: bool = False  # says nothing of how it moves
+    drives: bool = False  # what only a vehicle does
     abreast: bool = False
     motion: str | None = None
     speed: float | None = None  # m/s
@@ -210,6 +211,7 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
         queue="queue" in values,
         cycling="cycling" in values,
         facing="facing" in values,
+        drives="drives" in values,
         abreast="abreast" in values,
         motion=next(iter(values.get("motion", [])), None),
         speed=next(iter(values.get("speed", [])), None),
