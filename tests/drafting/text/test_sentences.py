@@ -60,12 +60,13 @@ def read_sentences() -> list[Sentence]:
 SENTENCES = read_sentences()
 UNSEEN = Path(__file__).with_name("unseen.txt").read_text(encoding="utf-8").splitlines()  # of people who know no words
 _JOINING = (
-    "a an the this that these those my our your his her its their of in on at to from by as so for into onto "
-    "through up down out also here there it they them we one ones each all both is are was were be been being am "
-    "do does did has have had having can could should must will would may might and or but nor not except which "
-    "who whom where while when if with including containing contains featuring however whereas then plus very "
-    "quite rather fairly really mostly apart lined about ready wants want wanting trying tries starts begins going other than another well away now he she that's there's it's we're "
-    "aren t exception besides respectively already still currently just so because let letting"
+    "a an the this that these those my our your his her its their of in on at to from by as so for into "
+    "onto through up down out also here there it they them we one ones each all both is are was were be "
+    "been being am do does did has have had having can could should must will would may might and or but "
+    "nor not except which who whom where while when if with including containing contains featuring "
+    "however whereas then plus very quite rather fairly really mostly apart lined about ready wants want "
+    "wanting trying tries starts begins going other than another well away now he she that's there's it's "
+    "we're aren t exception besides respectively already still currently just so because let letting "
 )
 FUNCTION_WORDS = frozenset(_JOINING.split())
 UNKNOWN_CLAUSES = [

@@ -397,6 +397,8 @@ def with_sides(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
         sides = {split_place(place)[1] for place in group.places}
         if group.relation in ("left-of", "right-of") and not group.places:
             sides = {"left" if (group.relation == "left-of") != group.on_road else "right"}
+        if group.record.is_vehicle and group.relation == "near" and group.heading is None and not group.places:
+            sides = {"right"}  # where it can be overtaken
         for number in group.references:
             reference = found[number]
             free = not (reference.places or reference.not_places or reference.references or reference.lane)

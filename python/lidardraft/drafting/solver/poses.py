@@ -102,7 +102,8 @@ def lanes_of(group: ObjectGroup, fore: str, side: str, road: Road) -> list[Lane]
         named = {"own": own[:1], "left": leftmost, "middle": middle, "right": rightmost, "opposite": oncoming}
         return named[group.lane] or oncoming or own
     if group.heading == "against":
-        return (right if side == "right" else []) or oncoming or own
+        the_wrong_way = right or (own[:1] if group.record.cycles else [])
+        return (the_wrong_way if side == "right" else []) or oncoming or own
     if side == "left":
         return left or oncoming or own
     if side == "right":

@@ -195,7 +195,7 @@ class RelativePoses:
 
     def _ground_at(self, across: float, reference: Footprint, at: Try, side: int) -> tuple[float, float]:
         """The nearest place across the road where its kind may be, and the yaw there."""
-        if self.kind.walks and str(self.heading).startswith("across"):
+        if (self.kind.walks or self.kind.cycles) and str(self.heading).startswith("across"):
             return across, at.walking_yaw(str(self.heading))
         if self._on_sidewalk:
             low, high = self.road.edge + 0.4, max(self.road.edge + 0.5, self.road.verge - 0.4)
@@ -208,6 +208,9 @@ class RelativePoses:
             if on_road and not self.kind.walks:  # a bicycle at a wall stands on its side of the kerb
                 across = reference.side * kerb
             return across, at.any_yaw()
+        if self.surface == "road" and not self.kind.drives:
+            most = self.road.edge - self.size[1] / 2 - 0.3
+            return max(-most, min(most, across)), at.any_yaw()
         if not self.kind.drives:
             clear = self._verge(1 if across > 0 else -1) + self.size[1] / 2 + 0.3
             if not self.kind.on_road and abs(across) < clear:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
 from lidardraft.arranging.district import PARKING_STRIP, SETTINGS
 from lidardraft.drafting.solver.poses import LOT_DEPTHS
 from lidardraft.drafting.solver.road_zones import queue_length
-from lidardraft.drafting.solver.scene_spec import MAX_LANES, ObjectGroup, SceneSpec, split_place
+from lidardraft.drafting.solver.scene_spec import MAX_LANES, NEAREST_JUNCTION, ObjectGroup, SceneSpec, split_place
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import MAX_RANGE
 from lidardraft.scene.road import LEFT, RIGHT, RING, PavedArea, Road
@@ -61,7 +62,7 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     radius = edge + sidewalk + RING + float(rng.uniform(1.0, 5.0)) if kind == "roundabout" else None
     near = (edge if radius is None else radius) + sidewalk + 6.0
     curvature = bend / float(rng.uniform(90.0, 160.0))
-    return Road(
+    road = Road(
         lanes=lanes,
         oncoming_lanes=spec.road.oncoming_lanes,
         ego_lane=ego_lane,
@@ -70,13 +71,37 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
         sidewalk=sidewalk,
         curvature=curvature,
         junction=_junction(spec, edge if radius is None else radius, near, rng, effort),
-        side_roads=(int(rng.choice([LEFT, RIGHT])),) if kind == "t-junction" else (LEFT, RIGHT),
+        side_roads=(_branch(spec, int(rng.choice([LEFT, RIGHT]))),) if kind == "t-junction" else (LEFT, RIGHT),
         half_length=half_length,
         median=median,
         roundabout_radius=radius,
         paved_areas=_parking_lot(spec, lanes * lane_width, farthest, rng) if lot else (),
         one_way=spec.road.one_way,
     )
+    return _crossed_at(spec, road)
+
+
+def _branch(spec: SceneSpec, usual: int) -> int:
+    """The side of the ego's road that another one joins: where something comes from, if it is said."""
+    ways = {group.way_across for group in spec.groups if group.crosses} - {0}
+    return {frozenset({1}): RIGHT, frozenset({-1}): LEFT}.get(frozenset(ways), usual)
+
+
+def _crossed_at(spec: SceneSpec, road: Road) -> Road:
+    """The road with its junction where a vehicle is asked for that crosses at a distance."""
+    crossing = [group for group in spec.groups if group.crosses and group.distance and not group.relation]
+    if not crossing or spec.road.junction is not None:
+        return road
+    group = crossing[0]
+    lane = road.lane(0, 1) * (group.way_across or 1)
+    junction = sum(group.distance or ()) / 2 + lane
+    half = road.edge if road.roundabout_radius is None else road.roundabout_radius
+    if junction < half + NEAREST_JUNCTION:
+        near = half + NEAREST_JUNCTION - lane
+        raise LayoutError(
+            f"{group.kind}: no road crosses so near to the ego; it may be {math.ceil(near)} m away or more"
+        )
+    return replace(road, junction=junction, half_length=max(road.half_length, junction + 30.0))
 
 
 def _row_end(group: ObjectGroup) -> float:

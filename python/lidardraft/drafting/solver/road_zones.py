@@ -93,6 +93,8 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
         return Zone((-1.5, 1.5), partial(aside, group, road, sides), len(sides))
     if group.set_back:
         return Zone(_span(group, fore, road, 45.0), partial(set_back, group, kind, road, sides), len(sides))
+    if group.goes_across:
+        return _across(group, fore, sides, road)
     if kind.drives:
         return _driven(group, kind, fore, side, sides, road)
     if kind.walks:
@@ -120,14 +122,17 @@ def _junction_zone(
 ) -> Zone | None:
     """Where another road meets the ego's, if the group belongs there."""
     if group.crosses:
-        return Zone((junction, junction), partial(on_crossing_road, road, str(group.heading), sides))
+        heading = {1: "across-left", -1: "across-right"}[group.way_across or 1] if group.distance else group.heading
+        return Zone((junction, junction), partial(on_crossing_road, road, str(heading), sides))
     if group.turns:
         if road.roundabout_radius is not None:
             return Zone((junction, junction), partial(on_ring, road))
         return Zone((junction, junction), partial(in_turn, road, str(group.heading)))
     if not group.at_junction or kind.at_junction:
         return None
-    if kind.walks and not group.walks_across:
+    if group.goes_across:
+        return None
+    if kind.walks:
         return Zone((junction, junction), partial(at_corner, road, sides), len(sides))
     if kind.drives and group.heading != "parked":
         if road.roundabout_radius is not None and group.heading is None:
@@ -139,8 +144,6 @@ def _junction_zone(
     near = junction - half_of(road) - road.sidewalk
     if kind.drives:
         return Zone((near - 4.0, near - QUEUE_BEFORE), partial(at_kerb, road, sides), len(sides))
-    if kind.walks:
-        return None
     sample_pose = partial(before_and_after, partial(beside_road, kind, road, sides, None), junction, len(sides))
     return Zone((near - 1.0, near - 15.0), sample_pose, len(sides))
 
@@ -205,14 +208,17 @@ def queue_length(group: ObjectGroup) -> float:
     return NEAREST + count * group.record.lane_length
 
 
+def _across(group: ObjectGroup, fore: str, sides: tuple[int, ...], road: Road) -> Zone:
+    """Who goes across the road does so before the junction, if there is one."""
+    span = _span(group, fore or "front", road, 35.0)
+    if road.junction is not None and group.distance is None and fore in ("", "front"):
+        half = half_of(road)
+        span = (road.junction - (half + road.sidewalk) - 2.0, road.junction - half - 0.5)
+    return Zone(span, partial(on_carriageway, road, sides, str(group.heading)))
+
+
 def _person(group: ObjectGroup, fore: str, side: str, sides: tuple[int, ...], road: Road) -> Zone:
-    """People walk on the sidewalk, unless they cross, are wanted on the road, or are simply in front or behind."""
-    if group.walks_across:
-        span = _span(group, fore or "front", road, 35.0)
-        if road.junction is not None and group.distance is None and fore in ("", "front"):
-            half = half_of(road)
-            span = (road.junction - (half + road.sidewalk) - 2.0, road.junction - half - 0.5)
-        return Zone(span, partial(on_carriageway, road, sides, str(group.heading)))
+    """People walk on the sidewalk, unless they are wanted on the road, or are simply in front or behind."""
     if group.surface == "road":
         return Zone(_span(group, fore, road, 35.0), partial(on_carriageway, road, sides, ""))
     if group.lane is not None:

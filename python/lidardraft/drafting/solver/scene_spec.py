@@ -222,12 +222,20 @@ class ObjectGroup:
     @property
     def crosses(self) -> bool:
         """Whether it drives on a road that crosses the ego's."""
-        return str(self.heading).startswith("across") and self.record.drives
+        return str(self.heading).startswith("across") and self.record.drives and not self.goes_across
 
     @property
-    def walks_across(self) -> bool:
-        """Whether it crosses the ego's road on foot."""
-        return str(self.heading).startswith("across") and self.record.walks
+    def goes_across(self) -> bool:
+        """Whether it goes straight across the ego's road, on foot or, at a place that is said, on two wheels."""
+        on_wheels = self.record.cycles and (self.distance or self.relation or self.surface == "road")
+        return str(self.heading).startswith("across") and (self.record.walks or bool(on_wheels))
+
+    @property
+    def way_across(self) -> int:
+        """1 where it crosses the ego's road to the left, -1 to the right, 0 where that is open."""
+        comes_from = {split_place(place)[1] for place in self.places}
+        from_side = {frozenset({"right"}): 1, frozenset({"left"}): -1}.get(frozenset(comes_from), 0)
+        return {"across-left": 1, "across-right": -1}.get(str(self.heading), from_side)
 
     @property
     def turns(self) -> bool:

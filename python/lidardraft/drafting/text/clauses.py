@@ -359,7 +359,11 @@ class _Reading:
             if node.symbol in (",", "which"):
                 comma = True
             elif node.symbol in (":", "has") or (
-                node.symbol == "with" and (self._nodes[index].get("crosswalk") or (link == "," and self._items))
+                node.symbol == "with"
+                and (
+                    self._nodes[index].get("crosswalk")
+                    or (link == "," and self._items and self._nodes[index].symbol == "whereabouts")
+                )
             ):
                 continue
             elif node.symbol not in (*_SAID, *_PASSED, "ego") or (node.symbol == "ego" and not self._only_looks(end)):

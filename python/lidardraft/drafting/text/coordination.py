@@ -29,7 +29,7 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
         return [one for one in listed if _can_be(clause.items[one].head, said)] or [last]  # type: ignore[arg-type]
     if isinstance(said, Relation):
         pronouns = {phrase.pronoun for phrase in said.targets}
-        if "it" in pronouns:
+        if "it" in pronouns and (first == 0 or clause.items[last].link != "and"):
             return [last]
         counts = [clause.items[one].head.count for one in listed]  # type: ignore[union-attr]
         apart = clause.items[last].head.manner.heading is not None and clause.items[first].head.manner.heading is None  # type: ignore[union-attr]
@@ -89,6 +89,8 @@ def _can_move(phrase: NounPhrase, said: object) -> bool:
     """Whether what is named can drive or walk, if a verb says so."""
     moves = isinstance(said, Manner) and (said.heading or said.motion or said.speed or said.queue)
     kind = SENTENCE_KINDS.get(str(phrase.kind))
+    if isinstance(said, Manner) and said.walks and kind is not None:
+        return kind.walks
     if not moves or kind is None:
         return True
     return kind.drives or (kind.walks and said.heading != "parked" and not said.drives)  # type: ignore[attr-defined]

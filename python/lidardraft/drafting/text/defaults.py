@@ -75,6 +75,15 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
     across = at.heading == "across" and not str(mention.heading).startswith("across-")
     heading = at.heading if sideways or across else mention.heading or at.heading
     lane, spacing = at.lane, at.spacing
+    elsewhere = ("across", "turning") if kind.is_vehicle else "turning"
+    if kind.drives and mention.references and str(heading).startswith(elsewhere):
+        heading = None  # it is where the other one is
+    if at.at_junction and kind.drives and heading is None and len(at.sides) == 1:  # on an arm of the junction
+        heading = "across-right" if at.sides == ["left"] else "across-left"
+    if lane == "own" and kind.drives and str(heading).startswith(("across", "turning")):
+        lane = None  # "turns left across our lane"
+    if lane is not None and not kind.drives:
+        at = replace(at, places=tuple((fore, "") for fore, _ in at.places))  # the lane says which side
     if heading == "against" and at.places == (BEHIND,):  # it comes up to us
         heading = None
     if lane == "own" and at.heading == "parked" and at.sides:  # double parked, beside the strip on its side

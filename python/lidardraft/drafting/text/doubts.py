@@ -17,6 +17,7 @@ _NAMES = ("object", "ellipsis", "pronoun", "stranger")
 _SAID = ("whereabouts", "relation")
 _PREPOSITIONS = ("in", "of", "to", "from", "on", "at", "by", "through", "onto", "into", "for", "as")
 _MANNERS = ("ly", "ing", "ed", "en")  # endings of words that say how something is done
+_VERBS = ("state", "crossed", "turned", "overtakes", "overtaking", "relation")
 _SUBORDINATE = ("if", "until", "although", "though", "since", "as")
 
 
@@ -86,6 +87,8 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return range(index, _after_places(nodes, index + 1))  # "an officer directing traffic stands ahead"
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
+    if words[0] in ("not", "cannot", "never") and after in _VERBS:
+        return (index, index + 1)  # "we cannot overtake"
     if index and node.symbol == "nothing" and texts[node.start - 1] == "so":
         return governed  # "so nothing can overtake"
     if node.symbol in ("except", "nothing") or (node.symbol in ("object", "ellipsis") and node.get("count") == 0):
@@ -96,6 +99,11 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return governed if unclear or "pronoun" in said or ("relation" in said and after != "object") else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
+    if node.symbol == "ellipsis" and [one.symbol for one in nodes[index + 1 : index + 3]] in (
+        ["is", "quiet"],
+        ["is", "busy"],
+    ):
+        return range(index, index + 3)  # "the right one is empty"
     if node.symbol == "ellipsis" and (words == ["not"] or (words[-1].isdigit() and last in ("object", "unknown"))):
         return (index,)  # "a car 20 30 m ahead", "a sign reading 30", "has not stopped"
     if node.symbol == "ellipsis" and any(leaves(node, "unknown")):  # "the middle one is set back"

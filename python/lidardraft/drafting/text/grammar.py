@@ -320,6 +320,8 @@ def _rides(node: Node) -> Features | None:
 def _between_two(node: Node) -> Features | None:
     """ "Between two trees and a llama" is between the trees, so "and" begins something else."""
     (first,) = node.children[1].children[0].children
+    if any(leaves(node.children[-1], "ego")):
+        return node.features
     several = first.symbol == "pronoun" or (first.get("count") not in (None, 1) and first.get("plural"))
     return None if several else node.features
 

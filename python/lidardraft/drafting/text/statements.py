@@ -79,6 +79,7 @@ def read(d: Discourse, clause: Clause) -> None:
         new = [one for one in ids if one >= d.count_before]
         strong = not own or all(one.link != "," for one in clause.items[1 : number + 1])
         alone = bool(item.modifiers) and item.modifiers[0].verb == "one" and number > 0
+        alone = alone or (item.link == "with" and isinstance(item.head, NounPhrase) and item.head.kind in COMPANIONS)
         for one in new if lead is not None and not alone else []:
             place_at(d, one, lead, weak=not strong)  # type: ignore[arg-type]
             d.cover(one, lead.tokens)  # type: ignore[union-attr]
@@ -264,7 +265,10 @@ def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: 
     if is_denied(d, clause, number) and not phrase.exact and count in (1, "some"):
         count = 0
     mention = mention_of(phrase)
-    if item.link in ("with", "has", "have") and before and d.mentions[before[-1]].is_wanted:
+    said = clause.items[number - 1].modifiers[-1:] if number else ()
+    streets = (*(one.said for one in said), *(one.head for one in clause.items[number - 1 : number]))
+    of_street = any(isinstance(one, Street) for one in streets)  # "buses in a street with trees"
+    if item.link in ("with", "has", "have") and before and d.mentions[before[-1]].is_wanted and not of_street:
         host = before[-1]
         if item.link == "have" and d.mentions[host].count != 1 and d.each is None:
             d.each = host
@@ -329,7 +333,8 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
         if isinstance(said, Place) and isinstance(before, Street) and not modifier.link and note_junction(d, said):
             continue
         if isinstance(said, Place):
-            if last is not None and is_side_of(d, last, said, open_ids):
+            passed = last is not None and last.overtakes and said.at.sides == ["left"]
+            if last is not None and is_side_of(d, last, said, named[number] if passed else open_ids):
                 last = None
                 continue
             open_ids = say_place(d, open_ids, said, modifier)

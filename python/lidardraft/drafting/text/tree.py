@@ -30,6 +30,7 @@ class Manner:
     cycling: bool = False
     facing: bool = False  # says nothing of how it moves
     drives: bool = False  # what only a vehicle does
+    walks: bool = False
     abreast: bool = False
     motion: str | None = None
     speed: float | None = None  # m/s
@@ -212,6 +213,7 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
         cycling="cycling" in values,
         facing="facing" in values,
         drives="drives" in values,
+        walks="walking" in values.get("anyway", []),
         abreast="abreast" in values,
         motion=next(iter(values.get("motion", [])), None),
         speed=next(iter(values.get("speed", [])), None),
