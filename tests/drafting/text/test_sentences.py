@@ -41,7 +41,7 @@ class Sentence(NamedTuple):
 
 
 def read_sentences() -> list[Sentence]:
-    """Those of sentences.txt: a line each, and under it its relations, "? unknown words", "~ no shape", "! a refusal"."""
+    """Those of sentences.txt: under each its relations, "? unknown words", "~ words of no shape", "! a refusal"."""
     found: list[Sentence] = []
     for line in Path(__file__).with_name("sentences.txt").read_text(encoding="utf-8").splitlines():
         if not line.startswith("    "):

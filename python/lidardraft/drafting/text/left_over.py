@@ -12,7 +12,7 @@ from lidardraft.drafting.text.tokens import Token
 _JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
 _GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
 _SHAPELESS = (  # words that are understood, if nothing comes of them
-    *(*UNSHOWN, "colour", "size", "bendy", "crosswalk", "time", "wetness", "ordinal", "crossing", "quiet"),
+    *(*UNSHOWN, "colour", "size", "bendy", "crosswalk", "time", "wetness", "ordinal", "crossing", "quiet", "usual"),
 )
 
 
