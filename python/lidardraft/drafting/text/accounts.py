@@ -38,6 +38,7 @@ _PLAIN = (
     ("another", True),
     ("rest", "other"),
     ("each_way", True),
+    ("around", True),
 )
 _OTHERS = {
     **{"left": "right", "right": "left", "front": "behind", "behind": "front"},

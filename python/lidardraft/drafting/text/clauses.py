@@ -336,6 +336,9 @@ class _Reading:
             bool(has_verb) and self._items[at].link == "with" and isinstance(self._items[at - 1].head, NounPhrase)
         )
         goes_on = goes_on or (link == "," and isinstance(last, Relation) and last.targets[0].pronoun == "it")
+        head = self._items[at].head
+        if at > 0 and link == "," and isinstance(head, NounPhrase) and head.without:
+            return at - 1  # "a car without others around, crossing ahead"
         while at > 0 and goes_on and self._items[at].link in ("with", "has", *([""] if link else [])):
             at -= 1
         return at

@@ -26,6 +26,9 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
             return [last]  # "trees, and a lamp at each corner"
         if (said.at.distance or said.at.sidewalk) and clause.items[last].link == ",":
             return [last]
+        comes = [clause.items[one].head.manner.heading == "against" for one in listed]  # type: ignore[union-attr]
+        if not comes[-1]:  # "an oncoming car and a man on the right"
+            listed = [one for one, oncoming in zip(listed, comes, strict=True) if not oncoming]
         return [one for one in listed if _can_be(clause.items[one].head, said)] or [last]  # type: ignore[arg-type]
     if isinstance(said, Relation):
         pronouns = {phrase.pronoun for phrase in said.targets}

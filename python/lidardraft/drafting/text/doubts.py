@@ -87,16 +87,19 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return range(index, _after_places(nodes, index + 1))  # "an officer directing traffic stands ahead"
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
+    if node.symbol == "state" and words[-1].startswith("approach") and after in ("street", "object", "walkway"):
+        return (index,)  # of what is there, not of us
     if words[0] in ("not", "cannot", "never") and after in _VERBS:
         return (index, index + 1)  # "we cannot overtake"
-    if index and node.symbol == "nothing" and texts[node.start - 1] == "so":
-        return governed  # "so nothing can overtake"
+    if words in (["so"], ["because"]):
+        return governed  # "so nothing can overtake", "because it is closed"
     if node.symbol in ("except", "nothing") or (node.symbol in ("object", "ellipsis") and node.get("count") == 0):
         said = {nodes[one].symbol for one in governed}
         base = itertools.takewhile(lambda one: one.symbol not in _ENDS, nodes[index - 1 :: -1] if index else ())
         if node.symbol == "except":  # "in all bays except two", "light traffic except for a coach"
             unclear = unclear or any(one.symbol in STRANGE for one in base) or _is_of_others(nodes, index)
-        return governed if unclear or "pronoun" in said or ("relation" in said and after != "object") else ()
+        too_much = unclear or "pronoun" in said or ("relation" in said and after != "object")
+        return range(index, _after_list(nodes, end)) if too_much else ()
     if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
     if node.symbol == "ellipsis" and [one.symbol for one in nodes[index + 1 : index + 3]] in (
@@ -188,6 +191,13 @@ def _end(nodes: Sequence[Node], index: int) -> int:
         if nodes[number].symbol in _ENDS or (nodes[number].symbol == "and" and after in _NAMES):
             return number
     return len(nodes)
+
+
+def _after_list(nodes: Sequence[Node], index: int) -> int:
+    """The number of the constituent after a list that goes on: "except trucks and buses"."""
+    while [one.symbol for one in nodes[index : index + 2]] in (["and", "object"], ["or", "object"]):
+        index += 2
+    return index
 
 
 def _after_places(nodes: Sequence[Node], index: int) -> int:

@@ -28,6 +28,12 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
         and all(at == Position(spacing=at.spacing) for at in places)
     ):
         return before  # "cones in our lane, one every 5 m"
+    alone = (
+        number > 0 and not clause.items[number - 1].modifiers and d.mentions[before[-1]].count == 1 if before else False
+    )
+    if alone and item.link == "," and phrase.count == 1 and not (phrase.another or phrase.definite or phrase.exact):
+        describe(d, before[-1], phrase.manner)
+        return before[-1:]  # "a minibus, an orange one"
     if phrase.part is not None and phrase.kind:
         return _part_of_named(d, phrase, told, following in ("has", "have"))
     whole = d.several(phrase.kind or "")

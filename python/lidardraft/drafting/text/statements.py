@@ -62,6 +62,8 @@ def read(d: Discourse, clause: Clause) -> None:
             lead = None  # "on the right parked cars, a bus coming towards us"
         if number and item.link == "," and isinstance(lead, Place) and lead.at.lane == "each":
             lead = None  # "in all lanes cars, a motorcycle on the left"
+        if number and any(isinstance(one.said, Street) and one.said.on for one in item.modifiers):
+            lead = None  # "on the right cars, and a ball on the road"
         if isinstance(item.head, Street):
             note_street(d, with_direction(item))
             named.append([])
@@ -393,7 +395,7 @@ def _carrier(d: Discourse, item: Item, ids: Ids, host: Ids, said: object) -> Ids
     companion = carried.kind in COMPANIONS or item.is_carried or (isinstance(item.head, NounPhrase) and item.head.owned)
     companion = companion or together or (carrier.record.walks and carried.record.cycles)
     at_distance = isinstance(said, Place) and bool(said.at.distance) and len(item.modifiers) == 1
-    if not (companion and isinstance(said, Place | Relation)) and not at_distance:
+    if not (companion and isinstance(said, Place | Relation | Street)) and not at_distance:
         return []
     if carrier.placed or carrier.relation or (carried.record.drives and not companion):
         return []
@@ -410,7 +412,7 @@ def _who_acts(d: Discourse, item: Item, named: list[Ids], number: int, ids: Ids)
     together = [item.head.kind] == [d.mentions[one].kind for one in named[number - 1]] == ["person"]
     if not (item.head.kind in COMPANIONS or together):
         return ids
-    return [*named[number - 1], *(ids if item.head.kind != "trailer" else [])]
+    return [*named[number - 1], *(ids if item.head.kind in ("animal", "person") else [])]
 
 
 def _respective(d: Discourse, clause: Clause, number: int, open_ids: Ids) -> bool:
