@@ -102,7 +102,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     ]
     settled = {path for pair in twice for path in pair}
     settled |= {path for path in known if any(_is_said_by(idle[path][0], one) for one in _beside(nodes, path[0]))}
-    settled |= {path for path in known if _names_district(idle[path][0], whole.district)}
+    settled |= {path for path in known if _names_setting(idle[path][0], whole)}
     numbers = [
         leaf for pair in twice for node in (idle[path][0] for path in pair) for leaf in leaves(node, "number", *STRANGE)
     ]
@@ -175,10 +175,13 @@ def says_something(node: Node) -> bool:
     return not (silent or node.symbol.startswith("'") or (node.symbol == "number" and node.get("value") == 1))
 
 
-def _names_district(node: Node, district: str | None) -> bool:
-    """Whether it says nothing but where the road lies, as "fields" beside "a rural road"."""
-    plain = all(leaf.symbol in ("setting", "the", "a") for _, leaf in _leaves(node, ()))
-    return plain and district is not None and node.get("district") == district
+def _names_setting(node: Node, whole: SceneSpec) -> bool:
+    """Whether it only names the road, or where it lies, again: "fields" beside "a rural road"."""
+    plain = all(
+        leaf.symbol in ("setting", "road", "the", "a") or leaf.symbol[0] == "'" for _, leaf in _leaves(node, ())
+    )
+    named = (node.get("district"), whole.district), (node.get("road"), whole.road.kind)
+    return plain and any(said is not None and said == one for said, one in named)
 
 
 def _is_said_by(node: Node, other: Node) -> bool:

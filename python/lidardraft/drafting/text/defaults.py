@@ -71,7 +71,7 @@ def _wanted(mention: Mention, denied: list[Mention], road: RoadNotes) -> Mention
 def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, words: str) -> ObjectGroup:
     """As a group of the spec; vehicles along the sides of a road are parked."""
     at, kind = _overtaking(mention), mention.record
-    sideways = str(at.heading).startswith("across-") and mention.heading in ("across", "against")
+    sideways = str(at.heading).startswith("across-") and mention.heading in ("across", "against", "with")
     across = at.heading == "across" and not str(mention.heading).startswith("across-")
     heading = at.heading if sideways or across else mention.heading or at.heading
     lane, spacing = at.lane, at.spacing
@@ -176,7 +176,8 @@ def _words(mention: Mention, mentions: Mentions, texts: list[str]) -> str:
 
 
 def _road_spec(notes: RoadNotes, mentions: Mentions, needs_sidewalk: bool) -> RoadSpec:
-    kind = notes.kind or "straight"
+    at_junction = any(one.is_wanted and one.at.at_junction for one in mentions)
+    kind = notes.kind or ("crossroads" if at_junction else "straight")
     number = notes.lanes or _lanes_filled(mentions) or notes.usual_lanes
     middle = notes.ego_lane == "middle" and number == 3  # which has a lane on each side that leads the same way
     whole = kind == "motorway" or notes.each_way or notes.one_way or middle

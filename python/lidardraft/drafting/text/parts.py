@@ -21,6 +21,7 @@ def part(mentions: Mentions) -> Mentions:
         _count_for_hosts(found, number)
     for number in range(len(found)):
         _keep_with(found, number)
+        _turn_trailer(found, number)
         _turn_to_strip(found, number)
         _imply_parked(found, number)
     _note_listed_parts(found)
@@ -77,6 +78,15 @@ def _keep_with(mentions: list[Mention], number: int) -> None:
         return
     if not _depends(mentions, mention.with_it, number):  # type: ignore[arg-type]
         mentions[number] = kept_with(mention, mention.with_it)  # type: ignore[arg-type]
+
+
+def _turn_trailer(mentions: list[Mention], number: int) -> None:
+    """A trailer goes where what pulls it goes."""
+    mention = mentions[number]
+    if mention.kind == "trailer" and mention.at.distance == _DRAWBAR and mention.references:
+        carrier = mentions[mention.references[0]]
+        if (carrier.heading or carrier.at.heading) not in (None, "with", "parked"):
+            mentions[number] = replace(mention, at=replace(mention.at, heading=None))
 
 
 def kept_with(mention: Mention, host: int) -> Mention:
