@@ -425,7 +425,7 @@ def test_an_unknown_word_put_in_is_always_reported(sentence: Sentence, word: str
 def test_a_word_put_in_that_changes_nothing_is_reported(sentence: Sentence, word: str, index: int) -> None:
     words = sentence.text.split()
     at = index % (len(words) + 1)
-    assume(word not in sentence.text.lower().split())  # what is said twice is accounted for
+    assume(word.split()[-1] not in re.findall(r"\w+", sentence.text.lower()))  # what is said twice is accounted for
     assume(not NEAR_OTHERS.search(" ".join(words[max(0, at - 2) : at + 2]).lower()))
     try:
         both = [explain(" ".join(one)) for one in (words, [*words[:at], word, *words[at:]])]

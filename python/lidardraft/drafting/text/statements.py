@@ -7,13 +7,14 @@ from dataclasses import replace
 
 from lidardraft.drafting.text.coordination import spread
 from lidardraft.drafting.text.exceptions import is_denied, leave_out
+from lidardraft.drafting.text.leads import area_of, follow, holds_for, lead_of
 from lidardraft.drafting.text.mentions import COMPANIONS, Discourse, Ids, Mention, Mentions, RoadNotes, mention_of
 from lidardraft.drafting.text.parts import kept_with
-from lidardraft.drafting.text.places import attach, describe, note_place, place_at, queue_up, say_place, with_side
+from lidardraft.drafting.text.places import attach, describe, place_at, queue_up, say_place, with_side
 from lidardraft.drafting.text.portions import counted_later, named_part
-from lidardraft.drafting.text.positions import BEHIND, FRONT, NOWHERE, Position
+from lidardraft.drafting.text.positions import NOWHERE, Position
 from lidardraft.drafting.text.references import call, can_be_where, known_mention, meant_by, targets_of
-from lidardraft.drafting.text.relations import TURNED, is_side_of, relate, relate_another
+from lidardraft.drafting.text.relations import is_side_of, relate, relate_another
 from lidardraft.drafting.text.streets import (
     note_junction,
     note_street,
@@ -44,7 +45,7 @@ def read(d: Discourse, clause: Clause) -> None:
     if not clause.items:
         _say_of_latest(d, clause)
         return
-    lead, relation, manner = _lead(d, clause)
+    lead, relation, manner = lead_of(d, clause)
     if lead is None and relation is not None and clause.link and d.last_lead is not None:
         lead = d.last_lead
     d.last_lead = lead
@@ -52,23 +53,13 @@ def read(d: Discourse, clause: Clause) -> None:
     related: tuple[Relation, Ids, int] | None = None
     for number, item in enumerate(clause.items):
         before = next((ids for ids in reversed(named) if ids), [])
-        if before and d.mentions[before[-1]].kind is None and item.link == ",":
-            lead = None  # it was that of what is unknown
-        if (
-            number
-            and item.link == ","
-            and any(isinstance(one.said, Manner) and one.said.heading for one in item.modifiers)
-        ):
-            lead = None  # "on the right parked cars, a bus coming towards us"
-        if number and item.link == "," and isinstance(lead, Place) and lead.at.lane == "each":
-            lead = None  # "in all lanes cars, a motorcycle on the left"
-        if number and any(isinstance(one.said, Street) and one.said.on for one in item.modifiers):
-            lead = None  # "on the right cars, and a ball on the road"
+        if lead is not None and number and not holds_for(d, lead, item, before):
+            lead = None
         if isinstance(item.head, Street):
             note_street(d, with_direction(item))
             named.append([])
             say_of_road(d, item)
-            lead = _area(clause, number) or (None if number and item.link == "," else lead)
+            lead = area_of(clause, number) or (None if number and item.link == "," else lead)
             continue
         own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
         if item.link == "with" and named and named[-1]:
@@ -100,7 +91,7 @@ def read(d: Discourse, clause: Clause) -> None:
         elif link == "and" and new and not item.modifiers and _is_ego_named(clause.items[number - 1]) and d.latest:
             d.change(new[0], at=d.mentions[d.latest[-1]].at, placed=True, weak=True)  # "we are behind a bus and a van"
         elif link == "then" and new and not own and before:
-            _follow(d, new[0], before[-1])
+            follow(d, new[0], before[-1])
         before_it = clause.items[number - 1].head if number else None
         if item.verb and not link and isinstance(before_it, Street) and before_it.sidewalk:
             for one in new:  # "the sidewalks are full of people"
@@ -114,31 +105,6 @@ def read(d: Discourse, clause: Clause) -> None:
 
 def _is_traffic(item: Item) -> bool:
     return isinstance(item.head, NounPhrase) and item.head.traffic
-
-
-def _area(clause: Clause, number: int) -> Place | None:
-    """Where an area without a road is, which is the place of what it has: "roadworks on the left with cones"."""
-    street, after = clause.items[number].head, clause.items[number + 1 : number + 2]
-    places = [one.said for one in clause.items[number].modifiers if isinstance(one.said, Place)]
-    if not (isinstance(street, Street) and street.kind is None and after and after[0].link == "with"):
-        return None
-    at = Position(sidewalk=bool(street.sidewalk))
-    return Place(places[0].at.narrowed(at)) if places else Place(at) if street.sidewalk else None
-
-
-def _follow(d: Discourse, number: int, before: int) -> None:
-    """What comes "then" is further away at the same place: of what drives, the next in the row."""
-    one, other = d.mentions[number], d.mentions[before]
-    at = Position(other.at.places)
-    d.change(number, at=at, placed=at != Position(), weak=True, heading=one.heading or other.heading)
-    if not (one.is_wanted and other.is_wanted and one.record.drives and other.record.drives):
-        return
-    whole = d.mentions[other.same_as] if other.same_as is not None else other
-    relation = other.relation if other.relation in TURNED else None
-    relation = "behind" if whole.heading == "against" or other.at.places == (BEHIND,) else relation
-    relation = "in-front-of" if relation is None and other.at.places == (FRONT,) else relation
-    if relation is not None and not one.references:
-        d.change(number, relation=relation, references=(before,), at=Position(), placed=True, weak=False)
 
 
 def _is_told(item: Item) -> bool:
@@ -158,40 +124,13 @@ def _deny_once(d: Discourse, new: Ids, phrase: NounPhrase) -> None:
                 d.change(denial, kind=None)
 
 
-def _lead(d: Discourse, clause: Clause) -> tuple[Place | None, tuple[Relation, Ids] | None, list[Manner]]:
-    """The place, the relation with its references and the manner that a clause begins with."""
-    place: Place | None = None
-    relation: tuple[Relation, Ids] | None = None
-    manner: list[Manner] = []
-    which = False
-    for modifier in clause.lead:
-        said, which = modifier.said, which or modifier.link == "which"
-        if isinstance(said, Place):
-            note_place(d, said)
-            said = with_side(d, said)
-            if relation is not None and relation[1] and not d.mentions[relation[1][-1]].placed:
-                place_at(d, relation[1][-1], said)
-            else:
-                at = place.at.narrowed(said.at) if place is not None else said.at
-                place = replace(said, at=at)
-        elif isinstance(said, Relation):
-            relation = (said, targets_of(d, said, []))
-        elif isinstance(said, Manner) and which and relation is not None and relation[1]:
-            describe(d, relation[1][-1], said)
-        elif isinstance(said, Manner):
-            manner.append(said)
-        else:
-            note_street(d, said)
-    return place, relation, manner
-
-
 def _say_of_latest(d: Discourse, clause: Clause) -> None:
     """A clause without objects says more of those before it, as in "A bus! 20 m ahead!"."""
     known = [one for one in d.latest if d.mentions[one].is_wanted]
     if not known and any(isinstance(one.said, Manner) for one in clause.lead):
         say_of_ego(d, Item(NounPhrase("", pronoun="us"), modifiers=clause.lead))  # "stopped behind a van"
         return
-    lead, relation, manner = _lead(d, clause)
+    lead, relation, manner = lead_of(d, clause)
     for one in known if lead is not None else []:
         assert lead is not None
         attach(d, one, lead, "")
