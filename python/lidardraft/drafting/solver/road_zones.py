@@ -91,6 +91,8 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
             return zone
     if fore == "beside" and group.distance is not None:
         return Zone((-1.5, 1.5), partial(aside, group, road, sides), len(sides))
+    if group.set_back and kind.drives and not side and group.heading in ("with", "against"):
+        sides = (-1,) if group.heading == "with" else (1,)
     if group.set_back:
         return Zone(_span(group, fore, road, 45.0), partial(set_back, group, kind, road, sides), len(sides))
     if group.goes_across:

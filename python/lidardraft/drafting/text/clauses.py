@@ -120,6 +120,7 @@ class _Reading:
         self._about = (0, -1)  # the number of items, and of the one that something was said of last
         self._lined = False  # whether what comes next stands along both sides
         self._carried = False  # whether it is carried, pushed or led
+        self._comma = False  # whether a comma stands before its "and"
         self._unclear = False  # whether the clause begins with what is not understood
         self._alone = False  # whether what is said first introduces no object
 
@@ -187,6 +188,7 @@ class _Reading:
         if node.symbol == "has":
             return "has"
         self._lined, self._carried = bool(node.get("lined")), bool(node.get("act"))
+        self._comma = node.symbol == "and" and link == ","
         strong = node.symbol in ("with", "except", "which")
         return node.symbol if not link or link in _WEAK or strong else link
 
@@ -255,7 +257,9 @@ class _Reading:
         if not link and named and is_known(head) and (head.kind == "animal" or head.owned):
             link = "with"  # "a man walking his dog"
         along = (Modifier(Place(_BOTH_SIDES)),) if self._lined and link == "with" else ()
-        self._items.append(Item(head, link, verb, along, is_carried=self._carried and link == "with"))
+        self._items.append(
+            Item(head, link, verb, along, False, self._comma and link == "and", self._carried and link == "with")
+        )
 
     def _qualify(self, node: Node) -> None:
         """ "The road is busy", "the traffic is heavy", "the house is big"."""
@@ -359,6 +363,8 @@ class _Reading:
             if node.symbol in ("object", "ellipsis", "stranger", "nothing"):
                 alone = node.symbol == "ellipsis" and comma
                 return end if end > index and not alone and (free or not comma or (backward and link == "and")) else 0
+            if link == "but" and node.symbol in ("street", "lanes", "walkway"):
+                return end  # "while in front the road is free"
             if node.symbol in (",", "which"):
                 comma = True
             elif node.symbol in (":", "has") or (

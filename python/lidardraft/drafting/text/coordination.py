@@ -58,6 +58,8 @@ def _list_begins(clause: Clause, last: int) -> int:
             _denied(item.head) != _denied(before.head)
         ):
             break
+        if item.comma and before.link != ",":
+            break  # "a row of trees, and a lorry in the distance"
         if item.link == "," and (before.link == "and" or (first == last and _differ(before.head, item.head))):
             break
         first -= 1

@@ -129,7 +129,9 @@ def _doubtful_place(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequ
         return (index,)  # "in the back of a pickup"
     if node.symbol == "whereabouts" and last == "unknown" and not _named_before(nodes, index):
         return (index,)  # "snow piles on both sides, a car"
-    far = node.get("road") in JUNCTIONS or ("far" in words and any(one.get("road") in JUNCTIONS for one in nodes))
+    far = node.get("road") in JUNCTIONS or (
+        {"far", "opposite"} & set(words) and any(one.get("road") in JUNCTIONS for one in nodes)
+    )
     if node.symbol == "whereabouts" and node.get("other_side") and far:
         return (index,)  # "on the far side of the crossroads"
     if node.symbol == "whereabouts" and "gap" in words and index and last in (",", "and", "ellipsis"):

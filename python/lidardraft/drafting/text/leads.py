@@ -48,6 +48,8 @@ def holds_for(d: Discourse, lead: Place, item: Item, before: Ids) -> bool:
         moves = any(isinstance(one, Manner) and one.heading for one in said)  # "on the right cars, a bus coming to us"
         if unknown or moves or lead.at.lane == "each":
             return False
+    if item.comma and any(isinstance(one, Place) for one in said):
+        return False  # "to the right trees, and a lorry in the distance"
     return not any(isinstance(one, Street) and one.on for one in said)  # "on the right cars, and a ball on the road"
 
 

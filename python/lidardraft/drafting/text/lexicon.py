@@ -32,9 +32,10 @@ def lexicon() -> dict[str, tuple[tuple[tuple[str, ...], Word], ...]]:
         category, *said = head.split()
         features = features_of(said)
         for entry in words.split(", "):
+            noun = {"noun": entry.removeprefix("=").partition("|")[0]} if category == "kind" else {}
             for form, plural in _forms(category, entry):
                 parts = tuple(form.split())
-                found.setdefault(parts[0], []).append((parts, Word(category, plural | features)))
+                found.setdefault(parts[0], []).append((parts, Word(category, plural | features | noun)))
     return {first: tuple(entries) for first, entries in found.items()}
 
 

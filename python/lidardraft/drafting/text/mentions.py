@@ -49,6 +49,7 @@ class Mention:
     abreast: bool = False
     motion: str | None = None
     speed: float | None = None
+    noun: str = ""
     name: str = ""
     left_out: int = 0
     summed: bool = False
@@ -173,6 +174,7 @@ def mention_of(phrase: NounPhrase) -> Mention:
         size=manner.size,
         scale=manner.scale,
         paint=manner.paint,
+        noun=phrase.noun,
         name=phrase.name,
         abreast=manner.abreast,
         described=phrase.traffic,

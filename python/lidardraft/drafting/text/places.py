@@ -36,7 +36,9 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
     if place.at.spacing and place.in_row and queue_up(d, ids, place.at.spacing):
         return ids[:1]
     spaced = modifier.link == "," and place.at == Position(spacing=place.at.spacing)  # "6 left, 4 right, 5 m apart"
-    if (place.of_all or spaced) and len(ids) == 1 and d.mentions[ids[0]].same_as is not None:
+    ahead = modifier.link == "," and not modifier.verb and place.at == Position(place.at.places) and not place.at.sides
+    ahead = ahead and bool(ids) and d.mentions[ids[0]].at.distance is not None  # "one at 5 m and one at 9 m, ahead"
+    if (place.of_all or spaced or ahead) and len(ids) == 1 and d.mentions[ids[0]].same_as is not None:
         whole = d.mentions[ids[0]].same_as
         ids = [n for n, one in enumerate(d.mentions) if n == whole or one.same_as == whole]
     for one in ids:

@@ -63,7 +63,7 @@ def read(d: Discourse, clause: Clause) -> None:
             continue
         own = [one for one in item.modifiers if isinstance(one.said, Place | Relation)]
         if item.link == "with" and named and named[-1]:
-            before = _whose(d, clause.items[number - 1], named[-1])
+            before = _whose(d, clause.items[number - 1], item, named[-1])
         ids = _subject(d, clause, number, before, bool(lead) or _is_told(item))
         if ids is None:
             say_of_ego(d, item)
@@ -189,13 +189,20 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
         if phrase.each:
             d.each = known
         return [known]
+    if item.link == "with" and before and d.mentions[before[-1]].kind == phrase.kind and not phrase.ridden:
+        known_as = d.mentions[before[-1]].record
+        if not (known_as.walks or known_as.drives):
+            return before  # "a bus stop with a shelter"
     return [_new(d, clause, number, phrase, before)]
 
 
-def _whose(d: Discourse, item: Item, ids: Ids) -> Ids:
+def _whose(d: Discourse, before: Item, item: Item, ids: Ids) -> Ids:
     """What has what an item is "with": the nearest noun before it, as in "next to a man with a bag"."""
-    said = item.modifiers[-1].said if item.modifiers else None
-    kind = said.targets[-1].kind if isinstance(said, Relation) and said.targets else ""
+    said = before.modifiers[-1].said if before.modifiers else None
+    assert isinstance(item.head, NounPhrase)
+    if not (isinstance(said, Relation) and said.targets) or max(said.tokens) > min(item.head.tokens, default=0):
+        return ids
+    kind = said.targets[-1].kind
     return [n for n, one in enumerate(d.mentions) if one.is_wanted and one.kind == kind][-1:] or ids
 
 
@@ -333,6 +340,8 @@ def _carrier(d: Discourse, item: Item, ids: Ids, host: Ids, said: object) -> Ids
     together = carrier.kind == carried.kind == "person"
     companion = carried.kind in COMPANIONS or item.is_carried or (isinstance(item.head, NounPhrase) and item.head.owned)
     companion = companion or together or (carrier.record.walks and carried.record.cycles)
+    facade = isinstance(said, Place) and said.bare
+    companion = companion or (carrier.record.family == "buildings" and not (carried.record.on_road or facade))
     at_distance = isinstance(said, Place) and bool(said.at.distance) and len(item.modifiers) == 1
     if not (companion and isinstance(said, Place | Relation | Street)) and not at_distance:
         return []

@@ -80,6 +80,7 @@ class NounPhrase:
     traffic: bool = False
     ridden: bool = False
     owned: bool = False  # "its roof"
+    noun: str = ""  # of its kind, in the singular
     plain: bool = False  # "the car", which may be the ego's, as "the taxi" may not
     one_each: bool = False
     in_total: bool = False
@@ -165,6 +166,7 @@ class Item:
     verb: str = ""  # before it, as in "one of them is a taxi"
     modifiers: tuple[Modifier, ...] = ()
     is_told: bool = False  # something of it that is not understood
+    comma: bool = False  # before its "and"
     is_carried: bool = False  # by the one before it, as in "a man pushing a pram"
 
 
@@ -213,7 +215,7 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
         cycling="cycling" in values,
         facing="facing" in values,
         drives="drives" in values,
-        walks="walking" in values.get("anyway", []),
+        walks="walking" in values.get("anyway", []) or "on_foot" in values,
         abreast="abreast" in values,
         motion=next(iter(values.get("motion", [])), None),
         speed=next(iter(values.get("speed", [])), None),
@@ -276,6 +278,7 @@ def noun_phrase(node: Node) -> NounPhrase:
         traffic=traffic,
         ridden=bool(node.get("ridden")),
         owned=any(one.get("owned") for one in leaves(node, "the")),
+        noun=node.get("noun", ""),
         plain=bool(node.get("plain")),
         one_each=node.symbol == "ellipsis" and bool(node.get("each")) and bool(counted),
         in_total=bool(node.get("in_total")),
