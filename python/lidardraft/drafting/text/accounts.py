@@ -80,7 +80,8 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         if _is_neutral(node):
             more.extend(leaf for _, leaf in _leaves(node, path) if leaf.get("more") and leaf is not node)
             return
-        if is_idle(path, node):
+        names_road = bool(node.children) and node.get("road") == whole.road.kind != "straight"  # as others may imply it
+        if not names_road and is_idle(path, node):
             idle[path] = (node, ())
             return
         if node.symbol == "relation" and same({path: _apart(node)}):
