@@ -15,6 +15,7 @@ from lidardraft.objects.sentence_kind import SentenceKind
 _BESIDE_EACH_OTHER = 1.0  # m between people in a queue; estimate
 _QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate
 _ROW_GAP = 1.0  # m between things in a row; estimate
+_FEW = 3  # vehicles that are named; with fewer a busy road has more than those
 _LEFT_IN_ROADS = ("bench", "bin")
 _SIDES = ("left", "right")
 _CROSSED = ("crossroads", "t-junction")
@@ -221,7 +222,8 @@ def _implied(groups: list[ObjectGroup], road: RoadNotes) -> list[ObjectGroup]:
         implied.append(ObjectGroup(kind="building", count="some", places=_SIDES))
     if "tree-lined" in road.settings and "tree" not in kinds:
         implied.append(ObjectGroup(kind="tree", count="many", places=_SIDES))
-    if busy and not any(group.record.is_vehicle and group.heading != "parked" for group in groups):
+    moving = [group for group in groups if group.record.is_vehicle and group.heading != "parked"]
+    if busy and all(isinstance(one.count, int) for one in moving) and sum(one.fewest or 0 for one in moving) < _FEW:
         implied.append(ObjectGroup(kind="vehicle", count="many"))
         if road.kind == "roundabout":
             implied.append(ObjectGroup(kind="vehicle", count="some", at_junction=True))
