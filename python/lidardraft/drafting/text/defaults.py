@@ -90,7 +90,7 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
     if lane == "own" and at.heading == "parked" and at.sides:  # double parked, beside the strip on its side
         lane = "opposite" if at.sides == ["left"] else lane
         at = replace(at, places=tuple((fore, "") for fore, _ in at.places))
-    if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides):
+    if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides) and not mention.moves:
         heading = "parked"
     strip_across = heading == "across" and kind.follows_road  # a fence across the road
     waits = kind.walks and mention.speed == 0.0 and str(heading).startswith("across")  # to cross, at the kerb
@@ -100,7 +100,8 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         heading, lane = "with", lane or (None if at.sides else "own")
         spacing = spacing or (kind.sizes.largest[0] if kind.sizes else 6.0) + _QUEUE_GAP
     elif mention.queue and kind.drives and heading is None and mention.relation == "behind":
-        heading = "with"
+        first = mentions[mention.references[0]]
+        heading = "against" if (first.heading or first.at.heading) == "against" else "with"
     elif mention.queue and kind.walks:
         spacing = spacing or _BESIDE_EACH_OTHER
     elif mention.queue and kind.sizes and not references and mention.count != 1:

@@ -87,8 +87,10 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         return range(index, _after_places(nodes, index + 1))  # "an officer directing traffic stands ahead"
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
-    if node.symbol == "state" and words[-1].startswith("approach") and after in ("street", "object", "walkway"):
-        return (index,)  # of what is there, not of us
+    if node.symbol == "state" and words[-1].startswith("approach") and after in ("street", "walkway", *_NAMES):
+        return range(index, index + 1 + (after == "pronoun"))  # of what is there, not of us
+    if node.symbol == "except" and after in ("road_part", "street", "walkway", "silent"):
+        return governed
     if words[0] in ("not", "cannot", "never") and after in _VERBS:
         return (index, index + 1)  # "we cannot overtake"
     if words in (["so"], ["because"]):

@@ -236,7 +236,8 @@ def _crossing(node: Node) -> Features | None:
     said: Features = (("heading", "across"), *((name, value) for name, value in node.features if name == "speed"))
     if node.all("road"):
         junction = node.get("road") in JUNCTIONS
-        said = (*said, ("road", node.get("road"))) if junction else (*said, ("on_the_road", True))
+        named = junction or node.get("road") == "parking-lot"
+        said = (*said, ("road", node.get("road"))) if named else (*said, ("on_the_road", True))
         said = (*said, ("at_junction", True)) if junction else said
     return said
 

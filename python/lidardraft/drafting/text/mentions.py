@@ -43,6 +43,7 @@ class Mention:
     relation: str | None = None
     references: tuple[int, ...] = ()
     described: bool = False
+    moves: bool = False
     same_as: int | None = None
     of_them: bool = False
     host: int | None = None

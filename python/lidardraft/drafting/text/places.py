@@ -258,6 +258,7 @@ def describe(d: Discourse, number: int, manner: Manner) -> None:
         motion=manner.motion or mention.motion,
         speed=mention.speed if manner.speed is None else manner.speed,
         paint=manner.paint or mention.paint,
+        moves=mention.moves or manner.moves,
         size=tuple(new if new is not None else old for new, old in zip(size, mention.size, strict=True)),
         scale=tuple(a * b for a, b in zip(mention.scale, scale, strict=True)),
     )

@@ -16,7 +16,7 @@ def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
     wanted = [n for n, one in enumerate(d.mentions) if one.is_wanted]
     numbers = [n for n in wanted if d.mentions[n].with_it is None] or wanted
     if phrase.pronoun == "them":
-        fitting = [n for n in numbers if d.mentions[n].count != 1]
+        fitting = [n for n in numbers if d.mentions[n].count != 1] or [n for n in wanted if d.mentions[n].count != 1]
     else:
         fitting = [n for n in numbers if d.mentions[n].count in (1, "many", "few")]
         of_sort = [

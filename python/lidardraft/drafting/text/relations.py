@@ -87,7 +87,9 @@ def _relate_one(d: Discourse, number: int, said: Relation, references: Ids) -> N
         return
     at = before.narrowed(said.at)
     motion = d.mentions[number].motion
-    if said.overtakes:
+    if said.overtakes and mention.record.walks:
+        relation = "near"  # "walks past a row of cars"
+    elif said.overtakes:
         at, motion = replace(at, heading="with"), "overtakes"
     d.change(number, relation=relation, references=tuple(references), at=at, placed=True, weak=False, motion=motion)
 

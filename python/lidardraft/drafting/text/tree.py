@@ -31,6 +31,7 @@ class Manner:
     facing: bool = False  # says nothing of how it moves
     drives: bool = False  # what only a vehicle does
     walks: bool = False
+    moves: bool = False  # "passing", wherever to
     abreast: bool = False
     motion: str | None = None
     speed: float | None = None  # m/s
@@ -215,6 +216,7 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
         cycling="cycling" in values,
         facing="facing" in values,
         drives="drives" in values,
+        moves="moves" in values,
         walks="walking" in values.get("anyway", []) or "on_foot" in values,
         abreast="abreast" in values,
         motion=next(iter(values.get("motion", [])), None),
