@@ -84,6 +84,8 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
 def _branch(spec: SceneSpec, usual: int) -> int:
     """The side of the ego's road that another one joins: where something comes from, if it is said."""
     ways = {group.way_across for group in spec.groups if group.crosses} - {0}
+    if len(ways) > 1:
+        raise LayoutError("road: a T-junction has one branch, but vehicles come from both sides; ask for a crossroads")
     return {frozenset({1}): RIGHT, frozenset({-1}): LEFT}.get(frozenset(ways), usual)
 
 
@@ -93,6 +95,12 @@ def _crossed_at(spec: SceneSpec, road: Road) -> Road:
     if not crossing or spec.road.junction is not None:
         return road
     group = crossing[0]
+    apart = next((one for one in crossing if one.distance != group.distance), None)
+    if apart is not None and apart.distance and group.distance:
+        asked = f"at {apart.distance[0]:g} m and at {group.distance[0]:g} m"
+        raise LayoutError(
+            f"{apart.kind}: one road crosses that of the ego, but vehicles are asked for that cross {asked}"
+        )
     lane = road.lane(0, 1) * (group.way_across or 1)
     junction = sum(group.distance or ()) / 2 + lane
     half = road.edge if road.roundabout_radius is None else road.roundabout_radius
