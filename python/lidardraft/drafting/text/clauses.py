@@ -258,7 +258,14 @@ class _Reading:
             link = "with"  # "a man walking his dog"
         along = (Modifier(Place(_BOTH_SIDES)),) if self._lined and link == "with" else ()
         self._items.append(
-            Item(head, link, verb, along, False, self._comma and link == "and", self._carried and link == "with")
+            Item(
+                head,
+                link,
+                verb,
+                along,
+                comma=self._comma and link == "and",
+                is_carried=self._carried and link == "with",
+            )
         )
 
     def _qualify(self, node: Node) -> None:
@@ -367,17 +374,16 @@ class _Reading:
                 return end  # "while in front the road is free"
             if node.symbol in (",", "which"):
                 comma = True
-            elif node.symbol in (":", "has") or (
-                node.symbol == "with"
-                and (
-                    self._nodes[index].get("crosswalk")
-                    or (link == "," and self._items and self._nodes[index].symbol == "whereabouts")
-                )
-            ):
+            elif node.symbol in (":", "has") or (node.symbol == "with" and self._has_things(index, link)):
                 continue
             elif node.symbol not in (*_SAID, *_PASSED, "ego") or (node.symbol == "ego" and not self._only_looks(end)):
                 return 0
         return 0
+
+    def _has_things(self, index: int, link: str) -> bool:
+        """Whether what a place is "with" is there: "a crosswalk with two men", "a bus, the left lane with two cars"."""
+        node = self._nodes[index]
+        return bool(node.get("crosswalk")) or (link == "," and bool(self._items) and node.symbol == "whereabouts")
 
     def _modifiers(self, node: Node, link: str, verb: str) -> list[Modifier]:
         if node.symbol == "distances":

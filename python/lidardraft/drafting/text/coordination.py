@@ -10,38 +10,48 @@ _MANY = 4  # of a kind; what stands at one thing with so many others has no room
 
 def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
     """The numbers of the items that the first modifier after an item is said of."""
-    first = _list_begins(clause, last)
+    first, item = _list_begins(clause, last), clause.items[last]
     if modifier.verb == "one" or first == last:
         return [last]
-    if modifier.verb != "many" and (clause.items[last].head.kind is None or clause.items[last].is_told):
-        return [
-            last
-        ]  # "two cars and a llama on the left", "cars and a man who sings on the left", but "are on the left"
+    if modifier.verb != "many" and (_is_unknown(item.head) or item.is_told):
+        return [last]  # "two cars and a llama on the left", but "are on the left"
     after = clause.items[last + 1].link if last + 1 < len(clause.items) else ""
-    if clause.items[last].link == "," and after in (",", "and") and not modifier.verb:
+    if item.link == "," and after in (",", "and") and not modifier.verb:
         return [last]  # "a bus, a car on the left, and a van"
-    said, listed = modifier.said, list(range(first, last + 1))
-    if isinstance(said, Place):
-        if said.times > 1 and clause.items[last].head.count == 1:  # type: ignore[union-attr]
-            return [last]  # "trees, and a lamp at each corner"
-        if (said.at.distance or said.at.sidewalk) and clause.items[last].link == ",":
-            return [last]
-        comes = [clause.items[one].head.manner.heading == "against" for one in listed]  # type: ignore[union-attr]
-        if not comes[-1]:  # "an oncoming car and a man on the right"
-            listed = [one for one, oncoming in zip(listed, comes, strict=True) if not oncoming]
-        return [one for one in listed if _can_be(clause.items[one].head, said)] or [last]  # type: ignore[arg-type]
+    said = modifier.said
+    listed = {one: head for one in range(first, last + 1) if isinstance(head := clause.items[one].head, NounPhrase)}
     if isinstance(said, Relation):
-        pronouns = {phrase.pronoun for phrase in said.targets}
-        if "it" in pronouns and (first == 0 or clause.items[last].link != "and"):
+        heads = list(listed.values())
+        alone = (
+            item.link == ","
+            or _differs(heads, said)
+            or ("it" in _pronouns(said) and (first == 0 or item.link != "and"))
+        )
+        return [last] if alone else list(listed)
+    if isinstance(said, Place):
+        if item.link == "," and (said.at.distance or said.at.sidewalk):
             return [last]
-        counts = [clause.items[one].head.count for one in listed]  # type: ignore[union-attr]
-        apart = clause.items[last].head.manner.heading is not None and clause.items[first].head.manner.heading is None  # type: ignore[union-attr]
-        crowd = any(count == "many" or (isinstance(count, int) and count > _MANY) for count in counts[:-1])
-        several = [clause.items[one].head.plural for one in listed]  # type: ignore[union-attr]
-        alone = len(listed) > 2 and not several[-1] and any(several) and "them" not in pronouns
-        commas = clause.items[last].link == ","
-        return [last] if apart or alone or commas or (crowd and counts[-1] == 1) else listed
-    return [one for one in listed if _can_move(clause.items[one].head, said)] or [last]  # type: ignore[arg-type]
+        if said.times > 1 and listed[last].count == 1:
+            return [last]  # "trees, and a lamp at each corner"
+        oncoming = (
+            listed[last].manner.heading != "against"
+        )  # what is so is not "an oncoming car and a man on the right"
+        listed = {one: head for one, head in listed.items() if not (oncoming and head.manner.heading == "against")}
+        return [one for one, head in listed.items() if _can_be(head, said)] or [last]
+    return [one for one, head in listed.items() if _can_move(head, said)] or [last]
+
+
+def _pronouns(said: Relation) -> set[str]:
+    return {phrase.pronoun for phrase in said.targets}
+
+
+def _differs(heads: list[NounPhrase], said: Relation) -> bool:
+    """Whether a relation is that of the last in a list alone: of one after many, or of what moves otherwise."""
+    *others, last = heads
+    crowd = any(one.count == "many" or (isinstance(one.count, int) and one.count > _MANY) for one in others)
+    one_of_several = len(others) > 1 and not last.plural and any(one.plural for one in others)
+    moves = last.manner.heading is not None and others[0].manner.heading is None
+    return moves or (crowd and last.count == 1) or (one_of_several and "them" not in _pronouns(said))
 
 
 def _list_begins(clause: Clause, last: int) -> int:

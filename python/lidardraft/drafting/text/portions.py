@@ -28,12 +28,9 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
         and all(at == Position(spacing=at.spacing) for at in places)
     ):
         return before  # "cones in our lane, one every 5 m"
-    alone = (
-        number > 0 and not clause.items[number - 1].modifiers and d.mentions[before[-1]].count == 1 if before else False
-    )
-    if alone and item.link == "," and phrase.count == 1 and not (phrase.another or phrase.definite or phrase.exact):
+    if _is_apposition(clause, number) and before and d.mentions[before[-1]].count == 1:
         describe(d, before[-1], phrase.manner)
-        return before[-1:]  # "a minibus, an orange one"
+        return before[-1:]
     if phrase.part is not None and phrase.kind:
         return _part_of_named(d, phrase, told, following in ("has", "have"))
     whole = d.several(phrase.kind or "")
@@ -72,6 +69,13 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
         d.change(last, at=at, weak=False)
         return [last]
     return [_new_part(d, phrase, last, of_them)]
+
+
+def _is_apposition(clause: Clause, number: int) -> bool:
+    """Whether it only describes what is before it: "a minibus, an orange one"."""
+    phrase = clause.items[number].head
+    new = isinstance(phrase, NounPhrase) and (phrase.another or phrase.definite or phrase.exact or phrase.count != 1)
+    return number > 0 and clause.items[number].link == "," and not (new or clause.items[number - 1].modifiers)
 
 
 def _is_to_the_rest(item: Item) -> bool:
