@@ -20,6 +20,7 @@ from lidardraft.drafting.text.tree import leaves
 Path = tuple[int, ...]  # from the sentence down to a constituent, by the numbers of children
 Changes = Mapping[Path, tuple[Node, ...]]  # what stands in the place of constituents
 Same = Callable[[Changes], bool]  # whether the spec stays as it is
+Idle = dict[Path, tuple[Node, tuple[Node, ...]]]  # constituents that change nothing, with what stays of each
 Read = Callable[[Sequence[Node]], SceneSpec]
 _SAYS_NOTHING = [(one.name, one.default) for one in dataclasses.fields(Position)]
 _VERBS = ("crossed", "turned", "state")
@@ -72,7 +73,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         others = [{path: (other,)} for other in _turned(noun, whole)]
         return bool(others) and all(_with(nodes, one, grammar) is not None and same(one) for one in others)
 
-    idle: dict[Path, tuple[Node, tuple[Node, ...]]] = {}  # with what stays of it
+    idle: Idle = {}
 
     def visit(path: Path, node: Node) -> None:
         if not node.children and node.get("more"):
@@ -96,11 +97,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         visit((index,), node)
     _add_runs(nodes, idle, same)
     known = [path for path, (node, _) in idle.items() if node.symbol not in STRANGE]
-    twice = [
-        pair
-        for pair in itertools.combinations(known, 2)
-        if _said(idle[pair[0]][0]) & _said(idle[pair[1]][0]) and not same({path: idle[path][1] for path in pair})
-    ]
+    twice = _said_twice(known, idle, same)
     settled = {path for pair in twice for path in pair}
     settled |= {path for path in known if any(_is_said_by(idle[path][0], one) for one in _beside(nodes, path[0]))}
     settled |= {path for path in known if _names_setting(idle[path][0], whole)}
@@ -111,7 +108,16 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     return [*more, *numbers, *(node for path, (node, _) in idle.items() if path not in settled)]
 
 
-def _add_runs(nodes: Sequence[Node], idle: dict[Path, tuple[Node, tuple[Node, ...]]], same: Same) -> None:
+def _said_twice(paths: Sequence[Path], idle: Idle, same: Same) -> list[tuple[Path, Path]]:
+    """The pairs of constituents of which each may be left out, and not both: one repeats the other."""
+    return [
+        (a, b)
+        for a, b in itertools.combinations(paths, 2)
+        if _said(idle[a][0]) & _said(idle[b][0]) and not same({a: idle[a][1], b: idle[b][1]})
+    ]
+
+
+def _add_runs(nodes: Sequence[Node], idle: Idle, same: Same) -> None:
     """Add the runs of constituents that change nothing together, though each of them does."""
     for run in _runs(nodes):
         paths = [(index,) for index in run]

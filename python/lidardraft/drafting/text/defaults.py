@@ -70,28 +70,9 @@ def _wanted(mention: Mention, denied: list[Mention], road: RoadNotes) -> Mention
 
 
 def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, words: str) -> ObjectGroup:
-    """As a group of the spec; vehicles along the sides of a road are parked."""
-    at, kind = _overtaking(mention), mention.record
-    sideways = str(at.heading).startswith("across-") and mention.heading in ("across", "against", "with")
-    across = at.heading == "across" and not str(mention.heading).startswith("across-")
-    heading = at.heading if sideways or across else mention.heading or at.heading
-    lane, spacing = at.lane, at.spacing
-    elsewhere = ("across", "turning") if kind.is_vehicle else "turning"
-    if kind.drives and mention.references and str(heading).startswith(elsewhere):
-        heading = None  # it is where the other one is
-    if at.at_junction and kind.drives and heading is None and len(at.sides) == 1:  # on an arm of the junction
-        heading = "across-right" if at.sides == ["left"] else "across-left"
-    if lane == "own" and kind.drives and str(heading).startswith(("across", "turning")):
-        lane = None  # "turns left across our lane"
-    if lane is not None and not kind.drives:
-        at = replace(at, places=tuple((fore, "") for fore, _ in at.places))  # the lane says which side
-    if heading == "against" and at.places == (BEHIND,):  # it comes up to us
-        heading = None
-    if lane == "own" and at.heading == "parked" and at.sides:  # double parked, beside the strip on its side
-        lane = "opposite" if at.sides == ["left"] else lane
-        at = replace(at, places=tuple((fore, "") for fore, _ in at.places))
-    if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides) and not mention.moves:
-        heading = "parked"
+    """As a group of the spec."""
+    at, heading, lane = _headed(mention)
+    kind, spacing = mention.record, at.spacing
     strip_across = heading == "across" and kind.follows_road  # a fence across the road
     waits = kind.walks and mention.speed == 0.0 and str(heading).startswith("across")  # to cross, at the kerb
     if waits or not (kind.drives or (kind.walks and heading != "parked")):
@@ -143,6 +124,32 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         references=references,
         words=words,
     )
+
+
+def _headed(mention: Mention) -> tuple[Position, str | None, str | None]:
+    """Where a mention is, which way it faces and in which lane; vehicles along the sides of a road are parked."""
+    at, kind = _overtaking(mention), mention.record
+    sideways = str(at.heading).startswith("across-") and mention.heading in ("across", "against", "with")
+    across = at.heading == "across" and not str(mention.heading).startswith("across-")
+    heading = at.heading if sideways or across else mention.heading or at.heading
+    lane = at.lane
+    elsewhere = ("across", "turning") if kind.is_vehicle else "turning"
+    if kind.drives and mention.references and str(heading).startswith(elsewhere):
+        heading = None  # it is where the other one is
+    if at.at_junction and kind.drives and heading is None and len(at.sides) == 1:  # on an arm of the junction
+        heading = "across-right" if at.sides == ["left"] else "across-left"
+    if lane == "own" and kind.drives and str(heading).startswith(("across", "turning")):
+        lane = None  # "turns left across our lane"
+    if lane is not None and not kind.drives:
+        at = replace(at, places=tuple((fore, "") for fore, _ in at.places))  # the lane says which side
+    if heading == "against" and at.places == (BEHIND,):  # it comes up to us
+        heading = None
+    if lane == "own" and at.heading == "parked" and at.sides:  # double parked, beside the strip on its side
+        lane = "opposite" if at.sides == ["left"] else lane
+        at = replace(at, places=tuple((fore, "") for fore, _ in at.places))
+    if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides) and not mention.moves:
+        heading = "parked"
+    return at, heading, lane
 
 
 def _where(at: Position, kind: SentenceKind, references: tuple[int, ...]) -> tuple[Place, ...]:

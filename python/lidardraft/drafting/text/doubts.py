@@ -102,18 +102,24 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
             unclear = unclear or any(one.symbol in STRANGE for one in base) or _is_of_others(nodes, index)
         too_much = unclear or "pronoun" in said or ("relation" in said and after != "object")
         return range(index, _after_list(nodes, end)) if too_much else ()
-    if node.symbol == "ellipsis" and after in ("unknown", "quiet", "busy", "size"):  # "one empty slot"
+    return _doubtful_ellipsis(nodes, index, texts) or _doubtful_place(nodes, index, texts)
+
+
+def _doubtful_ellipsis(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[int]:
+    """As above, of what is named by a number or a place alone."""
+    node = nodes[index]
+    if node.symbol != "ellipsis":
+        return ()
+    words = texts[node.start : node.end]
+    next_ones = [one.symbol for one in nodes[index + 1 : index + 3]]
+    if next_ones[:1] in (["unknown"], ["quiet"], ["busy"], ["size"]):  # "one empty slot"
         return range(index, _after_places(nodes, index + 2))
-    if node.symbol == "ellipsis" and [one.symbol for one in nodes[index + 1 : index + 3]] in (
-        ["is", "quiet"],
-        ["is", "busy"],
-    ):
-        return range(index, index + 3)  # "the right one is empty"
-    if node.symbol == "ellipsis" and (words == ["not"] or (words[-1].isdigit() and last in ("object", "unknown"))):
-        return (index,)  # "a car 20 30 m ahead", "a sign reading 30", "has not stopped"
-    if node.symbol == "ellipsis" and any(leaves(node, "unknown")):  # "the middle one is set back"
-        return governed
-    return _doubtful_place(nodes, index, texts)
+    if next_ones in (["is", "quiet"], ["is", "busy"]):  # "the right one is empty"
+        return range(index, index + 3)
+    is_number = words[-1].isdigit() and index > 0 and nodes[index - 1].symbol in ("object", "unknown")
+    if words == ["not"] or is_number:  # "has not stopped", "a car 20 30 m ahead", "a sign reading 30"
+        return (index,)
+    return range(index, _end(nodes, index)) if any(leaves(node, "unknown")) else ()  # "the middle one is set back"
 
 
 def _doubtful_place(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[int]:

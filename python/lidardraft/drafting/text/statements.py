@@ -70,12 +70,8 @@ def read(d: Discourse, clause: Clause) -> None:
             named.append([])
             continue
         new = [one for one in ids if one >= d.count_before]
-        strong = not own or all(one.link != "," for one in clause.items[1 : number + 1])
-        alone = bool(item.modifiers) and item.modifiers[0].verb == "one" and number > 0
-        alone = alone or (item.link == "with" and isinstance(item.head, NounPhrase) and item.head.kind in COMPANIONS)
-        for one in new if lead is not None and not alone else []:
-            place_at(d, one, lead, weak=not strong)  # type: ignore[arg-type]
-            d.cover(one, lead.tokens)  # type: ignore[union-attr]
+        if lead is not None:
+            _place_first(d, clause, number, new, lead, weak=bool(own))
         for one, way in itertools.product(new, manner):
             describe(d, one, way)
         link = clause.items[number].link
@@ -101,6 +97,18 @@ def read(d: Discourse, clause: Clause) -> None:
         if item.link not in ("except", "but"):
             _deny_once(d, new, item.head)
     d.latest = next((ids for ids in reversed(named) if ids), d.latest)
+
+
+def _place_first(d: Discourse, clause: Clause, number: int, new: Ids, lead: Place, *, weak: bool) -> None:
+    """Place what an item names where the clause begins; weakly in a list of which it has a place of its own."""
+    item = clause.items[number]
+    one_of = bool(item.modifiers) and item.modifiers[0].verb == "one" and number > 0
+    comes_along = item.link == "with" and isinstance(item.head, NounPhrase) and item.head.kind in COMPANIONS
+    if one_of or comes_along:
+        return
+    for one in new:
+        place_at(d, one, lead, weak=weak and any(other.link == "," for other in clause.items[1 : number + 1]))
+        d.cover(one, lead.tokens)
 
 
 def _is_traffic(item: Item) -> bool:
