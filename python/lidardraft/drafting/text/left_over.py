@@ -40,6 +40,8 @@ class LeftOver:
 
     def _is_lost(self, node: Node) -> bool:
         """Whether it is a place that nothing is at: "cars at the zebra crossing"."""
+        if any(word.symbol == "place" and word.get("more") for word in _words(node)):
+            return False  # "in the bike lane" is at the side of the road
         return node.symbol in ("whereabouts", "relation") and self._silent.issuperset(range(node.start, node.end))
 
     def _joins(self, token: int) -> bool:
