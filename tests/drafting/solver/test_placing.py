@@ -57,6 +57,15 @@ def test_the_ego_drives_in_the_lane_that_is_said(seed: int) -> None:
     assert road("straight", overtaken, seed=seed, ego_lane="left").ego_lane > 0
 
 
+def test_a_parking_lot_has_no_sidewalk() -> None:
+    assert road("parking-lot", ObjectGroup(kind="person"), sidewalk=False).sidewalk == 0.0
+    walker = ObjectGroup(kind="person", surface="sidewalk")
+    bench = ObjectGroup(kind="bench", from_sidewalk=(2.0, 3.0))
+    for groups, sidewalk in (((), True), ((walker,), None), ((bench,), None)):
+        with pytest.raises(LayoutError, match=r"^road: a parking lot has no sidewalk"):
+            road("parking-lot", *groups, sidewalk=sidewalk)
+
+
 def test_there_is_room_for_what_is_asked_for() -> None:
     parked = {kind: road("straight", ObjectGroup(kind=kind, heading="parked")) for kind in ("car", "truck", "person")}
     assert [parked[kind].parking for kind in ("car", "truck", "person")] == [2.2, 3.0, 0.0]

@@ -27,10 +27,12 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     """A road in the ego's frame, with what the spec leaves open sampled.
 
     Each `effort` more makes what is open larger, for what found no room before. Raises `LayoutError` on a distance that
-    is further than a sensor sees.
+    is further than a sensor sees, and on a sidewalk in a parking lot.
     """
     kind = spec.road.kind
     motorway, lot, narrow = kind == "motorway", kind == "parking-lot", spec.district == "alley"
+    if lot and (spec.road.sidewalk or any(g.surface == "sidewalk" or g.from_sidewalk for g in spec.groups)):
+        raise LayoutError("road: a parking lot has no sidewalk; ask for one beside another road, or for none")
     usual, needed = _usual_ego_lane(spec)
     lanes = spec.road.lanes or max(
         needed, min(_most_lanes(spec), _sample_lanes(spec, rng, max(needed, 1 + (0 if narrow else effort // 2))))

@@ -42,6 +42,9 @@ def spec_of(mentions: Mentions, road: RoadNotes, texts: list[str]) -> SceneSpec:
         ] or (references if one.references == (-1,) else [])
         groups.append(_group(one, tuple(references), mentions, _words(one, mentions, texts)))
     groups += [group for group in _implied(groups, road) if group.kind not in absent]
+    if road.kind == "parking-lot":  # which has no sidewalk
+        groups = [replace(one, surface="road" if one.surface == "road" else None, from_sidewalk=None) for one in groups]
+        road = replace(road, sidewalk=None)
     needs_sidewalk = any(group.surface == "sidewalk" or group.from_sidewalk for group in groups)
     return SceneSpec(
         road=_road_spec(road, mentions, needs_sidewalk),
