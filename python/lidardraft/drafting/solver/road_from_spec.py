@@ -93,24 +93,26 @@ def _branch(spec: SceneSpec, usual: int) -> int:
 
 def _crossed_at(spec: SceneSpec, road: Road) -> Road:
     """The road with its junction where a vehicle is asked for that crosses at a distance."""
-    crossing = [group for group in spec.groups if group.crosses and group.distance and not group.relation]
+    crossing = [
+        (group.kind, group.way_across or 1, group.distance)
+        for group in spec.groups
+        if group.crosses and group.distance and not group.relation
+    ]
     if not crossing or spec.road.junction is not None:
         return road
-    group = crossing[0]
-    apart = next((one for one in crossing if one.distance != group.distance), None)
-    if apart is not None and apart.distance and group.distance:
-        asked = f"at {apart.distance[0]:g} m and at {group.distance[0]:g} m"
-        raise LayoutError(
-            f"{apart.kind}: one road crosses that of the ego, but vehicles are asked for that cross {asked}"
-        )
-    lane = road.lane(0, 1) * (group.way_across or 1)
-    junction = sum(group.distance or ()) / 2 + lane
-    half = road.edge if road.roundabout_radius is None else road.roundabout_radius
-    if junction < half + NEAREST_JUNCTION:
-        near = half + NEAREST_JUNCTION - lane
-        raise LayoutError(
-            f"{group.kind}: no road crosses so near to the ego; it may be {math.ceil(near)} m away or more"
-        )
+    kind, way, distance = crossing[0]
+    for other, _, apart in crossing:
+        if apart != distance:
+            asked = f"at {apart[0]:g} m and at {distance[0]:g} m"
+            raise LayoutError(
+                f"{other}: one road crosses that of the ego, but vehicles are asked for that cross {asked}"
+            )
+    lane = road.lane(0, 1) * way
+    junction = sum(distance) / 2 + lane
+    nearest = NEAREST_JUNCTION + (road.edge if road.roundabout_radius is None else road.roundabout_radius)
+    if junction < nearest:
+        limit = f"what crosses must be {math.ceil(nearest - lane)} m away or more"
+        raise LayoutError(f"{kind}: distance is {sum(distance) / 2:g} m; {limit}")
     return replace(road, junction=junction, half_length=max(road.half_length, junction + 30.0))
 
 

@@ -81,7 +81,8 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         if _is_neutral(node):
             more.extend(leaf for _, leaf in _leaves(node, path) if leaf.get("more") and leaf is not node)
             return
-        names_road = bool(node.children) and node.get("road") == whole.road.kind != "straight"  # as others may imply it
+        known = bool(node.children) and node.symbol not in STRANGE
+        names_road = known and node.get("road") == whole.road.kind != "straight"  # as others may imply it
         if not names_road and is_idle(path, node):
             idle[path] = (node, ())
             return

@@ -33,9 +33,8 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
             return [last]
         if said.times > 1 and listed[last].count == 1:
             return [last]  # "trees, and a lamp at each corner"
-        oncoming = (
-            listed[last].manner.heading != "against"
-        )  # what is so is not "an oncoming car and a man on the right"
+        # what is said of the last is not said of "an oncoming car" before it
+        oncoming = listed[last].manner.heading != "against"
         listed = {one: head for one, head in listed.items() if not (oncoming and head.manner.heading == "against")}
         return [one for one, head in listed.items() if _can_be(head, said)] or [last]
     return [one for one, head in listed.items() if _can_move(head, said)] or [last]

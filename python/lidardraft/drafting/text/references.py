@@ -19,12 +19,9 @@ def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
         fitting = [n for n in numbers if d.mentions[n].count != 1] or [n for n in wanted if d.mentions[n].count != 1]
     else:
         fitting = [n for n in numbers if d.mentions[n].count in (1, "many", "few")]
-        of_sort = [
-            n for n in fitting if (d.mentions[n].record.walks or d.mentions[n].record.cycles) or not phrase.of_person
-        ]
-        if not phrase.of_person:
-            of_sort = [n for n in fitting if d.mentions[n].kind != "person"]
-        fitting = of_sort or ([] if d.road.kind in JUNCTIONS else fitting)
+        people = [n for n in fitting if d.mentions[n].record.walks or d.mentions[n].record.cycles]
+        others = [n for n in fitting if d.mentions[n].kind != "person"]
+        fitting = (people if phrase.of_person else others) or ([] if d.road.kind in JUNCTIONS else fitting)
     found = (fitting or numbers)[-1:]
     for subject in fitting[:-1]:  # "a car behind a truck, a man next to it": the car
         other, one = d.mentions[found[-1]], d.mentions[subject]
