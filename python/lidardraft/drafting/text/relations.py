@@ -156,7 +156,7 @@ def _ride(d: Discourse, ids: Ids, said: Relation, references: Ids) -> None:
         target = said.targets[0]
         if references[0] == len(d.mentions) - 1:
             d.mentions.pop()
-        d.change(one, kind=target.kind, ridden=True)
+        d.change(one, kind=target.kind, ridden=True, host=None)
 
 
 def _stand_at(d: Discourse, subjects: Ids, references: Ids) -> bool:
