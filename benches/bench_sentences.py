@@ -2,8 +2,8 @@
 
     python benches/bench_sentences.py [FILE]
 
-FILE has a sentence on each line; without one, they are the 120 of the tests that were written by people who had not
-seen the reader. A sentence that is refused counts too. The first one is the median of five processes.
+FILE has a sentence on each line; without one, they are the 120 of the tests whose writers had not seen the reader. A
+sentence that is refused counts too. The first one is the median of five processes.
 """
 
 from __future__ import annotations
