@@ -26,10 +26,10 @@ _SAYS_NOTHING = [(one.name, one.default) for one in dataclasses.fields(Position)
 _VERBS = ("crossed", "turned", "state")
 _NEUTRAL = (  # words that join others, or say what is so anyway
     *("silent", "usual", "is", "and", "with", "has", "but", "except", "which", "there", "ego", "pronoun", "time"),
-    *("the", "a", "single", "about", "motion", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
+    *("the", "a", "single", "about", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
     *(",", ".", ":", "(", ")", "of_road"),
 )
-_CONTENT = ("usual", "time", "motion", "unit", "ego")  # of those, what says something
+_CONTENT = ("usual", "time", "unit", "ego")  # of those, what says something
 _PLAIN = (
     ("road", "straight"),
     ("anyway", "coming"),
