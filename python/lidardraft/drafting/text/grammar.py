@@ -286,6 +286,8 @@ def _agreeing(node: Node) -> Features | None:
         return None
     if ("side", "unknown") in itertools.pairwise(one.symbol for one in attributes):
         return None  # "on the left directing traffic"
+    if any(ego for one in attributes for ego in leaves(one, "ego")):
+        return None  # "approaching the ego vehicle"
     counts = [one.get("count") for one in determiners if one.symbol == "quantity" and isinstance(one.get("count"), int)]
     if several is False and any(count >= _NO_COUNT for count in counts):
         return None  # a "speed limit 30 sign"
