@@ -26,7 +26,7 @@ _SAYS_NOTHING = [(one.name, one.default) for one in dataclasses.fields(Position)
 _VERBS = ("crossed", "turned", "state")
 _NEUTRAL = (  # words that join others, or say what is so anyway
     *("silent", "usual", "is", "and", "with", "has", "but", "except", "which", "there", "ego", "pronoun", "time"),
-    *("the", "a", "single", "about", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
+    *("the", "a", "single", "about", "unit", "another", "all", "both", "of", "ofthem", "respectively", "lengthways"),
     *(",", ".", ":", "(", ")", "of_road"),
 )
 _CONTENT = ("usual", "time", "unit", "ego")  # of those, what says something
@@ -91,7 +91,8 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         if node.symbol in ("kind", "ordinal") and is_lost(path, node):
             more.append(node)
         for index, child in enumerate(node.children):
-            visit((*path, index), child)
+            if child.symbol != "gait" or len(node.children) == 1:  # "driving towards us": the direction says all
+                visit((*path, index), child)
 
     more: list[Node] = []
     for index, node in enumerate(nodes):
