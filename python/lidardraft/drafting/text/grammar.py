@@ -41,7 +41,8 @@ def _words(tokens: list[Token]) -> list[list[Node]]:
         here: list[Node] = []
         entries = () if token.is_strange else known.get(token.text, ())
         for parts, word in entries:
-            if tuple(texts[index : index + len(parts)]) == parts:
+            known_thing = word.features.get("named") and parts[-1] in texts[:index]  # "a robot ahead, the robot"
+            if tuple(texts[index : index + len(parts)]) == parts and not known_thing:
                 cost = {"silent": _SAYS_NOTHING, "unknown": -_SAYS_NOTHING}.get(word.category, 0.0)
                 here.append(Node(word.category, index, index + len(parts), cost, tuple(word.features.items())))
         match = None if token.is_strange else NUMBER.match(line, start)

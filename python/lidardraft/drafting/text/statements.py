@@ -348,6 +348,8 @@ def _carrier(d: Discourse, item: Item, ids: Ids, host: Ids, said: object) -> Ids
     together = carrier.kind == carried.kind == "person"
     companion = carried.kind in COMPANIONS or item.is_carried or (isinstance(item.head, NounPhrase) and item.head.owned)
     companion = companion or together or (carrier.record.walks and carried.record.cycles)
+    if isinstance(said, Relation) and any(phrase.pronoun for phrase in said.targets):
+        return []  # "two houses with a tree between them"
     facade = isinstance(said, Place) and said.bare
     companion = companion or (carrier.record.family == "buildings" and not (carried.record.on_road or facade))
     at_distance = isinstance(said, Place) and bool(said.at.distance) and len(item.modifiers) == 1

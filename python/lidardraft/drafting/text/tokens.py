@@ -162,7 +162,7 @@ def _letters(said: str, start: int, end: int) -> list[Token]:
         return [Token(said.removesuffix("n't") or "not", start, end), Token("not", start, end)]
     if mark and word in _SUBJECTS:
         return [Token(word, start, end)] + ([Token("is", start, end)] if ending == "s" else [])
-    if said in ("driver's", "passenger's", "ego's"):
+    if said in ("driver's", "passenger's", "ego's", "robot's"):
         return [Token(said, start, end)]
     return [Token(said, start, end, is_strange=bool(mark))]
 
