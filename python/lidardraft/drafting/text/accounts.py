@@ -60,7 +60,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         return kept is not None and _read(read, kept) in (None, whole)
 
     def is_idle(path: Path, node: Node) -> bool:
-        if node.symbol in (*STRANGE, *UNSHOWN):
+        if node.symbol in (*STRANGE, *UNSHOWN, "scenic"):
             return True
         turned = [{at: (other,)} for at, leaf in _leaves(node, path) for other in _turned(leaf, whole)]
         turned = [one for one in turned if _with(nodes, one, grammar) is not None]
@@ -228,6 +228,8 @@ def _is_neutral(node: Node) -> bool:
         return True
     if node.symbol in _NEUTRAL or node.symbol.startswith("'") or any(one in node.features for one in _PLAIN):
         return not node.children or node.symbol in _NEUTRAL or all(map(_is_neutral, node.children))
+    if node.symbol == "ellipsis" and any(leaves(node, "number")):
+        return False  # "two inside and one outside"
     return (bool(node.children) and all(map(_is_neutral, node.children))) or (
         node.symbol == "number" and node.get("value") == 1
     )

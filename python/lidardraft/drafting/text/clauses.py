@@ -253,6 +253,7 @@ class _Reading:
             return
         head = noun_phrase(node)
         if head.kind is None and not link and before is not None and named and not self._is_placed(before):
+            self._items[-1] = dataclasses.replace(before, is_told=True)
             return  # it only says something of the object before it: "a man walking his dog"
         if not link and named and is_known(head) and (head.kind == "animal" or head.owned):
             link = "with"  # "a man walking his dog"

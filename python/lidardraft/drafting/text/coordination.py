@@ -29,7 +29,7 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
         )
         return [last] if alone else list(listed)
     if isinstance(said, Place):
-        if item.link == "," and (said.at.distance or said.at.sidewalk):
+        if (item.link == "," and (said.at.distance or said.at.sidewalk)) or (item.comma and said.at.distance):
             return [last]
         if said.times > 1 and listed[last].count == 1:
             return [last]  # "trees, and a lamp at each corner"
@@ -37,7 +37,9 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
         oncoming = listed[last].manner.heading != "against"
         listed = {one: head for one, head in listed.items() if not (oncoming and head.manner.heading == "against")}
         return [one for one, head in listed.items() if _can_be(head, said)] or [last]
-    return [one for one, head in listed.items() if _can_move(head, said)] or [last]
+    heading = said.heading if isinstance(said, Manner) else None
+    others = {one for one, head in listed.items() if heading and head.manner.heading not in (None, "with", heading)}
+    return [one for one, head in listed.items() if _can_move(head, said) and one not in others] or [last]
 
 
 def _pronouns(said: Relation) -> set[str]:

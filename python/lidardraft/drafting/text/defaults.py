@@ -146,7 +146,7 @@ def _headed(mention: Mention) -> tuple[Position, str | None, str | None]:
     if lane is not None and not kind.drives:
         at = replace(at, places=tuple((fore, "") for fore, _ in at.places))  # the lane says which side
     if heading == "against" and at.places == (BEHIND,):  # it comes up to us
-        heading = None
+        heading = "with"
     if lane == "own" and at.heading == "parked" and at.sides:  # double parked, beside the strip on its side
         lane = "opposite" if at.sides == ["left"] else lane
         at = replace(at, places=tuple((fore, "") for fore, _ in at.places))
@@ -240,7 +240,7 @@ def _implied(groups: list[ObjectGroup], road: RoadNotes) -> list[ObjectGroup]:
             implied.append(ObjectGroup(kind="vehicle", count="some", at_junction=True))
         elif road.kind in _CROSSED:
             implied.append(ObjectGroup(kind="vehicle", count="some", heading="across"))
-    if busy and junction and "person" not in kinds:
+    if busy and junction and not kinds:
         implied.append(ObjectGroup(kind="person", count="some", at_junction=True))
     return implied
 

@@ -13,6 +13,7 @@ from lidardraft.objects.kinds import SENTENCE_KINDS
 
 STRANGE = ("unknown", "stranger", "aside")  # constituents that nothing comes of
 _ENDS = (",", ".", ":", ")", "but")  # of what a word governs
+_LISTS = (*_ENDS, "(", "and", "or", "with", "has", "is", "there")  # after these a noun is named for itself
 _NAMES = ("object", "ellipsis", "pronoun", "stranger")
 _SAID = ("whereabouts", "relation")
 _PREPOSITIONS = ("in", "of", "to", "from", "on", "at", "by", "through", "onto", "into", "for", "as")
@@ -21,8 +22,8 @@ _VERBS = ("state", "crossed", "turned", "overtakes", "overtaking", "relation")
 _SUBORDINATE = ("if", "until", "although", "though", "since", "as")
 
 
-def with_cargo(nodes: Sequence[Node]) -> list[Node]:
-    """The constituents of a text; what a vehicle carries is on it, and has no shape of its own."""
+def with_unseen(nodes: Sequence[Node]) -> list[Node]:
+    """The constituents of a text; what a vehicle carries has no shape, and scenery takes the place after it."""
     found: list[Node] = []
     carrier: Node | None = None
     for node in nodes:
@@ -33,8 +34,17 @@ def with_cargo(nodes: Sequence[Node]) -> list[Node]:
             node = Node("unseen", load.start, node.end, 0.0, (), (load._replace(symbol="worn"), node))
         elif node.symbol == "object":
             carrier = node
+        elif node.symbol == "whereabouts" and _is_listed_scenery(found):  # "a park on the right"
+            scenery = found.pop()
+            node = scenery._replace(end=node.end, children=(*scenery.children, node))
         found.append(node)
     return found
+
+
+def _is_listed_scenery(nodes: Sequence[Node]) -> bool:
+    """Whether the last constituent is scenery that is named for itself, as "in a park" is not."""
+    before = nodes[-2].symbol if len(nodes) > 1 else "."
+    return bool(nodes) and any(leaves(nodes[-1], "scenic")) and nodes[-1].symbol == "unseen" and before in _LISTS
 
 
 def with_doubts(nodes: Sequence[Node], texts: Sequence[str]) -> list[Node]:

@@ -13,7 +13,7 @@ from lidardraft.drafting.text.accounts import gave, idle_parts, says_something
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.clauses import clauses_of
 from lidardraft.drafting.text.defaults import spec_of
-from lidardraft.drafting.text.doubts import STRANGE, with_cargo, with_doubts
+from lidardraft.drafting.text.doubts import STRANGE, with_unseen, with_doubts
 from lidardraft.drafting.text.explanation import Explanation, Meaning
 from lidardraft.drafting.text.grammar import grammar, parse
 from lidardraft.drafting.text.left_over import LeftOver
@@ -124,7 +124,7 @@ def explain(sentence: str) -> Explanation:
 
 def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]]:
     """The constituents of a text, and those that nothing comes of."""
-    nodes = with_doubts(with_cargo(parse(tokens)), texts)
+    nodes = with_doubts(with_unseen(parse(tokens)), texts)
     return nodes, idle_parts(nodes, grammar(), lambda said: _without_words(_spec_of(said, texts)))
 
 

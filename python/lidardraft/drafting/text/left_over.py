@@ -8,6 +8,7 @@ from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.grammar import UNSHOWN
 from lidardraft.drafting.text.mentions import RUNNING
 from lidardraft.drafting.text.tokens import Token
+from lidardraft.drafting.text.tree import leaves
 
 _JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
 _GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
@@ -42,6 +43,8 @@ class LeftOver:
         """Whether it is a place that nothing is at: "cars at the zebra crossing"."""
         if any(word.symbol == "place" and word.get("more") for word in _words(node)):
             return False  # "in the bike lane" is at the side of the road
+        if _is_at_scenery(node):
+            return False
         return node.symbol in ("whereabouts", "relation") and self._silent.issuperset(range(node.start, node.end))
 
     def _joins(self, token: int) -> bool:
@@ -65,13 +68,18 @@ class LeftOver:
 
 def _words(node: Node) -> Iterator[Node]:
     """The words of a constituent, those of what somebody wears or carries as one."""
-    if not node.children or node.symbol in UNSHOWN:
+    if not node.children or node.symbol in UNSHOWN or _is_at_scenery(node):
         yield node
     else:
         for child in node.children:
             yield from _words(child)
 
 
+def _is_at_scenery(node: Node) -> bool:
+    """Whether it is a relation to what has no shape: "near a park"."""
+    return node.symbol == "relation" and any(leaves(node, "scenic"))
+
+
 def _has_no_shape(word: Node) -> bool:
     said = word.get("more") or word.get("road") == "straight" or word.get("speed") == RUNNING
-    return word.symbol in _SHAPELESS or bool(said)
+    return word.symbol in _SHAPELESS or bool(said) or _is_at_scenery(word)

@@ -13,7 +13,7 @@ from lidardraft.drafting.text.positions import Position, place_named
 from lidardraft.drafting.text.tokens import NUMBER_WORDS
 
 _FILES = ("words.txt", "kinds.txt", "shapeless.txt")
-_NOUNS = ("kind", "road", "foreign", "accessory")
+_NOUNS = ("kind", "road", "foreign", "accessory", "scenery")
 
 
 class Word(NamedTuple):

@@ -72,8 +72,10 @@ def _keep_with(mentions: list[Mention], number: int) -> None:
     """What is with something, and placed by nothing else, is near it, as in "a garden with two trees"."""
     mention = mentions[number]
     other = mentions[mention.with_it] if mention.with_it is not None else None
-    if other is None or other.kind in (None, "vehicle") or not mention.is_wanted or other.count == 0:
+    if other is None or other.kind is None or not mention.is_wanted or other.count == 0:
         return
+    if other.kind == "vehicle" and mention.kind != "trailer":
+        return  # "traffic with cars"
     if mention.placed or mention.on_road or mention.relation is not None:
         return
     if not _depends(mentions, mention.with_it, number):  # type: ignore[arg-type]

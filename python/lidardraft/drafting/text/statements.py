@@ -51,6 +51,7 @@ def read(d: Discourse, clause: Clause) -> None:
     d.last_lead = lead
     named: list[Ids] = []
     related: tuple[Relation, Ids, int] | None = None
+    around: Place | None = None
     for number, item in enumerate(clause.items):
         before = next((ids for ids in reversed(named) if ids), [])
         if lead is not None and number and not holds_for(d, lead, item, before):
@@ -74,6 +75,10 @@ def read(d: Discourse, clause: Clause) -> None:
             _place_first(d, clause, number, new, lead, weak=bool(own))
         for one, way in itertools.product(new, manner):
             describe(d, one, way)
+        around = _area_before(d, item, before, around)
+        on_it = all(isinstance(one.said, Relation) and any(to.pronoun for to in one.said.targets) for one in own)
+        for one in new if around is not None and on_it else []:
+            place_at(d, one, around, weak=True)
         link = clause.items[number].link
         if relation is not None and ids:
             if relation[0].at.distance is None or not any(d.mentions[one].at.distance for one in ids):
@@ -109,6 +114,14 @@ def _place_first(d: Discourse, clause: Clause, number: int, new: Ids, lead: Plac
     for one in new:
         place_at(d, one, lead, weak=weak and any(other.link == "," for other in clause.items[1 : number + 1]))
         d.cover(one, lead.tokens)
+
+
+def _area_before(d: Discourse, item: Item, before: Ids, around: Place | None) -> Place | None:
+    """Where what has no shape is, which is the place of what it has: "a park on the left with trees and benches"."""
+    area = d.mentions[before[-1]] if before and item.link == "with" else None
+    if area is not None and area.kind is None and area.placed:
+        return Place(Position(area.at.places, area.at.distance))
+    return around if item.link == "and" else None
 
 
 def _is_traffic(item: Item) -> bool:
@@ -164,7 +177,7 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
         carried = (
             (item.link == "with" or phrase.without) and before and not any(d.mentions[one].placed for one in before)
         )
-        return before if carried else [d.add(Mention(None, at=Position()))]
+        return before if carried else [d.add(Mention(None, at=phrase.at or Position(), placed=phrase.at is not None))]
     if phrase.part == 0 or (number and item.verb and _is_ego_named(clause.items[number - 1])):
         return []
     if item.link == "except" and (before or d.latest):
@@ -223,7 +236,7 @@ def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: 
     mention = mention_of(phrase)
     said = clause.items[number - 1].modifiers[-1:] if number else ()
     streets = (*(one.said for one in said), *(one.head for one in clause.items[number - 1 : number]))
-    of_street = any(isinstance(one, Street) for one in streets)  # "buses in a street with trees"
+    of_street = any(isinstance(one, Street) or (isinstance(one, Place) and one.road) for one in streets)
     if item.link in ("with", "has", "have") and before and d.mentions[before[-1]].is_wanted and not of_street:
         host = before[-1]
         if item.link == "have" and d.mentions[host].count != 1 and d.each is None:

@@ -293,8 +293,9 @@ def noun_phrase(node: Node) -> NounPhrase:
 
 def _special_phrase(node: Node, tokens: Tokens) -> NounPhrase | None:
     """What is unknown, a pronoun, or a part of the road."""
-    if node.symbol == "stranger":
-        return NounPhrase(None, tokens=tokens, definite=any(leaves(node, "the")))
+    if node.symbol in ("stranger", "scenic"):
+        at = next((one.get("at") for one in node.children if one.symbol == "whereabouts"), None)
+        return NounPhrase(None, tokens=tokens, definite=any(leaves(node, "the")), at=at)
     if node.symbol in ("pronoun", "ego", "'that"):
         word = "us" if node.symbol == "ego" else "them" if node.get("several") else "it"
         person = bool(node.get("person"))
@@ -341,7 +342,7 @@ def relation_of(node: Node) -> Relation:
         one for one in node.children if one.symbol not in ("relative", "length", "whereabouts", "border", "junction")
     ]
     targets = [
-        next(leaves(one, "object", "pronoun", "stranger", "ellipsis", "ego", "'that", "border", "junction"))
+        next(leaves(one, "object", "pronoun", "stranger", "scenic", "ellipsis", "ego", "'that", "border", "junction"))
         for one in node.children
         if one.symbol in ("relative", "border", "junction")
     ]
