@@ -150,7 +150,8 @@ def _headed(mention: Mention) -> tuple[Position, str | None, str | None]:
     if lane == "own" and at.heading == "parked" and at.sides:  # double parked, beside the strip on its side
         lane = "opposite" if at.sides == ["left"] else lane
         at = replace(at, places=tuple((fore, "") for fore, _ in at.places))
-    if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides) and not mention.moves:
+    waits = at.both_sides and mention.speed == 0.0
+    if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides) and not (mention.moves or waits):
         heading = "parked"
     return at, heading, lane
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.grammar import JUNCTIONS
-from lidardraft.drafting.text.positions import Position
+from lidardraft.drafting.text.positions import FRONT, Position
 from lidardraft.drafting.text.tree import leaves
 from lidardraft.objects.kinds import SENTENCE_KINDS
 
@@ -34,17 +34,23 @@ def with_unseen(nodes: Sequence[Node]) -> list[Node]:
             node = Node("unseen", load.start, node.end, 0.0, (), (load._replace(symbol="worn"), node))
         elif node.symbol == "object":
             carrier = node
-        elif node.symbol == "whereabouts" and _is_listed_scenery(found):  # "a park on the right"
-            scenery = found.pop()
+        elif _is_ahead(node) and _is_listed(found, "street"):
+            node = node._replace(symbol="silent", features=(), children=())  # "a junction ahead"
+        elif node.symbol == "whereabouts" and _is_listed(found, "unseen") and any(leaves(found[-1], "scenery")):
+            scenery = found.pop()  # "a park on the right"
             node = scenery._replace(end=node.end, children=(*scenery.children, node))
         found.append(node)
     return found
 
 
-def _is_listed_scenery(nodes: Sequence[Node]) -> bool:
-    """Whether the last constituent is scenery that is named for itself, as "in a park" is not."""
+def _is_ahead(node: Node) -> bool:
+    return node.symbol == "whereabouts" and node.get("at") == Position((FRONT,)) and not node.get("bare")
+
+
+def _is_listed(nodes: Sequence[Node], symbol: str) -> bool:
+    """Whether the last constituent is of a symbol and named for itself: "a park", and not "in a park"."""
     before = nodes[-2].symbol if len(nodes) > 1 else "."
-    return bool(nodes) and any(leaves(nodes[-1], "scenic")) and nodes[-1].symbol == "unseen" and before in _LISTS
+    return bool(nodes) and nodes[-1].symbol == symbol and before in _LISTS
 
 
 def with_doubts(nodes: Sequence[Node], texts: Sequence[str]) -> list[Node]:

@@ -13,6 +13,7 @@ from lidardraft.drafting.text.lexicon import features_of, lexicon, rows
 from lidardraft.drafting.text.positions import NOWHERE, Position
 from lidardraft.drafting.text.tokens import NUMBER, Token, number
 from lidardraft.drafting.text.tree import leaves
+from lidardraft.objects.kinds import SENTENCE_KINDS
 
 _NO_COUNT = 20  # from here on, a number before a singular noun says something else: "two bench", but "a 30 sign"
 _FURTHER = 40.0  # m, what "at least 20 m" reaches beyond; estimate
@@ -366,6 +367,12 @@ JUNCTIONS = ("crossroads", "t-junction", "roundabout")
 def _compound(node: Node) -> Features | None:
     """A noun in the singular says more of the next one: "garden fence"."""
     return None if node.children[0].get("plural") is True else node.children[1].features
+
+
+def _facade(node: Node) -> Features | None:
+    """A shop's entrance is where the shop is."""
+    kind = node.children[0]
+    return kind.features if SENTENCE_KINDS[kind.get("kind")].family == "buildings" else None
 
 
 def _family(node: Node) -> Features | None:

@@ -35,6 +35,8 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
         return ids
     if place.at.spacing and place.in_row and queue_up(d, ids, place.at.spacing):
         return ids[:1]
+    if place.at.spacing and len(ids) > 2 and queue_up(d, ids, place.at.spacing):  # "a car, a van and a bus 5 m apart"
+        ids, place = ids[:1], replace(place, at=replace(place.at, spacing=None))
     spaced = modifier.link == "," and place.at == Position(spacing=place.at.spacing)  # "6 left, 4 right, 5 m apart"
     ahead = modifier.link == "," and not modifier.verb and place.at == Position(place.at.places) and not place.at.sides
     ahead = ahead and bool(ids) and d.mentions[ids[0]].at.distance is not None  # "one at 5 m and one at 9 m, ahead"

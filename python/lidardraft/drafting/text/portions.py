@@ -48,11 +48,11 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
     )  # but of "two vans and a third" the third is one more
     last = whole if of_them and whole is not None else last
     source = d.mentions[last]
-    if item.link == ":" and not phrase.of_them and (source.count == 1 or isinstance(source.count, str)):
-        d.change(last, summed=True)
     if phrase.count == 0:
         return _none_of(d, item, phrase, last, told)
     told = told or (number + 1 < len(clause.items) and not following)
+    if item.link == ":" and told and not phrase.of_them and (source.count == 1 or isinstance(source.count, str)):
+        d.change(last, summed=True)
     aside = bool(item.modifiers) and item.modifiers[0].link == "," and phrase.of_them
     counted = isinstance(source.count, str) and (aside or not (told or following in _HAVING))
     if counted or not (told or phrase.of_them or phrase.another):
@@ -130,6 +130,9 @@ def _all_or_each(d: Discourse, phrase: NounPhrase, whole: int | None, before: Id
 def _none_of(d: Discourse, item: Item, phrase: NounPhrase, whole: int, told: bool) -> Ids:
     """ "None of them parked": they drive; "none on the left": there they are not."""
     said = [one.said for one in item.modifiers]
+    if item.link == ":" and not told:  # "cars on the left: none"
+        d.change(whole, count=0)
+        return []
     if not phrase.of_them:
         return [d.add(Mention(d.mentions[whole].kind, 0))] if told else []
     if said and all(isinstance(one, Manner) and one.heading in ("parked", "against") for one in said):
