@@ -88,15 +88,16 @@ def explain(sentence: str) -> Explanation:
         raise TextError(f"the text has {len(tokens)} words and signs; it may have {MAX_WORDS}, more with --llm-url")
     texts = [token.text for token in tokens]
     nodes, idle = _read(tokens, texts)
-    mentions, _, unfit = resolve(clauses_of(list(nodes), texts))
+    found = resolve(clauses_of(list(nodes), texts))
     spec = _spec_of(nodes, texts)
-    said = [mention.tokens for _, mention in divided(part(mentions))]
+    said = [mention.tokens for _, mention in divided(part(tuple(found.mentions)))]
     idle = [one for one in idle if one.symbol != "ellipsis" or not _names_group(one, said)]
     idle = [one for one in idle if one.symbol != "ordinal" or texts[one.start - 1] != "a"]  # "a third" is one more
     silent = {n for one in idle for n in range(one.start, one.end)}
     silent |= {
-        n for node in nodes for word in leaves(node, "sidewalk") for n in range(word.start, word.end) if n in unfit
+        n for node in nodes for word in leaves(node, "sidewalk") for n in range(word.start, word.end) if n in found.unfit
     }
+    silent |= found.dropped - found.taken
     given = []
     for index, node in enumerate(nodes):
         run = set(range(node.start, node.end))
@@ -138,8 +139,8 @@ def _names_road(node: Node) -> bool:
 
 
 def _spec_of(nodes: Sequence[Node], texts: list[str]) -> SceneSpec:
-    mentions, road, _ = resolve(clauses_of(list(nodes), texts))
-    spec = spec_of(part(mentions), road, texts)
+    found = resolve(clauses_of(list(nodes), texts))
+    spec = spec_of(part(tuple(found.mentions)), found.road, texts)
     district, activity, weather = (_setting(nodes, name) for name in ("district", "activity", "weather"))
     return dataclasses.replace(spec, district=district, activity=activity, weather=weather)
 

@@ -116,6 +116,8 @@ class Discourse:
     it: int | None = None  # what "it" was in this sentence
     summed: int | None = None
     unfit: set[int] = field(default_factory=set)  # tokens of places that some of their objects cannot be at
+    dropped: set[int] = field(default_factory=set)  # of places that an object cannot be at, or is not, for it has one
+    taken: set[int] = field(default_factory=set)  # of places that an object is at
 
     def add(self, mention: Mention) -> int:
         """The number of a new mention."""

@@ -108,6 +108,7 @@ def attach(d: Discourse, number: int, place: Place, link: str) -> None:
     """A further place after "and", a closer description of the same place otherwise."""
     mention = d.mentions[number]
     at = _fitting(place, mention)
+    d.dropped |= place.tokens
     if at is None:
         return
     _note_unfit(d, place, at)
@@ -118,6 +119,7 @@ def attach(d: Discourse, number: int, place: Place, link: str) -> None:
         return  # a second lane
     if at.distance and mention.at.distance and ("beside" in {fore for fore, _ in (*at.places, *mention.at.places)}):
         return  # "10 m ahead and 3 m to the left"
+    d.taken |= place.tokens
     if place.everywhere and mention.count == "some":
         d.change(number, count="many")
     if place.times > 1:
@@ -131,7 +133,7 @@ def attach(d: Discourse, number: int, place: Place, link: str) -> None:
         else:
             _add_elsewhere(d, number, at)
     elif (at.distance and _is_exact(mention.at)) or (at.spacing and mention.at.spacing):
-        return  # a second length
+        d.taken -= place.tokens  # a second length
     elif mention.at.narrowed(at) != mention.at or place.lanes or place.road:
         d.change(number, at=mention.at.narrowed(at))
 
@@ -175,7 +177,9 @@ def place_at(d: Discourse, number: int, place: Place, weak: bool = False) -> Non
         d.change(number, at=mention.at.narrowed(place.at), placed=True)
         return
     at = _fitting(place, mention)
+    d.dropped |= place.tokens
     if at is not None:
+        d.taken |= place.tokens
         _note_unfit(d, place, at)
         d.change(number, at=mention.at.narrowed(at), placed=True, weak=weak)
 

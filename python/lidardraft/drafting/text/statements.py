@@ -410,12 +410,12 @@ def _respective(d: Discourse, clause: Clause, number: int, open_ids: Ids) -> boo
     return True
 
 
-def resolve(clauses: list[Clause]) -> tuple[Mentions, RoadNotes, Tokens]:
-    """The mentions of a text in the order of their names, what it says of the road, and tokens of unfit places."""
+def resolve(clauses: list[Clause]) -> Discourse:
+    """The mentions of a text in the order of their names, what it says of the road, and which words were dropped."""
     discourse = Discourse(_inner_side(clauses))
     for clause in clauses:
         read(discourse, clause)
-    return tuple(discourse.mentions), discourse.road, frozenset(discourse.unfit)
+    return discourse
 
 
 def _inner_side(clauses: list[Clause]) -> str | None:
