@@ -97,6 +97,8 @@ def _broken_road(spec: SceneSpec, road: Road) -> list[str]:
         wrong.append("one-way")
     if wanted.sidewalk is not None and wanted.sidewalk != (road.sidewalk > 0):
         wrong.append("sidewalk")
+    if wanted.median and not road.median:
+        wrong.append("median")
     bend = {"left-bend": road.curvature > 0, "right-bend": road.curvature < 0, "bend": road.curvature != 0}
     junction = {"crossroads": len(road.side_roads) == 2, "t-junction": len(road.side_roads) == 1}
     if not bend.get(wanted.kind, road.curvature == 0):
@@ -135,6 +137,8 @@ def _broken_of(group: ObjectGroup, placed: list[Placed], road: Road) -> list[str
         beside = abs(one.foot) > road.edge
         if group.surface == "sidewalk" and road.sidewalk > 0.9 and not road.edge < abs(one.foot) < road.verge:
             wrong.append("not on the sidewalk")
+        if group.surface == "median" and abs(one.foot) > road.median / 2:
+            wrong.append("not in the median")
         if group.surface == "road" and beside:
             wrong.append("not on the road")
         if not group.on_road and not beside:

@@ -128,13 +128,13 @@ def _class_sizes(label: str, spread: tuple[float, float, float]) -> SizeAround:
 # what stands beside the road are along it.
 _vehicle = partial(SentenceKind, counts=CountRanges(), surfaces=("road",), is_vehicle=True)
 _large = partial(_vehicle, parking_width=3.0)
-_ANYWHERE = ("road", "sidewalk")
+_ANYWHERE = ("road", "sidewalk", "median")
 _thing = partial(SentenceKind, surfaces=_ANYWHERE)
 _plant = partial(SentenceKind, label="vegetation")
 _building = partial(
     SentenceKind, label="building", family="buildings", counts=CountRanges(some=(3, 5)), yaw_deviation=0.02
 )
-_strip = partial(SentenceKind, counts=CountRanges((1, 2), (2, 3), (3, 4)), surfaces=("road",), follows_road=True)
+_strip = partial(SentenceKind, counts=CountRanges((1, 2), (2, 3), (3, 4)), surfaces=("road", "median"), follows_road=True)
 _enclosure = partial(_strip, family="enclosures")
 _pole = partial(_thing, family="poles")
 _furniture = partial(_thing, label="other", family="furniture", is_square=True)

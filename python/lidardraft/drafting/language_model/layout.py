@@ -169,6 +169,7 @@ def scene_spec_schema() -> Schema:
         "lanes": _or_null({"type": "integer"}),
         "oncoming_lanes": _or_null({"type": "integer"}),
         "sidewalk": _or_null({"type": "boolean"}),
+        "median": {"type": "boolean"},
         "one_way": {"type": "boolean"},
         "ego_lane": _or_null(_one_of(EGO_LANES)),
         "ego_motion": _or_null(_one_of(MOTIONS)),

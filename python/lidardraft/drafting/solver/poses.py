@@ -28,6 +28,7 @@ _NOSE_IN = 0.75  # share of the vehicles in bays
 _FULL = (0.5, 0.8)  # share of the bays of the first rows that many vehicles take
 _OFF_MIDDLE = 0.1  # m along a bay, at most
 _AISLE_OFF = 2.0  # m from the middle of an aisle that people walk, at most
+_MEDIAN_OFF = 0.15  # of its width from the middle of a median, at most
 _DEEPEST = 105.0  # m behind the sidewalk, for hundreds of objects
 LOT_DEPTH = 3 * BAY_LENGTH + AISLE_WIDTH  # m from the ego's aisle: two rows back to back, an aisle, a row
 LOT_DEPTHS = (LOT_DEPTH, 2 * BAY_LENGTH, BAY_LENGTH)  # m, of three rows, two, and one
@@ -182,6 +183,13 @@ def at_kerb(road: Road, sides: tuple[int, ...], at: Try) -> RoadPose:
     other_way = at.rng.random() < 0.1
     backwards = (side > 0 and not road.one_way) != other_way
     return RoadPose(at.along, side * (road.edge - road.parking / 2), at.turned(BACKWARDS if backwards else 0.0))
+
+
+def in_median(group: ObjectGroup, road: Road, at: Try) -> RoadPose:
+    """Along the strip between the directions."""
+    yaw = at.walking_yaw(str(group.heading)) if group.record.walks else 0.0
+    off = 0.0 if group.record.follows_road else at.uniform(-_MEDIAN_OFF, _MEDIAN_OFF) * road.median
+    return RoadPose(at.along, off, yaw)
 
 
 def on_sidewalk(road: Road, sides: tuple[int, ...], at: Try) -> RoadPose:

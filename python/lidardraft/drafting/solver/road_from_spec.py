@@ -27,7 +27,8 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     """A road in the ego's frame, with what the spec leaves open sampled.
 
     Each `effort` more makes what is open larger, for what found no room before. Raises `LayoutError` on a distance that
-    is further than a sensor sees, and on a sidewalk in a parking lot.
+    is further than a sensor sees, on a sidewalk in a parking lot, and on a median where there are no two directions or
+    they have different numbers of lanes.
     """
     kind = spec.road.kind
     motorway, lot, narrow = kind == "motorway", kind == "parking-lot", spec.district == "alley"
@@ -59,7 +60,7 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
     strip = 0.0 if lot else max(_parking_width(spec, ego_lane), _usual_strip(spec, rng.spawn(1)[0]))
     parking = HARD_SHOULDER if motorway else strip
     oncoming = 0 if spec.road.one_way else spec.road.oncoming_lanes or lanes
-    median = MEDIAN if motorway and not (spec.road.one_way or _has_junction(spec)) else 0.0
+    median = _median(spec)
     edge = median / 2 + (lanes + oncoming) / 2 * lane_width + parking
     radius = edge + sidewalk + RING + float(rng.uniform(1.0, 5.0)) if kind == "roundabout" else None
     near = (edge if radius is None else radius) + sidewalk + 6.0
@@ -81,6 +82,16 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
         one_way=spec.road.one_way,
     )
     return _crossed_at(spec, road)
+
+
+def _median(spec: SceneSpec) -> float:
+    """The width of what lies between the directions [m]."""
+    if spec.road.median or any(group.surface == "median" for group in spec.groups):
+        if spec.road.kind == "parking-lot" or spec.road.one_way or spec.road.oncoming_lanes:
+            raise LayoutError("road: a median is between two directions with as many lanes; ask for them, or for none")
+        return MEDIAN
+    usual = spec.road.kind == "motorway" and not (spec.road.one_way or _has_junction(spec))
+    return MEDIAN if usual else 0.0
 
 
 def _branch(spec: SceneSpec, usual: int) -> int:

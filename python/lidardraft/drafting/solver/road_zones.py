@@ -26,6 +26,7 @@ from lidardraft.drafting.solver.poses import (
     on_crossing_road,
     on_foot,
     on_ring,
+    in_median,
     on_sidewalk,
     set_back,
     set_down,
@@ -89,6 +90,8 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
         zone = _junction_zone(group, kind, sides, road, road.junction)
         if zone is not None:
             return zone
+    if group.surface == "median":
+        return Zone(_span(group, fore, road, 65.0), partial(in_median, group, road), 1)
     if fore == "beside" and group.distance is not None:
         return Zone((-1.5, 1.5), partial(aside, group, road, sides), len(sides))
     if group.set_back and kind.drives and not side and group.heading in ("with", "against"):

@@ -49,10 +49,11 @@ class SpecScene:
     ) -> Footprint | None:
         """Place one object there, or its near end `by_end`, if there is room for it."""
         in_lot = bool(self.road.paved_areas) and abs(pose.across) > self.road.edge
-        if kind.walks and group.heading in ("with", "against"):
+        if (kind.walks or group.surface == "sidewalk") and group.heading in ("with", "against"):
             pose = pose._replace(yaw=0.0 if group.heading == "with" else math.pi)
         parked = group.heading == "parked" or (in_lot and group.heading is None)
-        bent = kind.follows_road and self.road.curvature != 0.0 and not group.on_road
+        along_road = not group.on_road or group.surface == "median"
+        bent = kind.follows_road and self.road.curvature != 0.0 and along_road
         parts = _sized(kind.sample_parts(self.rng, parked=parked), group)
         parts = in_segments(parts[0]) if bent else parts
         if group.set_back or group.set_aside:
@@ -93,6 +94,8 @@ class SpecScene:
             return "a place where it may not be"
         if "sidewalk" not in kind.surfaces and not kind.on_road and self._reaches_into_lot(parts, pose):
             return "the parking lot"
+        if group.surface == "median" and self.road.in_junction(pose.along, extents(parts)[0] / 2):
+            return "the junction"
         x, y, _ = self.road.at(pose.along, pose.across)
         if abs(pose.along) > self.road.half_length or math.hypot(x, y) > MAX_RANGE:
             return "the end of the road"

@@ -25,7 +25,7 @@ PLACES = tuple(
     for side in ("", "left", "right")
     if fore or side
 )
-SURFACES = ("road", "sidewalk")
+SURFACES = ("road", "sidewalk", "median")
 HEADINGS = (
     *("with", "against", "parked"),
     *("across", "across-left", "across-right", "turning", "turning-left", "turning-right"),
@@ -70,6 +70,7 @@ def split_place(place: str) -> tuple[str, str]:
 class RoadSpec:
     """The road under the ego vehicle; `lanes` (in one direction) and `sidewalk` are None where its kind decides.
 
+    `median` asks for a strip between the directions, which motorways have anyway.
     `oncoming_lanes` are those of the other direction where they are not as many. With `one_way` all lanes lead in the
     ego's direction. `ego_lane` is one of EGO_LANES, or None where that is left open; `ego_motion` and `ego_speed` are
     as those of a group.
@@ -80,6 +81,7 @@ class RoadSpec:
     lanes: int | None = None
     oncoming_lanes: int | None = None
     sidewalk: bool | None = None
+    median: bool = False
     one_way: bool = False
     ego_lane: str | None = None
     ego_motion: str | None = None
@@ -100,7 +102,8 @@ class RoadSpec:
         _require(self.oncoming_lanes is None or two_way, "road: oncoming_lanes", self.oncoming_lanes, limit)
         said = self.sidewalk is None or type(self.sidewalk) is bool
         _require(said, "road: sidewalk", self.sidewalk, "true, false or null")
-        _require(type(self.one_way) is bool, "road: one_way", self.one_way, "true or false")
+        for name in ("median", "one_way"):
+            _require(type(getattr(self, name)) is bool, f"road: {name}", getattr(self, name), "true or false")
         if self.junction is not None:
             fits = are_numbers(self.junction, 2) and NEAREST_JUNCTION <= self.junction[0] <= self.junction[1]
             _require(fits, "road: junction", self.junction, f"a range in metres, {NEAREST_JUNCTION:g} <= from <= to")
@@ -206,7 +209,7 @@ class ObjectGroup:
     @property
     def on_road(self) -> bool:
         """Whether it may be on the road."""
-        return self.record.on_road or self.surface == "road" or self.lane is not None
+        return self.record.on_road or self.surface in ("road", "median") or self.lane is not None
 
     @property
     def set_back(self) -> bool:
@@ -315,7 +318,7 @@ def _plain(value: Any) -> Any:
 
 
 def _says_nothing(key: str, item: Any) -> bool:
-    return item is None or item == () or (key in ("one_way", "at_junction", "words") and not item)
+    return item is None or item == () or (key in ("median", "one_way", "at_junction", "words") and not item)
 
 
 def _require(fits: bool, name: str, value: object, limit: str) -> None:
@@ -364,6 +367,8 @@ def road_relations(road: RoadSpec) -> list[str]:
         found.append("one-way")
     if road.sidewalk is not None:
         found.append("sidewalks" if road.sidewalk else "no sidewalks")
+    if road.median:
+        found.append("a median")
     if road.ego_lane is not None:
         found.append(f"the ego in the {road.ego_lane} lane")
     found += [f"the ego {text}" for text in _motion_text(road.ego_motion, road.ego_speed)]
@@ -391,11 +396,12 @@ def group_relations(group: ObjectGroup, spec: SceneSpec, place: str) -> list[str
     lane = {"own": "the ego", "each": "each"}.get(str(group.lane), f"the {group.lane}")
     found += [f"in {lane} lane"] * (group.lane is not None)
     found += ["at the junction"] * group.at_junction
-    found += [f"on the {group.surface}"] * (group.surface is not None)
+    found += [f"{'in' if group.surface == 'median' else 'on'} the {group.surface}"] * (group.surface is not None)
     if group.relation is not None:
         kinds = " and ".join(spec.groups[reference].kind for reference in group.references)
         found.append(f"{_RELATIONS.get(group.relation, group.relation)} {kinds}")
-    lengths = ((group.distance, "away"), (group.from_road, "from the road"), (group.from_sidewalk, "from the sidewalk"))
+    off = "from the kerb" if group.record.drives or group.surface == "road" else "from the road"
+    lengths = ((group.distance, "away"), (group.from_road, off), (group.from_sidewalk, "from the sidewalk"))
     for length, said in lengths:
         if length is not None:
             near, far = length

@@ -26,7 +26,8 @@ _SAYS_NOTHING = [(one.name, one.default) for one in dataclasses.fields(Position)
 _VERBS = ("crossed", "turned", "state")
 _NEUTRAL = (  # words that join others, or say what is so anyway
     *("silent", "usual", "is", "and", "with", "has", "but", "except", "which", "there", "ego", "pronoun", "time"),
-    *("the", "a", "single", "about", "unit", "another", "all", "both", "of", "ofthem", "respectively", "lengthways"),
+    *("the", "a", "single", "about", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
+    *("lengthways", "median_where"),
     *(",", ".", ":", "(", ")", "of_road"),
 )
 _CONTENT = ("usual", "time", "unit", "ego")  # of those, what says something

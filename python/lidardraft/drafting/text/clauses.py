@@ -183,6 +183,9 @@ class _Reading:
         node = self._nodes[index]
         if self._word(node) == "then":
             return "then"
+        area = self._items[-1].head if self._items else None
+        if self._word(node) == "where" and isinstance(area, Street) and "median" in area.settings:
+            return "with"
         if node.symbol == "has" and self._word(node) == "have":
             return "have" if self._items else ""
         if node.symbol == "has":

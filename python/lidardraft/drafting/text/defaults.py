@@ -40,7 +40,7 @@ def spec_of(mentions: Mentions, road: RoadNotes, texts: list[str]) -> SceneSpec:
         references = [
             other for other in dict.fromkeys(references) if other != index and wanted[other][1].references != (-1,)
         ] or (references if one.references == (-1,) else [])
-        groups.append(_group(one, tuple(references), mentions, _words(one, mentions, texts)))
+        groups.append(_group(one, tuple(references), mentions, road, _words(one, mentions, texts)))
     groups += [group for group in _implied(groups, road) if group.kind not in absent]
     if road.kind == "parking-lot":  # which has no sidewalk
         groups = [replace(one, surface="road" if one.surface == "road" else None, from_sidewalk=None) for one in groups]
@@ -72,7 +72,9 @@ def _wanted(mention: Mention, denied: list[Mention], road: RoadNotes) -> Mention
     return mention
 
 
-def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, words: str) -> ObjectGroup:
+def _group(
+    mention: Mention, references: tuple[int, ...], mentions: Mentions, road: RoadNotes, words: str
+) -> ObjectGroup:
     """As a group of the spec."""
     at, heading, lane = _headed(mention)
     kind, spacing = mention.record, at.spacing
@@ -100,7 +102,7 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
     on_road = (
         at.on_road or strip_across or (mention.on_road and (kind.on_road or kind.name in _LEFT_IN_ROADS))
     )  # a house "on the road" is beside it
-    in_road = on_road and "road" in kind.surfaces and not kind.is_vehicle
+    in_road = on_road and not at.median and "road" in kind.surfaces and not kind.is_vehicle
     places = tuple(dict.fromkeys(_named(place) for place in _where(at, kind, references) if any(place)))
     return ObjectGroup(
         kind=kind.name,
@@ -108,7 +110,7 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         places=places
         or (("front",) if mention.queue and kind.drives and not references and lane != "opposite" else ()),
         not_places=tuple(dict.fromkeys(_named(place) for place in mention.not_at if any(place))),
-        surface="sidewalk" if (at.sidewalk or waits) and "sidewalk" in kind.surfaces else "road" if in_road else None,
+        surface=_surface(at, kind, waits=waits, on_road=in_road, parted=not (references or road.one_way)),
         lane=lane if "road" in kind.surfaces and (not references or kind.is_vehicle) else None,
         at_junction=at.at_junction,
         heading=heading,
@@ -127,6 +129,15 @@ def _group(mention: Mention, references: tuple[int, ...], mentions: Mentions, wo
         references=references,
         words=words,
     )
+
+
+def _surface(at: Position, kind: SentenceKind, *, waits: bool, on_road: bool, parted: bool) -> str | None:
+    """What it stands on, where that is not the usual of its kind; only a road of two directions has a median."""
+    if at.median and "median" in kind.surfaces and parted:
+        return "median"
+    if (at.sidewalk or waits) and "sidewalk" in kind.surfaces:
+        return "sidewalk"
+    return "road" if on_road else None
 
 
 def _headed(mention: Mention) -> tuple[Position, str | None, str | None]:
@@ -205,6 +216,7 @@ def _road_spec(notes: RoadNotes, mentions: Mentions, needs_sidewalk: bool) -> Ro
         lanes=lanes or None,
         oncoming_lanes=oncoming or None,
         sidewalk=True if needs_sidewalk else sidewalk,
+        median="median" in notes.settings and not notes.one_way,
         one_way=notes.one_way,
         ego_lane=notes.ego_lane,
         ego_motion=notes.ego_motion,

@@ -59,8 +59,8 @@ def area_of(clause: Clause, number: int) -> Place | None:
     places = [one.said for one in clause.items[number].modifiers if isinstance(one.said, Place)]
     if not (isinstance(street, Street) and street.kind is None and after and after[0].link == "with"):
         return None
-    at = Position(sidewalk=bool(street.sidewalk))
-    return Place(places[0].at.narrowed(at)) if places else Place(at) if street.sidewalk else None
+    at = Position(sidewalk=bool(street.sidewalk), median="median" in street.settings)
+    return Place(places[0].at.narrowed(at)) if places else Place(at) if at != Position() else None
 
 
 def follow(d: Discourse, number: int, before: int) -> None:

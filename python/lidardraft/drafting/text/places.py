@@ -193,7 +193,11 @@ def _note_unfit(d: Discourse, place: Place, at: Position) -> None:
 def _fitting(place: Place, mention: Mention) -> Position | None:
     """The position of a place, None where its kind cannot be there."""
     at, kind = place.at, mention.record
-    if (place.crosswalk and not kind.walks) or (place.middle and (not kind.on_road or kind.follows_road)):
+    if place.crosswalk and not kind.walks:
+        return None
+    if place.middle and (not kind.on_road or kind.follows_road):
+        return None if at.at_junction or "median" not in kind.surfaces else Position(median=True)
+    if at.median and "median" not in kind.surfaces:
         return None
     if at.sidewalk and "sidewalk" not in kind.surfaces:
         return None if at == Position(sidewalk=True) else replace(at, sidewalk=False)

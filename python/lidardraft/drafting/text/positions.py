@@ -26,6 +26,7 @@ class Position:
     sidewalk: bool = False
     on_road: bool = False
     beside_road: bool = False
+    median: bool = False
     both_sides: bool = False
     shared: bool = False
     at_junction: bool = False
@@ -58,21 +59,9 @@ class Position:
 
     def narrowed(self, other: Position) -> Position:
         """Both at once: "ahead" and "on the left" are ahead on the left. Contradictions are alternatives."""
-        return Position(
-            places=_common(self.places, other.places) or tuple(dict.fromkeys(self.places + other.places)),
-            distance=other.distance or self.distance,
-            from_road=other.from_road or self.from_road,
-            from_sidewalk=other.from_sidewalk or self.from_sidewalk,
-            spacing=other.spacing or self.spacing,
-            sidewalk=self.sidewalk or other.sidewalk,
-            on_road=self.on_road or other.on_road,
-            beside_road=self.beside_road or other.beside_road,
-            both_sides=self.both_sides or other.both_sides,
-            shared=self.shared or other.shared,
-            at_junction=self.at_junction or other.at_junction,
-            lane=other.lane or self.lane,
-            heading=other.heading or self.heading,
-        )
+        said = {name: getattr(other, name) or getattr(self, name) for name in _FIELDS}
+        places = _common(self.places, other.places) or tuple(dict.fromkeys(self.places + other.places))
+        return Position(**said | {"places": places})
 
     def or_at(self, other: Position) -> Position:
         """One and the other: "in front" and "behind"."""
@@ -85,6 +74,7 @@ class Position:
 
 
 ANYWHERE = Position()
+_FIELDS = tuple(one.name for one in dataclasses.fields(Position))
 
 
 def place_named(name: str) -> Place:

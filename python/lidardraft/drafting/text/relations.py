@@ -33,6 +33,10 @@ def relate(d: Discourse, ids: Ids, said: Relation, references: Ids) -> Ids:
     if pronouns == ["it"] and not references and said.relation in ("left-of", "right-of"):
         side = LEFT if said.relation == "left-of" else RIGHT
         return _relate_to_ego(d, ids, replace(said, ego_at=Position((side,))))
+    if pronouns == ["it"] and not references and said.at_it and "median" in d.road.settings:
+        for one in subjects:
+            place_at(d, one, Place(Position(median=True)))
+        return ids
     if pronouns == ["it"] and not references and (d.road.kind is not None or (said.at_it and d.last_lead)):
         return _relate_to_junction(d, ids)
     if pronouns == ["junction"]:

@@ -258,7 +258,7 @@ def noun_phrase(node: Node) -> NounPhrase:
     ones_in = [one for child in node.children if child.symbol == "determiner" for one in leaves(child, "each")]
     if each and ones_in and counted and clear:  # "every ten trees" means one of ten
         each = False
-    sides = [one.get("at") for one in attributes if one.symbol == "side"]
+    sides = [one.get("at") for one in attributes if one.symbol in ("side", "central")]
     spacing = node.get("spacing")
     of_nobody = [child for child in node.children if child.symbol == "state"]
     return NounPhrase(
@@ -368,7 +368,7 @@ def relation_of(node: Node) -> Relation:
         strong=bool(said.get("strong")) or not any(one.symbol == "prep" for one in node.children),
         overtakes=said.get("motion") == "overtakes",
         followed=bool(said.get("followed")),
-        at_it=any(one.symbol == "at_prep" for one in node.children),
+        at_it=any(one.symbol in ("at_prep", "inside") for one in node.children),
         target_place=place_of(places[0]) if places else None,
         tokens=tokens_of(node),
     )
