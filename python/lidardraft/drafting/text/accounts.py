@@ -99,6 +99,11 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     for index, node in enumerate(nodes):
         visit((index,), node)
     _add_runs(nodes, idle, same)
+    return [*more, *_without_repeats(nodes, whole, idle, same)]
+
+
+def _without_repeats(nodes: Sequence[Node], whole: SceneSpec, idle: Idle, same: Same) -> list[Node]:
+    """The idle constituents, but for those that repeat what another one says."""
     known = [path for path, (node, _) in idle.items() if node.symbol not in STRANGE]
     twice = _said_twice(known, idle, same)
     settled = {path for pair in twice for path in pair}
@@ -107,7 +112,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
     numbers = [
         leaf for pair in twice for node in (idle[path][0] for path in pair) for leaf in leaves(node, "number", *STRANGE)
     ]
-    more += [leaf for path in settled for _, leaf in _leaves(idle[path][0], path) if leaf.get("more")]
+    more = [leaf for path in settled for _, leaf in _leaves(idle[path][0], path) if leaf.get("more")]
     return [*more, *numbers, *(node for path, (node, _) in idle.items() if path not in settled)]
 
 

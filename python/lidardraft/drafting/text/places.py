@@ -197,6 +197,8 @@ def _fitting(place: Place, mention: Mention) -> Position | None:
         return None
     if place.middle and (not kind.on_road or kind.follows_road):
         return None if at.at_junction or "median" not in kind.surfaces else Position(median=True)
+    if at.from_road is not None and at.from_road[0] == 0.0 and kind.cycles:
+        at = replace(at, from_road=None, places=at.places if at.sides else (RIGHT,))  # who rides close to the kerb
     if at.median and "median" not in kind.surfaces:
         return None
     if at.sidewalk and "sidewalk" not in kind.surfaces:

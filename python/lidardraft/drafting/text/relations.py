@@ -33,6 +33,9 @@ def relate(d: Discourse, ids: Ids, said: Relation, references: Ids) -> Ids:
     if pronouns == ["it"] and not references and said.relation in ("left-of", "right-of"):
         side = LEFT if said.relation == "left-of" else RIGHT
         return _relate_to_ego(d, ids, replace(said, ego_at=Position((side,))))
+    on_ring = d.road.kind == "roundabout" and said.at_it and all(d.mentions[one].record.drives for one in subjects)
+    if pronouns == ["it"] and on_ring:
+        return _relate_to_junction(d, ids)  # "a roundabout with a car coming and a motorcycle on it"
     if pronouns == ["it"] and not references and said.at_it and "median" in d.road.settings:
         for one in subjects:
             place_at(d, one, Place(Position(median=True)))
@@ -90,9 +93,15 @@ def _relate_one(d: Discourse, number: int, said: Relation, references: Ids) -> N
     if before.from_road or before.from_sidewalk:
         return
     at = before.narrowed(said.at)
+    first = d.mentions[references[0]]
+    parked = "parked" in (mention.heading, at.heading) and at.sides and relation in TURNED
+    if parked and first.record.is_vehicle and not first.placed and first.heading is None:
+        d.change(references[0], at=Position(at.places), heading="parked", placed=True)  # where what is behind it is
     motion = d.mentions[number].motion
     if said.overtakes and mention.record.walks:
         relation = "near"  # "walks past a row of cars"
+    elif said.overtakes and d.mentions[references[0]].record.walks:
+        relation, at = "beside", replace(at, heading="with")
     elif said.overtakes:
         at, motion = replace(at, heading="with"), "overtakes"
     d.change(number, relation=relation, references=tuple(references), at=at, placed=True, weak=False, motion=motion)
