@@ -134,7 +134,9 @@ _plant = partial(SentenceKind, label="vegetation")
 _building = partial(
     SentenceKind, label="building", family="buildings", counts=CountRanges(some=(3, 5)), yaw_deviation=0.02
 )
-_strip = partial(SentenceKind, counts=CountRanges((1, 2), (2, 3), (3, 4)), surfaces=("road", "median"), follows_road=True)
+_strip = partial(
+    SentenceKind, counts=CountRanges((1, 2), (2, 3), (3, 4)), surfaces=("road", "median"), follows_road=True
+)
 _enclosure = partial(_strip, family="enclosures")
 _pole = partial(_thing, family="poles")
 _furniture = partial(_thing, label="other", family="furniture", is_square=True)

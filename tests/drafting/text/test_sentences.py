@@ -248,7 +248,11 @@ def test_nothing_understood(sentence: str) -> None:
 
 
 def test_a_refusal_names_what_is_unknown_and_what_is_near_to_it() -> None:
-    with pytest.raises(TextError, match=r"nothing of 'a bus lane' was understood \(unknown as a whole: 'bus lane'\)"):
+    with pytest.raises(TextError, match=r"nothing of 'a llama' was understood \(unknown as a whole: 'llama'\)"):
+        spec_from_text("a llama")
+    with pytest.raises(
+        TextError, match=r"nothing of 'a bus lane' was understood that has a shape \(not shown: 'bus lane'\)"
+    ):
         spec_from_text("a bus lane")
     with pytest.raises(TextError, match=r"'bsu ahead' \(nearest words: 'bus' for 'bsu'\)"):
         spec_from_text("a bsu ahead")

@@ -35,7 +35,7 @@ def with_unseen(nodes: Sequence[Node]) -> list[Node]:
         elif node.symbol == "object":
             carrier = node
         elif _is_ahead(node) and _is_listed(found, "street"):
-            node = node._replace(symbol="silent", features=(), children=())  # "a junction ahead"
+            node = node._replace(symbol="usual", features=(("anyway", "ahead"),), children=())  # "a junction ahead"
         elif node.symbol == "whereabouts" and _is_listed(found, "unseen") and any(leaves(found[-1], "scenery")):
             scenery = found.pop()  # "a park on the right"
             node = scenery._replace(end=node.end, children=(*scenery.children, node))

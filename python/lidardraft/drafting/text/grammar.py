@@ -40,17 +40,19 @@ def _words(tokens: list[Token]) -> list[list[Node]]:
     found: list[list[Node]] = []
     for (start, index), token in zip(starts.items(), tokens, strict=True):
         here: list[Node] = []
+        match = None if token.is_strange else NUMBER.match(line, start)
         entries = () if token.is_strange else known.get(token.text, ())
         for parts, word in entries:
+            if match and word.category == "dozen" and ends.get(match.end(), 0) > index + 1:
+                continue  # "hundred and one" is no hundred
             known_thing = word.features.get("named") and parts[-1] in texts[:index]  # "a robot ahead, the robot"
             if tuple(texts[index : index + len(parts)]) == parts and not known_thing:
                 cost = {"silent": _SAYS_NOTHING, "unknown": -_SAYS_NOTHING}.get(word.category, 0.0)
                 here.append(Node(word.category, index, index + len(parts), cost, tuple(word.features.items())))
-        match = None if token.is_strange else NUMBER.match(line, start)
         if match and match.end() in ends:
             here.append(_number(match[0], index, ends[match.end()], 0.0))
             before, link, _ = match[0].rpartition(" and ")
-            if link:  # "between two hundred and three hundred" has two
+            if link and {"between", "from"} & set(texts[max(0, index - 2) : index]):  # "between two and three hundred"
                 here.append(_number(before, index, index + len(before.split()), 0.5))
         cost = UNKNOWN if not here else 2 * UNKNOWN
         if not token.is_strange:

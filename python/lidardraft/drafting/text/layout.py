@@ -13,7 +13,7 @@ from lidardraft.drafting.text.accounts import gave, idle_parts, says_something
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.clauses import clauses_of
 from lidardraft.drafting.text.defaults import spec_of
-from lidardraft.drafting.text.doubts import STRANGE, with_unseen, with_doubts
+from lidardraft.drafting.text.doubts import STRANGE, with_doubts, with_unseen
 from lidardraft.drafting.text.explanation import Explanation, Meaning
 from lidardraft.drafting.text.grammar import grammar, parse
 from lidardraft.drafting.text.left_over import LeftOver
@@ -94,9 +94,8 @@ def explain(sentence: str) -> Explanation:
     idle = [one for one in idle if one.symbol != "ellipsis" or not _names_group(one, said)]
     idle = [one for one in idle if one.symbol != "ordinal" or texts[one.start - 1] != "a"]  # "a third" is one more
     silent = {n for one in idle for n in range(one.start, one.end)}
-    silent |= {
-        n for node in nodes for word in leaves(node, "sidewalk") for n in range(word.start, word.end) if n in found.unfit
-    }
+    sidewalks = (word for node in nodes for word in leaves(node, "sidewalk"))
+    silent |= {n for word in sidewalks for n in range(word.start, word.end) if n in found.unfit}
     silent |= found.dropped - found.taken
     given = []
     for index, node in enumerate(nodes):
@@ -115,6 +114,9 @@ def explain(sentence: str) -> Explanation:
             meanings.append(Meaning(words, groups, others, *left.parts(range(node.start, node.end))))
     unknown, not_shown = left.parts(range(len(tokens)))
     if spec == SceneSpec() and not any(_names_road(node) for node in nodes):
+        if not_shown and not unknown:
+            shapeless = f"nothing of {sentence!r} was understood that has a shape (not shown: {_listed(not_shown)})"
+            raise TextError(f"{shapeless}; name a road, or objects and where they are; {_FREE_TEXT}")
         parts = f" (unknown as a whole: {_listed(unknown)})" if unknown else ""
         raise TextError(
             f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are; {_FREE_TEXT}"

@@ -10,7 +10,7 @@ from lidardraft.drafting.text.positions import BEHIND, FRONT, Position
 from lidardraft.drafting.text.references import targets_of
 from lidardraft.drafting.text.relations import TURNED
 from lidardraft.drafting.text.streets import note_street
-from lidardraft.drafting.text.tree import Clause, Item, Manner, Place, Relation, Street
+from lidardraft.drafting.text.tree import Clause, Item, Manner, NounPhrase, Place, Relation, Street
 
 
 def lead_of(d: Discourse, clause: Clause) -> tuple[Place | None, tuple[Relation, Ids] | None, list[Manner]]:
@@ -61,6 +61,26 @@ def area_of(clause: Clause, number: int) -> Place | None:
         return None
     at = Position(sidewalk=bool(street.sidewalk), median="median" in street.settings)
     return Place(places[0].at.narrowed(at)) if places else Place(at) if at != Position() else None
+
+
+def place_in_area(
+    d: Discourse, clause: Clause, number: int, named: tuple[Ids, Ids], around: Place | None
+) -> Place | None:
+    """Where what has no shape is: its place is that of what it is with, as in "a park on the left with trees".
+
+    `named` are the mentions before an item and the new ones of it; `around` is the area that a list goes on in.
+    """
+    (before, new), item = named, clause.items[number]
+    if before and item.link == "with" and number and isinstance(clause.items[number - 1].head, NounPhrase):
+        area = d.mentions[before[-1]]
+        around = Place(Position(area.at.places, area.at.distance)) if area.kind is None and area.placed else None
+    elif item.link != "and":
+        around = None
+    own = [one.said for one in item.modifiers if isinstance(one.said, Place | Relation)]
+    on_it = all(isinstance(said, Relation) and any(to.pronoun for to in said.targets) for said in own)
+    for one in new if around is not None and on_it else []:
+        place_at(d, one, around, weak=True)  # type: ignore[arg-type]
+    return around
 
 
 def follow(d: Discourse, number: int, before: int) -> None:

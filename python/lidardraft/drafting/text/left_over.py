@@ -24,6 +24,8 @@ class LeftOver:
         self._text, self._tokens, self._silent = text, tokens, frozenset(silent)
         words = (word for node in nodes for word in _words(node) if word.symbol in UNSHOWN or not self._is_lost(node))
         shapeless = {n for word in words if _has_no_shape(word) for n in range(word.start, word.end)}
+        strange = (word for node in nodes for word in leaves(node, "unknown"))
+        shapeless -= {n for word in strange for n in range(word.start, word.end)}
         runs = [run for run in self._runs(range(len(tokens))) if all(self._joins(n) or n in shapeless for n in run)]
         self._unshown = {n for run in runs for n in run}
 

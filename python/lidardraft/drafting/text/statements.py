@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from lidardraft.drafting.text.coordination import spread
 from lidardraft.drafting.text.exceptions import is_denied, leave_out
-from lidardraft.drafting.text.leads import area_of, follow, holds_for, lead_of
-from lidardraft.drafting.text.mentions import COMPANIONS, Discourse, Ids, Mention, Mentions, RoadNotes, mention_of
+from lidardraft.drafting.text.leads import area_of, follow, holds_for, lead_of, place_in_area
+from lidardraft.drafting.text.mentions import COMPANIONS, Discourse, Ids, Mention, mention_of
 from lidardraft.drafting.text.parts import kept_with
 from lidardraft.drafting.text.places import attach, describe, place_at, queue_up, say_place, with_side
 from lidardraft.drafting.text.portions import counted_later, named_part
@@ -33,7 +33,6 @@ from lidardraft.drafting.text.tree import (
     Place,
     Relation,
     Street,
-    Tokens,
 )
 
 
@@ -75,10 +74,7 @@ def read(d: Discourse, clause: Clause) -> None:
             _place_first(d, clause, number, new, lead, weak=bool(own))
         for one, way in itertools.product(new, manner):
             describe(d, one, way)
-        around = _area_before(d, item, before, around)
-        on_it = all(isinstance(one.said, Relation) and any(to.pronoun for to in one.said.targets) for one in own)
-        for one in new if around is not None and on_it else []:
-            place_at(d, one, around, weak=True)
+        around = place_in_area(d, clause, number, (before, new), around)
         link = clause.items[number].link
         if relation is not None and ids:
             if relation[0].at.distance is None or not any(d.mentions[one].at.distance for one in ids):
@@ -93,15 +89,20 @@ def read(d: Discourse, clause: Clause) -> None:
             d.change(new[0], at=d.mentions[d.latest[-1]].at, placed=True, weak=True)  # "we are behind a bus and a van"
         elif link == "then" and new and not own and before:
             follow(d, new[0], before[-1])
-        before_it = clause.items[number - 1].head if number else None
-        if item.verb and not link and isinstance(before_it, Street) and before_it.sidewalk:
-            for one in new:  # "the sidewalks are full of people"
-                place_at(d, one, Place(Position(sidewalk=True)))
+        _fill_sidewalk(d, clause, number, new)
         named.append(ids)
         _modify(d, clause, number, named)
         if item.link not in ("except", "but"):
             _deny_once(d, new, item.head)
     d.latest = next((ids for ids in reversed(named) if ids), d.latest)
+
+
+def _fill_sidewalk(d: Discourse, clause: Clause, number: int, new: Ids) -> None:
+    """ "The sidewalks are full of people"."""
+    item, before = clause.items[number], clause.items[number - 1].head if number else None
+    if item.verb and not item.link and isinstance(before, Street) and before.sidewalk:
+        for one in new:
+            place_at(d, one, Place(Position(sidewalk=True)))
 
 
 def _place_first(d: Discourse, clause: Clause, number: int, new: Ids, lead: Place, *, weak: bool) -> None:
@@ -114,14 +115,6 @@ def _place_first(d: Discourse, clause: Clause, number: int, new: Ids, lead: Plac
     for one in new:
         place_at(d, one, lead, weak=weak and any(other.link == "," for other in clause.items[1 : number + 1]))
         d.cover(one, lead.tokens)
-
-
-def _area_before(d: Discourse, item: Item, before: Ids, around: Place | None) -> Place | None:
-    """Where what has no shape is, which is the place of what it has: "a park on the left with trees and benches"."""
-    area = d.mentions[before[-1]] if before and item.link == "with" else None
-    if area is not None and area.kind is None and area.placed:
-        return Place(Position(area.at.places, area.at.distance))
-    return around if item.link == "and" else None
 
 
 def _is_traffic(item: Item) -> bool:
