@@ -162,7 +162,10 @@ _TABLE: tuple[tuple[SentenceKind | None, dict[str, Kind]], ...] = (
     (_large("tram", _class_sizes("train", _MACHINE), "train", precedence=11, lane_length=38.0), {
         "tram": Kind(buses.tram, ("train",), extents=((14.0, 2.2, 3.2), (60.0, 2.7, 3.9))),
     }),
-    (_vehicle("motorcycle", _class_sizes("motorcycle", _TWO_WHEELER), "motorcycle", family="people", is_ridden=True), {
+    (_vehicle(
+        "motorcycle", _class_sizes("motorcycle", _TWO_WHEELER), "motorcycle", family="people",
+        surfaces=("road", "sidewalk"), is_ridden=True,
+    ), {
         "motorcycle": Kind(motorcycles.motorcycle, ("motorcycle",), extents=((1.8, 0.6, 1.05), (2.4, 0.9, 1.3))),
         "motorcyclist": Kind(
             motorcycles.motorcyclist, ("rider", "motorcycle"), shapes=coarse.motorcyclist,

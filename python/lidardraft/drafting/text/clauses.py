@@ -236,7 +236,9 @@ class _Reading:
         if node.symbol in _ROADS:
             street = street_of(node)
             ego = before is not None and isinstance(before.head, NounPhrase) and before.head.pronoun == "us"
-            if before is not None and named and not link and (street.definite or ego) and node.symbol == "street":
+            at = self._texts[max(0, node.start - 1)] == "at"  # "crossing at an intersection"
+            there = (street.definite or ego or at) and node.symbol == "street"
+            if before is not None and named and not link and there:
                 self._items[-1] = _with(before, Modifier(street, link, verb))
             elif before is not None and named and not link and node.symbol == "walkway" and street.sidewalk:
                 at = node.get("at", Position(sidewalk=True))

@@ -24,6 +24,7 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
         heads = list(listed.values())
         alone = (
             item.link == ","
+            or said.acts
             or _differs(heads, said)
             or ("it" in _pronouns(said) and (first == 0 or item.link != "and"))
         )

@@ -7,50 +7,17 @@ from collections.abc import Sequence
 
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.grammar import JUNCTIONS
-from lidardraft.drafting.text.positions import FRONT, Position
+from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import leaves
-from lidardraft.objects.kinds import SENTENCE_KINDS
 
 STRANGE = ("unknown", "stranger", "aside")  # constituents that nothing comes of
 _ENDS = (",", ".", ":", ")", "but")  # of what a word governs
-_LISTS = (*_ENDS, "(", "and", "or", "with", "has", "is", "there")  # after these a noun is named for itself
 _NAMES = ("object", "ellipsis", "pronoun", "stranger")
 _SAID = ("whereabouts", "relation")
 _PREPOSITIONS = ("in", "of", "to", "from", "on", "at", "by", "through", "onto", "into", "for", "as")
 _MANNERS = ("ly", "ing", "ed", "en")  # endings of words that say how something is done
 _VERBS = ("state", "crossed", "turned", "overtakes", "overtaking", "relation")
 _SUBORDINATE = ("if", "until", "although", "though", "since", "as")
-
-
-def with_unseen(nodes: Sequence[Node]) -> list[Node]:
-    """The constituents of a text; what a vehicle carries has no shape, and scenery takes the place after it."""
-    found: list[Node] = []
-    carrier: Node | None = None
-    for node in nodes:
-        loaded = bool(found) and found[-1].symbol == "with" and found[-1].get("cargo")
-        vehicle = carrier is not None and SENTENCE_KINDS[carrier.get("kind")].is_vehicle
-        if node.symbol in ("object", "stranger") and loaded and vehicle:
-            load = found.pop()
-            node = Node("unseen", load.start, node.end, 0.0, (), (load._replace(symbol="worn"), node))
-        elif node.symbol == "object":
-            carrier = node
-        elif _is_ahead(node) and _is_listed(found, "street"):
-            node = node._replace(symbol="usual", features=(("anyway", "ahead"),), children=())  # "a junction ahead"
-        elif node.symbol == "whereabouts" and _is_listed(found, "unseen") and any(leaves(found[-1], "scenery")):
-            scenery = found.pop()  # "a park on the right"
-            node = scenery._replace(end=node.end, children=(*scenery.children, node))
-        found.append(node)
-    return found
-
-
-def _is_ahead(node: Node) -> bool:
-    return node.symbol == "whereabouts" and node.get("at") == Position((FRONT,)) and not node.get("bare")
-
-
-def _is_listed(nodes: Sequence[Node], symbol: str) -> bool:
-    """Whether the last constituent is of a symbol and named for itself: "a park", and not "in a park"."""
-    before = nodes[-2].symbol if len(nodes) > 1 else "."
-    return bool(nodes) and nodes[-1].symbol == symbol and before in _LISTS
 
 
 def with_doubts(nodes: Sequence[Node], texts: Sequence[str]) -> list[Node]:
@@ -162,6 +129,8 @@ def _doubtful_place(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequ
         return (
             (index - 1, index) if last == "ellipsis" else (index,)
         )  # "two vans, then a 5 m gap", "with one gap of 8 m"
+    if node.symbol == "whereabouts" and "gap" in words and after == "relation":
+        return (index, index + 1)  # "has a 2 m gap behind it"
     if words in (["left"], ["right"]) and last == "unknown" and texts[node.start - 1].endswith("ing"):
         return (index,)  # "a bus indicating left"
     if node.symbol == "ellipsis" and node.get("ordinal") is not None and after in _SAID:

@@ -45,8 +45,9 @@ def _words(tokens: list[Token]) -> list[list[Node]]:
         for parts, word in entries:
             if match and word.category == "dozen" and ends.get(match.end(), 0) > index + 1:
                 continue  # "hundred and one" is no hundred
-            known_thing = word.features.get("named") and parts[-1] in texts[:index]  # "a robot ahead, the robot"
-            if tuple(texts[index : index + len(parts)]) == parts and not known_thing:
+            if word.features.get("named") and parts[-1] in texts[:index]:
+                continue  # "a robot ahead, a car behind the robot"
+            if tuple(texts[index : index + len(parts)]) == parts:
                 cost = {"silent": _SAYS_NOTHING, "unknown": -_SAYS_NOTHING}.get(word.category, 0.0)
                 here.append(Node(word.category, index, index + len(parts), cost, tuple(word.features.items())))
         if match and match.end() in ends:

@@ -13,12 +13,13 @@ from lidardraft.drafting.text.accounts import gave, idle_parts, says_something
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.clauses import clauses_of
 from lidardraft.drafting.text.defaults import spec_of
-from lidardraft.drafting.text.doubts import STRANGE, with_doubts, with_unseen
+from lidardraft.drafting.text.doubts import STRANGE, with_doubts
 from lidardraft.drafting.text.explanation import Explanation, Meaning
 from lidardraft.drafting.text.grammar import grammar, parse
 from lidardraft.drafting.text.left_over import LeftOver
 from lidardraft.drafting.text.lexicon import lexicon, vocabulary
 from lidardraft.drafting.text.parts import divided, part
+from lidardraft.drafting.text.scenery import with_scenery
 from lidardraft.drafting.text.statements import resolve
 from lidardraft.drafting.text.tokens import Token, clean, slip_of, tokens_of
 from lidardraft.drafting.text.tree import leaves
@@ -127,7 +128,7 @@ def explain(sentence: str) -> Explanation:
 
 def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]]:
     """The constituents of a text, and those that nothing comes of."""
-    nodes = with_doubts(with_unseen(parse(tokens)), texts)
+    nodes = with_doubts(with_scenery(parse(tokens)), texts)
     return nodes, idle_parts(nodes, grammar(), lambda said: _without_words(_spec_of(said, texts)))
 
 

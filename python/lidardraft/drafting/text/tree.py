@@ -126,6 +126,7 @@ class Relation:
     overtakes: bool = False
     followed: bool = False
     at_it: bool = False  # "at", "by" and "on"
+    acts: bool = False  # "a man mowing his lawn"
     target_place: Place | None = None  # "between the bus ahead and the car behind"
     tokens: Tokens = frozenset()
 
@@ -369,6 +370,7 @@ def relation_of(node: Node) -> Relation:
         overtakes=said.get("motion") == "overtakes",
         followed=bool(said.get("followed")),
         at_it=any(one.symbol in ("at_prep", "inside") for one in node.children),
+        acts=bool(said.get("does")),
         target_place=place_of(places[0]) if places else None,
         tokens=tokens_of(node),
     )
