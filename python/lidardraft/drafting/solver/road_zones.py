@@ -159,11 +159,11 @@ def _driven(group: ObjectGroup, kind: SentenceKind, fore: str, side: str, sides:
     if road.paved_areas and group.lane is None and group.heading in (None, "parked") and fore != "beside":
         exactly = group.distance is not None or group.spacing is not None
         return Zone(_in_lot(span, road), partial(in_bay, kind, road, sides, exactly), len(sides))
+    if group.surface == "sidewalk":
+        return Zone(span, partial(on_sidewalk, road, sides), len(sides))
     stands = side == "right" and road.ego_lane == 0 and kind.is_vehicle and not group.heading
     if group.lane is None and (group.heading == "parked" or stands):
         return Zone(span, partial(at_kerb if kind.is_vehicle else on_sidewalk, road, sides), len(sides))
-    if group.surface == "sidewalk":
-        return Zone(span, partial(on_sidewalk, road, sides), len(sides))
     if not fore:
         span = _span(group, fore, road, 60.0)
     lanes = lanes_of(group, fore, side, road)

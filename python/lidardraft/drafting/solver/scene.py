@@ -99,7 +99,8 @@ class SpecScene:
         x, y, _ = self.road.at(pose.along, pose.across)
         if abs(pose.along) > self.road.half_length or math.hypot(x, y) > MAX_RANGE:
             return "the end of the road"
-        if kind.is_vehicle and abs(pose.across) > self.road.edge and not self._is_paved(pose):
+        beyond = abs(pose.across) > self.road.edge and group.surface != "sidewalk"
+        if kind.is_vehicle and beyond and not self._is_paved(pose):
             return "the kerb"
         return "the roundabout" if self._is_in_roundabout(kind, parts, pose) else None
 

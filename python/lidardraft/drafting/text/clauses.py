@@ -346,7 +346,8 @@ class _Reading:
 
     def _subject(self, link: str, has_verb: object) -> int:
         """The item that something is said of: after "and", or after what is carried, that before its verb."""
-        at = self._about[1] if not link and self._about[0] == len(self._items) else len(self._items) - 1
+        same = link in ("", ",") and self._about[0] == len(self._items)
+        at = self._about[1] if same else len(self._items) - 1
         last = self._items[at].modifiers[-1].said if self._items[at].modifiers else None
         goes_on = has_verb and (link == "and" or (not link and last is not None))
         goes_on = goes_on or (

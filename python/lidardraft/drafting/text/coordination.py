@@ -37,7 +37,10 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
         # what is said of the last is not said of "an oncoming car" before it
         oncoming = listed[last].manner.heading != "against"
         listed = {one: head for one, head in listed.items() if not (oncoming and head.manner.heading == "against")}
-        return [one for one, head in listed.items() if _can_be(head, said)] or [last]
+        found = [one for one, head in listed.items() if _can_be(head, said)] or [last]
+        drives = [one for one in found if SENTENCE_KINDS[str(listed[one].kind)].drives] if said.at.distance else []
+        strips = [one for one in found if drives and SENTENCE_KINDS[str(listed[one].kind)].follows_road]
+        return [one for one in found if one not in strips]  # "guard rails and three cars 20 m ahead"
     heading = said.heading if isinstance(said, Manner) else None
     others = {one for one, head in listed.items() if heading and head.manner.heading not in (None, "with", heading)}
     return [one for one, head in listed.items() if _can_move(head, said) and one not in others] or [last]
@@ -122,4 +125,6 @@ def _can_be(phrase: NounPhrase, place: Place) -> bool:
         return False
     if place.at.lane and "road" not in kind.surfaces:
         return False
+    if str(place.at.heading).startswith("across") and not (kind.drives or kind.walks):
+        return False  # "a stop sign, a car coming from the left"
     return not (place.at.both_sides and phrase.count == 1)

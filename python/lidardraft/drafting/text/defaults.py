@@ -76,7 +76,7 @@ def _group(
     mention: Mention, references: tuple[int, ...], mentions: Mentions, road: RoadNotes, words: str
 ) -> ObjectGroup:
     """As a group of the spec."""
-    at, heading, lane = _headed(mention)
+    at, heading, lane = _headed(mention, motorway=road.kind == "motorway")
     kind, spacing = mention.record, at.spacing
     strip_across = heading == "across" and kind.follows_road  # a fence across the road
     waits = kind.walks and mention.speed == 0.0 and str(heading).startswith("across")  # to cross, at the kerb
@@ -140,7 +140,7 @@ def _surface(at: Position, kind: SentenceKind, *, waits: bool, on_road: bool, pa
     return "road" if on_road else None
 
 
-def _headed(mention: Mention) -> tuple[Position, str | None, str | None]:
+def _headed(mention: Mention, *, motorway: bool) -> tuple[Position, str | None, str | None]:
     """Where a mention is, which way it faces and in which lane; vehicles along the sides of a road are parked."""
     at, kind = _overtaking(mention), mention.record
     sideways = str(at.heading).startswith("across-") and mention.heading in ("across", "against", "with")
@@ -150,7 +150,8 @@ def _headed(mention: Mention) -> tuple[Position, str | None, str | None]:
     elsewhere = ("across", "turning") if kind.is_vehicle else "turning"
     if kind.drives and mention.references and str(heading).startswith(elsewhere):
         heading = None  # it is where the other one is
-    if at.at_junction and kind.drives and heading is None and len(at.sides) == 1:  # on an arm of the junction
+    free = heading is None and not mention.references
+    if at.at_junction and kind.drives and free and len(at.sides) == 1:  # on an arm of the junction
         heading = "across-right" if at.sides == ["left"] else "across-left"
     if lane == "own" and kind.drives and str(heading).startswith(("across", "turning")):
         lane = None  # "turns left across our lane"
@@ -162,7 +163,8 @@ def _headed(mention: Mention) -> tuple[Position, str | None, str | None]:
         lane = "opposite" if at.sides == ["left"] else lane
         at = replace(at, places=tuple((fore, "") for fore, _ in at.places))
     waits = at.both_sides and mention.speed == 0.0
-    if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides) and not (mention.moves or waits):
+    moves = mention.moves or waits or (motorway and at.both_sides)
+    if kind.is_vehicle and heading is None and (at.beside_road or at.both_sides) and not moves:
         heading = "parked"
     return at, heading, lane
 

@@ -55,7 +55,7 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     of = words[-1:] == ["of"] and index > 0 and nodes[index - 1].symbol in STRANGE  # "tens of cars"
     if node.symbol == "silent" and words[-1] in _PREPOSITIONS and after in _NAMES and not of:
         first = index - 1 if last == "ellipsis" else index
-        return range(first, _after_places(nodes, index + 2))  # "in a traffic jam"
+        return range(first, _after_places(nodes, index + 2, "state"))  # "in a traffic jam"
     if node.symbol == "pronoun" and last in STRANGE:  # "walks past them towards us"
         return governed
     acts = (
@@ -196,7 +196,7 @@ def _after_list(nodes: Sequence[Node], index: int) -> int:
     return index
 
 
-def _after_places(nodes: Sequence[Node], index: int) -> int:
-    while index < len(nodes) and (nodes[index].symbol in _SAID or nodes[index].get("posture")):
+def _after_places(nodes: Sequence[Node], index: int, *more: str) -> int:
+    while index < len(nodes) and (nodes[index].symbol in (*_SAID, *more) or nodes[index].get("posture")):
         index += 1
     return index

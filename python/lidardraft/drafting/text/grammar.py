@@ -62,7 +62,8 @@ def _words(tokens: list[Token]) -> list[list[Node]]:
             here.append(Node(token.text, index, index + 1, 0.0))
         elif _is_name(texts, index):
             here.append(Node("name", index, index + 1, 0.0, (("name", token.text),)))
-        strange = () if token.text in known or token.text in _SIGNS or match else (("strange", token.text),)
+        is_word = any(parts == (token.text,) for parts, _ in known.get(token.text, ()))
+        strange = () if is_word or token.text in _SIGNS or match else (("strange", token.text),)
         here.append(Node("unknown", index, index + 1, cost, strange))
         found.append(here)
     return found

@@ -15,7 +15,7 @@ from lidardraft.drafting.text.clauses import clauses_of
 from lidardraft.drafting.text.defaults import spec_of
 from lidardraft.drafting.text.doubts import STRANGE, with_doubts
 from lidardraft.drafting.text.explanation import Explanation, Meaning
-from lidardraft.drafting.text.grammar import grammar, parse
+from lidardraft.drafting.text.grammar import UNSHOWN, grammar, parse
 from lidardraft.drafting.text.left_over import LeftOver
 from lidardraft.drafting.text.lexicon import lexicon, vocabulary
 from lidardraft.drafting.text.parts import divided, part
@@ -150,7 +150,8 @@ def _spec_of(nodes: Sequence[Node], texts: list[str]) -> SceneSpec:
 
 def _setting(nodes: Sequence[Node], name: str) -> str | None:
     """What the words for roads and what is around them say; "nothing else" overrules "a quiet street"."""
-    found = [leaf.get(name) for node in nodes for leaf in leaves(node, *_SETTING)]
+    seen = (node for node in nodes if node.symbol not in UNSHOWN)  # not "an empty parking space"
+    found = [leaf.get(name) for node in seen for leaf in leaves(node, *_SETTING)]
     return "empty" if "empty" in found else next(filter(None, found), None)
 
 

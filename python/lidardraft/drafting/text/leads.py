@@ -46,6 +46,7 @@ def holds_for(d: Discourse, lead: Place, item: Item, before: Ids) -> bool:
     if item.link == ",":
         unknown = bool(before) and d.mentions[before[-1]].kind is None  # whose it was
         moves = any(isinstance(one, Manner) and one.heading for one in said)  # "on the right cars, a bus coming to us"
+        moves = moves or (isinstance(item.head, NounPhrase) and item.head.manner.heading == "against")
         if unknown or moves or lead.at.lane == "each":
             return False
     if item.comma and any(isinstance(one, Place) for one in said):

@@ -143,11 +143,18 @@ class Discourse:
     def building_before(self, number: int) -> int | None:
         """The building of this sentence that what stands beside roads is in front of where nothing else is said."""
         thing = self.mentions[number]
-        if thing.kind is None or thing.record.on_road or thing.record.family == "buildings" or thing.count != 1:
+        if thing.kind is None or thing.record.family == "buildings":
+            return None
+        if thing.record.on_road and (thing.heading != "parked" or thing.count == 1):
             return None
         before = [n for n in range(self.sentence, number) if self.mentions[n].is_wanted]
         buildings = [n for n in before if self.mentions[n].record.family == "buildings"]
-        return buildings[0] if buildings and buildings == before and self.mentions[buildings[0]].count == 1 else None
+        alike = (
+            buildings == before and (self.mentions[buildings[0]].count == 1) is (thing.count == 1)
+            if buildings
+            else False
+        )
+        return buildings[0] if alike else None
 
     def depends(self, number: int, other: int) -> bool:
         """Whether a mention is another one, or placed from it."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
 
 from lidardraft.drafting.text.exceptions import all_but_some
@@ -41,10 +42,12 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
         return _all_or_each(d, phrase, whole, before) if told or phrase.one_each or following in _HAVING else []
     known = d.mentions[whole].count if whole is not None else None
     beyond = phrase.another and isinstance(known, int) and phrase.ordinal is not None and phrase.ordinal >= known
+    does = bool(item.modifiers) and all(isinstance(one.said, Manner) for one in item.modifiers)
+    acts = does and item.link == "," and phrase.exact and _counted_from(clause, number) == known
     of_them = phrase.of_them or (
         whole is not None
         and not beyond
-        and (phrase.rest or phrase.ordinal is not None or phrase.at is not None or _is_to_the_rest(item))
+        and (phrase.rest or phrase.ordinal is not None or phrase.at is not None or _is_to_the_rest(item) or acts)
     )  # but of "two vans and a third" the third is one more
     last = whole if of_them and whole is not None else last
     source = d.mentions[last]
@@ -69,6 +72,13 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
         d.change(last, at=at, weak=False)
         return [last]
     return [_new_part(d, phrase, last, of_them)]
+
+
+def _counted_from(clause: Clause, number: int) -> int:
+    """How many the numbers without nouns count together from one on: "one going left and two going right" are three."""
+    heads = (one.head for one in clause.items[number:])
+    listed = itertools.takewhile(lambda head: isinstance(head, NounPhrase) and head.kind == "" and head.exact, heads)
+    return sum(int(str(head.count)) for head in listed if isinstance(head, NounPhrase))
 
 
 def _is_apposition(clause: Clause, number: int) -> bool:

@@ -99,9 +99,22 @@ def targets_of(d: Discourse, relation: Relation, subjects: Ids) -> Ids:
     found: Ids = []
     for phrase in relation.targets:
         found += _target(d, phrase, subjects)
+    if relation.relation == "between" and len(relation.targets) == 1 and relation.targets[0].pronoun == "them":
+        found = _two_of_them(d, found, subjects)
     if relation.target_place is not None and found and not d.mentions[found[0]].placed:
         place_at(d, found[0], relation.target_place)
     return found
+
+
+def _two_of_them(d: Discourse, found: Ids, subjects: Ids) -> Ids:
+    """The two that something is between: the last two single ones, of vehicles where it drives."""
+    drives = any(d.mentions[one].is_wanted and d.mentions[one].record.drives for one in subjects)
+    others = [n for n, one in enumerate(d.mentions) if one.is_wanted and n not in subjects]
+    fitting = [n for n in others if d.mentions[n].record.drives] if drives else others
+    if found and d.mentions[found[0]].count != 1 and found[0] in fitting:
+        return found
+    single = [n for n in fitting if d.mentions[n].count == 1][-2:]
+    return single if len(single) == 2 else [one for one in found if d.mentions[one].count != 1]
 
 
 def _target(d: Discourse, phrase: NounPhrase, subjects: Ids) -> Ids:

@@ -132,7 +132,8 @@ def _relate_to_road(d: Discourse, subjects: Ids, said: Relation, references: Ids
     """ "Between the trees and the road" is in front of the trees, "between us and the bus" behind the bus."""
     if len(said.targets) == 2 and said.relation == "between" and references:
         drives = d.mentions[references[0]].record.drives
-        relation = "behind" if ego else "beside" if drives else "in-front-of"
+        parked = d.mentions[references[0]].heading == "parked"
+        relation = "behind" if ego else "beside" if drives and parked else "right-of" if drives else "in-front-of"
         if said.targets[0].pronoun == "road" and not drives:
             relation = "in-front-of"
         return relate(
@@ -164,9 +165,10 @@ def _relate_to_junction(d: Discourse, ids: Ids) -> Ids:
 def _ride(d: Discourse, ids: Ids, said: Relation, references: Ids) -> None:
     """ "A man on a bicycle" is a bicycle with its rider."""
     for one in ids:
-        if d.mentions[one].kind is None or not d.mentions[one].record.walks or not references:
-            continue
         target = said.targets[0]
+        rider = references and d.mentions[one].kind is not None
+        if not rider or not (d.mentions[one].record.walks or d.mentions[one].kind == target.kind):
+            continue
         if references[0] == len(d.mentions) - 1:
             d.mentions.pop()
         d.change(one, kind=target.kind, ridden=True, host=None)
@@ -179,6 +181,8 @@ def _stand_at(d: Discourse, subjects: Ids, references: Ids) -> bool:
     if not queues or free.placed or free.references:
         return False
     d.change(references[0], relation="near", references=tuple(queues), placed=True)
+    for one in queues if free.kind == "traffic-light" else []:
+        d.change(one, speed=0.0)
     return True
 
 

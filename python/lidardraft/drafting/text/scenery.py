@@ -16,7 +16,7 @@ def with_scenery(nodes: Sequence[Node]) -> list[Node]:
     """The constituents of a text, those that say nothing of objects taken together or marked as such."""
     found: list[Node] = []
     for index, node in enumerate(nodes):
-        has = index + 1 < len(nodes) and nodes[index + 1].symbol in ("with", "has")
+        has = index + 1 < len(nodes) and nodes[index + 1].symbol in ("with", "has", "relation", "whereabouts")
         if node.symbol in ("object", "stranger") and _is_loaded(found):
             load = found.pop()
             found.append(Node("unseen", load.start, node.end, 0.0, (), (load._replace(symbol="worn"), node)))

@@ -291,6 +291,9 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
         apart = modifier.link == "," and isinstance(said, Relation | Manner)
         if last is not None and (apart or (modifier.link == "and" and modifier.verb)):
             open_ids = named[number]  # "in front of the shop, next to a bench"
+        at_light = last is not None and any(to.kind == "traffic-light" for to in last.targets)
+        if at_light and isinstance(said, Relation) and not modifier.link:
+            open_ids = named[number]  # "waits at a red light next to a car"
         before = modifiers[index - 1].said if index else None
         if isinstance(said, Place) and isinstance(before, Street) and not modifier.link and note_junction(d, said):
             continue
@@ -365,7 +368,8 @@ def _carrier(d: Discourse, item: Item, ids: Ids, host: Ids, said: object) -> Ids
         return []
     if together:  # "a mother with two kids at the corner"
         return [*host, *ids]
-    d.mentions[ids[0]] = kept_with(carried, host[0])
+    if carried.relation is None:
+        d.mentions[ids[0]] = kept_with(carried, host[0])
     return host
 
 

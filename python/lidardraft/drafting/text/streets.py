@@ -117,7 +117,9 @@ def say_of_ego(d: Discourse, item: Item) -> None:
         said = modifier.said
         if isinstance(said, Place):
             note_place(d, said)
-        if (
+        if isinstance(said, Place) and said.middle and not placed and d.road.lanes > 1:
+            d.road = replace(d.road, ego_lane="middle")
+        elif (
             isinstance(said, Place)
             and said.at.lane in ("left", "middle", "right")
             and said.at == Position(lane=said.at.lane)
