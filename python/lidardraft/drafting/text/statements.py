@@ -288,12 +288,8 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
             return
         if number and open_ids == named[number]:
             open_ids = _carrier(d, item, open_ids, named[number - 1], said) or open_ids
-        apart = modifier.link == "," and isinstance(said, Relation | Manner)
-        if last is not None and (apart or (modifier.link == "and" and modifier.verb)):
-            open_ids = named[number]  # "in front of the shop, next to a bench"
-        at_light = last is not None and any(to.kind == "traffic-light" for to in last.targets)
-        if at_light and isinstance(said, Relation) and not modifier.link:
-            open_ids = named[number]  # "waits at a red light next to a car"
+        if last is not None and _is_of_subject(last, modifier):
+            open_ids = named[number]
         before = modifiers[index - 1].said if index else None
         if isinstance(said, Place) and isinstance(before, Street) and not modifier.link and note_junction(d, said):
             continue
@@ -322,6 +318,16 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
                     d.change(one, described=True)
         else:
             on_street(d, open_ids, said)
+
+
+def _is_of_subject(last: Relation, modifier: Modifier) -> bool:
+    """Whether what is said after a relation is of its subject again, and not of what that is related to."""
+    if modifier.link == "and" and modifier.verb:
+        return True
+    if modifier.link == ",":  # "in front of the shop, next to a bench"
+        return isinstance(modifier.said, Relation | Manner)
+    at_light = any(to.kind == "traffic-light" for to in last.targets)
+    return at_light and not modifier.link and isinstance(modifier.said, Relation)  # "at a red light next to a car"
 
 
 def _is_had(item: Item) -> bool:
