@@ -151,7 +151,8 @@ class RelativePoses:
         near = at._replace(effort=at.effort / 4)
         off = reference.half_across + self.size[1] / 2 + max(_ACROSS_LANES, self._gap(usual, near))
         together = at.number > 0 and self.kind.drives and reference.kind.drives  # several overtake one after another
-        row = 0.0 if together else 5.0 * at.effort * at.number * (self.size[0] + 1.0)
+        beyond = at.number + at.effort  # the first finds room there too, where something larger stands
+        row = 0.0 if together else 5.0 * at.effort * beyond * (self.size[0] + 1.0)
         along = at.along + at.uniform(-0.4, 0.4) * (reference.half_along + row)
         if together:
             along -= reference.forwards * at.number * (self.size[0] + self._gap(_IN_LANE, near))

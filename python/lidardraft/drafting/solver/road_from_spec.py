@@ -21,6 +21,7 @@ _LONGEST_QUEUE = 110.0  # m, what a road is long for where no distance is asked 
 AISLE_LANE = 3.0  # m; the aisle of a parking lot is 6 m wide (EAR 05)
 _LOT_LENGTH = (60.0, 90.0)  # m, estimate of ours
 _WIDEST_LANE = 3.7  # m, of the usual ones
+_PARKED = 2.0  # m further to the right than in a lane; estimate
 
 
 def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -> Road:
@@ -162,13 +163,24 @@ def _usual_ego_lane(spec: SceneSpec) -> tuple[int, int]:
     right = any(_beside_the_ego(group, "right", spec.road.one_way) for group in spec.groups)
     right = right or any(group.relation == "right-of" and group.record.drives for group in spec.groups)
     middle = spec.road.ego_lane == "middle" or any(group.lane == "middle" for group in spec.groups)
-    needed = 3 if middle or (left and right) else 2 if left or right or spec.road.ego_lane else 1
+    reach = _lanes_to_the_right(spec)
+    needed = max(3 if middle or (left and right) else 2 if left or right or spec.road.ego_lane else 1, reach + 1)
     usual = any(_on_the_right(group) for group in spec.groups)
     # of two lanes the left one is that of who overtakes the ego
     overtaken = needed > (spec.road.lanes or needed) and any(
         group.lane == "left" and "beside" in group.places for group in spec.groups
     )
-    return int((right or (usual and not left)) and not overtaken), needed
+    return max(reach, int((right or (usual and not left)) and not overtaken)), needed
+
+
+def _lanes_to_the_right(spec: SceneSpec) -> int:
+    """How many lanes what stands to the right of the ego at a distance needs there."""
+    reach = [
+        group.distance[0] - (_PARKED if group.heading == "parked" else 0.0)
+        for group in spec.groups
+        if group.distance and group.relation is None and group.record.is_vehicle and "beside-right" in group.places
+    ]
+    return max(0, math.ceil(max(reach, default=0.0) / _WIDEST_LANE - 0.3))
 
 
 def _beside_the_ego(group: ObjectGroup, side: str, one_way: bool) -> bool:
