@@ -390,7 +390,10 @@ class _Reading:
     def _has_things(self, index: int, link: str) -> bool:
         """Whether what a place is "with" is there: "a crosswalk with two men", "a bus, the left lane with two cars"."""
         node = self._nodes[index]
-        return bool(node.get("crosswalk")) or (link == "," and bool(self._items) and node.symbol == "whereabouts")
+        at = node.get("at")
+        if node.get("crosswalk") or (isinstance(at, Position) and at.at_junction):
+            return True
+        return link == "," and bool(self._items) and node.symbol == "whereabouts"
 
     def _modifiers(self, node: Node, link: str, verb: str) -> list[Modifier]:
         if node.symbol == "distances":

@@ -78,6 +78,7 @@ def _group(
     """As a group of the spec."""
     at, heading, lane = _headed(mention, motorway=road.kind == "motorway")
     kind, spacing = mention.record, at.spacing
+    in_row = mention.row and kind.family == "trees"
     strip_across = heading == "across" and kind.follows_road  # a fence across the road
     waits = kind.walks and mention.speed == 0.0 and str(heading).startswith("across")  # to cross, at the kerb
     if waits or not (kind.drives or (kind.walks and heading != "parked")):
@@ -90,7 +91,7 @@ def _group(
         heading = "against" if (first.heading or first.at.heading) == "against" else "with"
     elif mention.queue and kind.walks:
         spacing = spacing or _BESIDE_EACH_OTHER
-    elif mention.queue and kind.sizes and not references and mention.count != 1:
+    elif (mention.queue or in_row) and kind.sizes and not references and mention.count != 1:
         spacing = spacing or kind.sizes.largest[0] + _ROW_GAP
     still = bool(references) and not any(
         mentions[one].record.drives or mentions[one].record.walks for one in mention.references if one >= 0

@@ -62,7 +62,7 @@ def _words(tokens: list[Token]) -> list[list[Node]]:
             here.append(Node(token.text, index, index + 1, 0.0))
         elif _is_name(texts, index):
             here.append(Node("name", index, index + 1, 0.0, (("name", token.text),)))
-        is_word = any(parts == (token.text,) for parts, _ in known.get(token.text, ()))
+        is_word = any(parts == (token.text,) and word.category != "foreign" for parts, word in entries)
         strange = () if is_word or token.text in _SIGNS or match else (("strange", token.text),)
         here.append(Node("unknown", index, index + 1, cost, strange))
         found.append(here)

@@ -34,6 +34,7 @@ class Mention:
     heading: str | None = None
     on_road: bool = False
     queue: bool = False
+    row: bool = False
     ridden: bool = False
     placed: bool = False
     weak: bool = False
@@ -180,6 +181,7 @@ def mention_of(phrase: NounPhrase) -> Mention:
         phrase.count,
         heading=manner.heading,
         queue=manner.queue,
+        row=manner.row,
         ridden=phrase.ridden,
         size=manner.size,
         scale=manner.scale,

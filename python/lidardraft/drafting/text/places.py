@@ -47,6 +47,8 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
         mention = d.mentions[one]
         if mention.kind is None:
             d.change(one, at=mention.at.narrowed(place.at), placed=True)
+        elif _has_facade(d, mention) and place.bare:
+            d.change(one, relation="in-front-of", references=(mention.with_it,), placed=True)
         elif mention.host is not None and place.at in (Position((FRONT,)), Position((BEHIND,))) and not mention.placed:
             relation = "in-front-of" if place.at.places == (FRONT,) else "behind"
             d.change(one, relation=relation, references=(mention.host,), placed=True)
@@ -55,6 +57,11 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
         else:
             attach(d, one, _spanned(d, one, place), "" if modifier.verb else modifier.link)
     return ids
+
+
+def _has_facade(d: Discourse, mention: Mention) -> bool:
+    """Whether it is with buildings, as in "houses with a fence in front"."""
+    return mention.with_it is not None and d.mentions[mention.with_it].record.family == "buildings"
 
 
 def _spanned(d: Discourse, number: int, place: Place) -> Place:
@@ -126,6 +133,8 @@ def attach(d: Discourse, number: int, place: Place, link: str) -> None:
         count = place.times if mention.count == "some" else count_times(mention.count, place.times)
         d.change(number, count=count)
     if not mention.placed or mention.weak:
+        if mention.weak and mention.at.sidewalk and at.only_places:
+            at = replace(at, sidewalk=True)  # "a sidewalk with two people on the right"
         d.change(number, at=at if mention.weak else mention.at.narrowed(at), placed=True, weak=False)
     elif link in ("and", "or", ",") and not _goes_on(at, mention, link):
         if at.only_places and mention.at.only_places:

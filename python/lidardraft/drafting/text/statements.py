@@ -188,8 +188,10 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
         head.definite or (bool(item.modifiers) and item.modifiers[0].verb == "one")  # type: ignore[union-attr]
     )
     if number and (not item.link or aside) and before and phrase.count != 0 and not phrase.exact:
-        several = isinstance(head, NounPhrase) and (
-            head.kind == "" or head.part is not None or head.ordinal is not None or (head.definite and item.verb)
+        several = (
+            isinstance(head, NounPhrase)
+            and head.pronoun != "us"
+            and (head.kind == "" or head.part is not None or head.ordinal is not None or (head.definite and item.verb))
         )
         if several and (aside or item.verb or not clause.items[number - 1].modifiers):
             return call(d, phrase, before)

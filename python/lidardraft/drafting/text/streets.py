@@ -87,6 +87,8 @@ def say_of_road(d: Discourse, item: Item) -> None:
             for one in targets_of(d, said, []):
                 at = Position((LEFT, RIGHT), both_sides=True, shared=isinstance(d.mentions[one].count, int))
                 place_at(d, one, Place(at))  # "an alley between houses"
+        elif isinstance(said, Relation) and not any(phrase.traffic for phrase in said.targets):
+            targets_of(d, said, [])  # "a street in front of a school", but not "at rush hour"
         elif isinstance(said, Street):
             note_street(d, said)
 

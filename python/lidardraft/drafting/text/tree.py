@@ -44,6 +44,7 @@ class Manner:
     length: float | None = None  # "a wall of 3 m", which is its height or its length
     long: bool | None = None  # whether a word such as "long" or "tall" says which
     in_row: bool = False  # "one behind the other"
+    row: bool = False  # "a row of"
     road: str | None = None  # that is crossed
     paint: str | None = None
     tokens: Tokens = frozenset()
@@ -233,6 +234,7 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
         length=next(iter(values.get("length_of", [])), None),
         long=False if "tall" in values else True if "long" in values else None,
         in_row="in_row" in values,
+        row="row" in values,
         road=next(iter(values.get("road", [])), None),
         paint=next(iter(values.get("paint", [])), None),
         scale=scale,
