@@ -197,7 +197,7 @@ def test_an_explanation_says_what_each_word_became() -> None:
         ("a tram runs ahead", "runs", "not shown"),
         ("three trucks are heading the opposite way", "heading the opposite way", "truck [0]"),
         ("a woman holding hands", "holding hands", "not shown"),
-        ("a row of five trees", "a row of five trees", "tree [0]: 5"),
+        ("a row of five trees", "a row of five trees", "tree [0]: 5, every 6 m"),
     ],
 )
 def test_each_word_names_what_it_gave(text: str, words: str, gave: str) -> None:
