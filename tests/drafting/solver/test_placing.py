@@ -66,6 +66,43 @@ def test_a_parking_lot_has_no_sidewalk() -> None:
             road("parking-lot", *groups, sidewalk=sidewalk)
 
 
+def test_a_median_lies_between_two_directions() -> None:
+    tree = ObjectGroup(kind="tree", count=3, surface="median")
+    assert road("straight", tree).median == road("straight", median=True).median == 4.0
+    assert road("straight").median == 0.0
+    for fields in ({"one_way": True}, {"lanes": 2, "oncoming_lanes": 1}):
+        with pytest.raises(LayoutError, match=r"^road: a median is between two directions with as many lanes"):
+            road("straight", tree, **fields)
+    with pytest.raises(LayoutError, match=r"^road: a median is between two directions"):
+        road("parking-lot", median=True)
+
+
+@pytest.mark.parametrize("kind", ["straight", "left-bend", "crossroads", "roundabout", "motorway"])
+def test_things_and_people_stand_in_a_median(kind: str) -> None:
+    kinds = {"tree": 4, "person": 2, "barrier": 1, "street-light": "some"}
+    groups = tuple(ObjectGroup(kind=name, count=count, surface="median") for name, count in kinds.items())
+    spec = SceneSpec(road=RoadSpec(kind=kind), groups=groups)
+    for seed in range(3):
+        layout = layout_from_spec(spec, seed=seed)
+        assert broken(spec, layout) == check(layout) == []
+
+
+def test_the_ego_keeps_to_the_left_for_what_is_far_to_the_right() -> None:
+    for heading, distance, lanes in ((None, 7.0, 2), ("parked", 5.0, 1), (None, 2.0, 0)):
+        car = ObjectGroup(kind="car", places=("beside-right",), distance=(distance, distance), heading=heading)
+        assert road("straight", car).ego_lane == lanes
+        spec = SceneSpec(groups=(car,))
+        assert broken(spec, layout_from_spec(spec, seed=0)) == []
+
+
+def test_motorcycles_stand_and_bicycles_ride_on_sidewalks() -> None:
+    parked = ObjectGroup(kind="motorcycle", count=2, surface="sidewalk", heading="parked")
+    coming = ObjectGroup(kind="bicycle", surface="sidewalk", heading="against")
+    spec = SceneSpec(road=RoadSpec(sidewalk=True), groups=(parked, coming))
+    for seed in range(5):
+        assert broken(spec, layout_from_spec(spec, seed=seed)) == []
+
+
 def test_there_is_room_for_what_is_asked_for() -> None:
     parked = {kind: road("straight", ObjectGroup(kind=kind, heading="parked")) for kind in ("car", "truck", "person")}
     assert [parked[kind].parking for kind in ("car", "truck", "person")] == [2.2, 3.0, 0.0]
