@@ -88,7 +88,7 @@ def test_things_and_people_stand_in_a_median(kind: str) -> None:
 
 
 def test_the_ego_keeps_to_the_left_for_what_is_far_to_the_right() -> None:
-    for heading, distance, lanes in ((None, 7.0, 2), ("parked", 5.0, 1), (None, 2.0, 0)):
+    for heading, distance, lanes in ((None, 7.0, 2), ("parked", 5.0, 1), ("parked", 3.0, 0)):
         car = ObjectGroup(kind="car", places=("beside-right",), distance=(distance, distance), heading=heading)
         assert road("straight", car).ego_lane == lanes
         spec = SceneSpec(groups=(car,))
