@@ -159,7 +159,9 @@ _TABLE: tuple[tuple[SentenceKind | None, dict[str, Kind]], ...] = (
     (_large("bus", _class_sizes("bus", _MACHINE), "bus", precedence=10, traffic_share=0.04, lane_length=21.0), {
         "bus": Kind(buses.bus, ("bus",), extents=((8.0, 2.3, 2.8), (18.8, 2.6, 3.5))),
     }),
-    (_large("tram", _class_sizes("train", _MACHINE), "train", precedence=11, lane_length=38.0), {
+    (_large(
+        "tram", _class_sizes("train", _MACHINE), "train", precedence=11, lane_length=38.0, surfaces=("road", "median"),
+    ), {
         "tram": Kind(buses.tram, ("train",), extents=((14.0, 2.2, 3.2), (60.0, 2.7, 3.9))),
     }),
     (_vehicle(

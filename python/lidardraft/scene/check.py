@@ -65,14 +65,18 @@ def grounded(layout: Layout) -> list[Finding]:
 
 
 def on_road(layout: Layout) -> list[Finding]:
-    """Vehicles whose middle is not over a primitive labelled road; silent about a layout without any."""
-    ground = LayoutGround(layout, labels=("road",))
-    if not ground.primitives:
+    """Vehicles whose middle is not over a primitive labelled road; silent about a layout without any.
+
+    Motorcycles may stand on sidewalks, and trams run on rails of their own.
+    """
+    road, paved = (LayoutGround(layout, labels=labels) for labels in (("road",), ("road", "sidewalk")))
+    if not road.primitives:
         return []
     findings = []
     for box in layout.boxes():
         x, y, _ = box.center
-        if box.label in VEHICLE_LABELS and ground.at(x, y) is None:
+        ground = paved if box.label == "motorcycle" else road
+        if box.label in VEHICLE_LABELS and box.label != "train" and ground.at(x, y) is None:
             message = f"{box.id} stands off the road at x = {x:.1f}, y = {y:.1f} m"
             findings.append(Finding("on_road", (box.id,), message))
     return findings

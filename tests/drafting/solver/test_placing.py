@@ -79,7 +79,7 @@ def test_a_median_lies_between_two_directions() -> None:
 
 @pytest.mark.parametrize("kind", ["straight", "left-bend", "crossroads", "roundabout", "motorway"])
 def test_things_and_people_stand_in_a_median(kind: str) -> None:
-    kinds = {"tree": 4, "person": 2, "barrier": 1, "street-light": "some"}
+    kinds = {"tree": 4, "person": 2, "barrier": 1, "street-light": "some", "tram": 1}
     groups = tuple(ObjectGroup(kind=name, count=count, surface="median") for name, count in kinds.items())
     spec = SceneSpec(road=RoadSpec(kind=kind), groups=groups)
     for seed in range(3):
@@ -100,7 +100,8 @@ def test_motorcycles_stand_and_bicycles_ride_on_sidewalks() -> None:
     coming = ObjectGroup(kind="bicycle", surface="sidewalk", heading="against")
     spec = SceneSpec(road=RoadSpec(sidewalk=True), groups=(parked, coming))
     for seed in range(5):
-        assert broken(spec, layout_from_spec(spec, seed=seed)) == []
+        layout = layout_from_spec(spec, seed=seed)
+        assert broken(spec, layout) == check(layout) == []
 
 
 def test_there_is_room_for_what_is_asked_for() -> None:

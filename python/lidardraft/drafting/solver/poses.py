@@ -187,8 +187,10 @@ def at_kerb(road: Road, sides: tuple[int, ...], at: Try) -> RoadPose:
 
 def in_median(group: ObjectGroup, road: Road, at: Try) -> RoadPose:
     """Along the strip between the directions."""
-    yaw = at.walking_yaw(str(group.heading)) if group.record.walks else 0.0
-    off = 0.0 if group.record.follows_road else at.uniform(-_MEDIAN_OFF, _MEDIAN_OFF) * road.median
+    backwards = group.heading == "against"
+    yaw = at.walking_yaw(str(group.heading)) if group.record.walks else BACKWARDS if backwards else 0.0
+    along_it = group.record.follows_road or group.record.drives
+    off = 0.0 if along_it else at.uniform(-_MEDIAN_OFF, _MEDIAN_OFF) * road.median
     return RoadPose(at.along, off, yaw)
 
 

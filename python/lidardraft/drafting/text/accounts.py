@@ -202,8 +202,8 @@ def _names_setting(node: Node, whole: SceneSpec) -> bool:
 def _is_said_by(node: Node, other: Node) -> bool:
     """Whether what is beside a verb or a place says the same."""
     said = _said(node)
-    if node.symbol == "whereabouts":
-        return bool(said) and said <= _said(other)
+    if node.symbol == "whereabouts":  # "parked along the kerb"
+        return bool(said) and (said <= _said(other) or "heading parked" in said & _said(other))
     return node.symbol in _VERBS and bool(said & _said(other))
 
 

@@ -83,7 +83,8 @@ def _group(
     waits = kind.walks and mention.speed == 0.0 and str(heading).startswith("across")  # to cross, at the kerb
     if waits or not (kind.drives or (kind.walks and heading != "parked")):
         heading = None
-    if mention.queue and kind.drives and heading is None and not references:
+    in_lot = road.kind == "parking-lot"
+    if mention.queue and kind.drives and heading is None and not references and not in_lot:
         heading, lane = "with", lane or (None if at.sides else "own")
         spacing = spacing or (kind.sizes.largest[0] if kind.sizes else 6.0) + _QUEUE_GAP
     elif mention.queue and kind.drives and heading is None and mention.relation == "behind":
@@ -109,7 +110,7 @@ def _group(
         kind=kind.name,
         count="some" if at.spacing and mention.count == 1 else mention.count,
         places=places
-        or (("front",) if mention.queue and kind.drives and not references and lane != "opposite" else ()),
+        or (("front",) if mention.queue and kind.drives and not (references or in_lot) and lane != "opposite" else ()),
         not_places=tuple(dict.fromkeys(_named(place) for place in mention.not_at if any(place))),
         surface=_surface(at, kind, waits=waits, on_road=in_road, parted=not (references or road.one_way)),
         lane=lane if "road" in kind.surfaces and (not references or kind.is_vehicle) else None,

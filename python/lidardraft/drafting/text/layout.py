@@ -134,6 +134,8 @@ def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]
 
 def _names_group(node: Node, groups: Iterable[Collection[int]]) -> bool:
     """Whether a group came of it; without "a third", its place would be one more of "a second"."""
+    if any(leaves(node, "number")):
+        return False
     return any(set(range(node.start, node.end)) <= set(tokens) for tokens in groups)
 
 

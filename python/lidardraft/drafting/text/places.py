@@ -10,6 +10,8 @@ from lidardraft.drafting.text.mentions import JUNCTIONS, Discourse, Ids, Mention
 from lidardraft.drafting.text.positions import BEHIND, FRONT, LEFT, RIGHT, Position
 from lidardraft.drafting.text.tree import Count, Manner, Modifier, Place
 
+_VERGE = (0.0, 1.5)  # m from the kerb
+
 
 def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
     """Note a place of objects; those that what is said next is said of."""
@@ -208,6 +210,10 @@ def _fitting(place: Place, mention: Mention) -> Position | None:
         return None if at.at_junction or "median" not in kind.surfaces else Position(median=True)
     if at.from_road is not None and at.from_road[0] == 0.0 and kind.cycles:
         at = replace(at, from_road=None, places=at.places if at.sides else (RIGHT,))  # who rides close to the kerb
+    if at.beside_road and kind.walks and not (at.sidewalk or at.from_road):
+        at = replace(at, beside_road=False, from_road=_VERGE)  # who is at the side of the road
+    if place.centre and kind.name == "tram" and not at.at_junction:
+        at = replace(at, on_road=False, median=True)
     if at.median and "median" not in kind.surfaces:
         return None
     if at.sidewalk and "sidewalk" not in kind.surfaces:

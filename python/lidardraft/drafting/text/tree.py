@@ -107,6 +107,7 @@ class Place:
     shoulder: bool = False
     everywhere: bool = False
     middle: bool = False  # "in the middle", of what may be on the road
+    centre: bool = False  # "in the middle of the road"
     crosswalk: bool = False
     there: bool = False
     in_row: bool = False  # "each 10 m behind the other"
@@ -392,6 +393,7 @@ def place_of(node: Node) -> Place:
         shoulder=bool(node.get("shoulder")),
         everywhere=bool(node.get("everywhere")),
         middle=bool(node.get("middle")),
+        centre=bool(node.get("centre")) or bool(node.get("middle")),
         crosswalk=bool(node.get("crosswalk")),
         in_row=any(leaves(node, "neighbour")) and any(leaves(node, "the_next")),
         from_to=bool(node.get("from_to")),
