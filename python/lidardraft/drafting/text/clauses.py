@@ -132,7 +132,7 @@ class _Reading:
             if node.symbol == "(":
                 self._anchor = len(self._items) - 1
             if node.symbol in LINKS:
-                link = self._linked(link, index)
+                link, verb = self._linked(link, index), "" if node.symbol == "," else verb
             elif node.symbol == "is":
                 verb = verb or node.get("verb")
             elif node.symbol == "there":

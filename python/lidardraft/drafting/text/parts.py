@@ -24,6 +24,7 @@ def part(mentions: Mentions) -> Mentions:
         _turn_trailer(found, number)
         _turn_to_strip(found, number)
         _imply_parked(found, number)
+        _wait_at_stop(found, number)
     _note_listed_parts(found)
     for number in range(len(found)):
         _count_rest(found, number)
@@ -100,7 +101,10 @@ def kept_with(mention: Mention, host: int) -> Mention:
 
 
 def _depends(mentions: list[Mention], number: int, other: int) -> bool:
-    return number == other or any(_depends(mentions, one, other) for one in mentions[number].references)
+    reached = [number]
+    for one in reached:  # grows
+        reached += [reference for reference in mentions[one].references if reference not in reached]
+    return other in reached
 
 
 def _turn_to_strip(mentions: list[Mention], number: int) -> None:
@@ -116,6 +120,15 @@ def _turn_to_strip(mentions: list[Mention], number: int) -> None:
     mentions[number] = replace(mention, relation=None, references=(), at=at)
     if not (row.at.from_road or row.at.from_sidewalk):  # which no relation goes with
         mentions[mention.references[0]] = replace(row, relation="behind", references=(number,), placed=True)
+
+
+def _wait_at_stop(mentions: list[Mention], number: int) -> None:
+    """Who waits nowhere else waits at the bus stop that was named before."""
+    one = mentions[number]
+    waits = one.kind == "person" and one.is_wanted and one.speed == 0.0 and one.heading is None
+    stops = [n for n, other in enumerate(mentions[:number]) if other.kind == "shelter" and other.is_wanted]
+    if waits and len(stops) == 1 and not (one.placed or one.relation or one.on_road or one.same_as is not None):
+        mentions[number] = replace(one, relation="near", references=(stops[0],), placed=True)
 
 
 def _imply_parked(mentions: list[Mention], number: int) -> None:

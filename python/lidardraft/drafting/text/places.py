@@ -22,7 +22,7 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
     if place.at.at_junction and d.road.kind == "parking-lot":
         return ids
     building = d.building_before(ids[0]) if place.bare and ids else None
-    if building is not None:  # "a house, hedge in front"
+    if building is not None and not any(d.depends(building, one) for one in ids):  # "a house, hedge in front"
         for one in ids:
             d.change(one, relation="in-front-of", references=(building,), placed=True)
         return ids
@@ -49,7 +49,7 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
         mention = d.mentions[one]
         if mention.kind is None:
             d.change(one, at=mention.at.narrowed(place.at), placed=True)
-        elif _has_facade(d, mention) and place.bare:
+        elif _has_facade(d, one) and place.bare:
             d.change(one, relation="in-front-of", references=(mention.with_it,), placed=True)
         elif mention.host is not None and place.at in (Position((FRONT,)), Position((BEHIND,))) and not mention.placed:
             relation = "in-front-of" if place.at.places == (FRONT,) else "behind"
@@ -61,9 +61,12 @@ def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
     return ids
 
 
-def _has_facade(d: Discourse, mention: Mention) -> bool:
+def _has_facade(d: Discourse, number: int) -> bool:
     """Whether it is with buildings, as in "houses with a fence in front"."""
-    return mention.with_it is not None and d.mentions[mention.with_it].record.family == "buildings"
+    host = d.mentions[number].with_it
+    if host is None or d.mentions[host].kind is None or d.depends(host, number):
+        return False
+    return d.mentions[host].record.family == "buildings"
 
 
 def _spanned(d: Discourse, number: int, place: Place) -> Place:
@@ -258,7 +261,8 @@ def describe(d: Discourse, number: int, manner: Manner) -> None:
     if mention.kind is None:
         return
     if manner.heading == "both":
-        _both_ways(d, number)
+        if mention.record.drives:
+            _both_ways(d, number)
         return
     if manner.cycling and mention.kind == "person":
         d.change(number, kind="bicycle", ridden=False)

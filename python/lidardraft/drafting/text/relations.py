@@ -169,7 +169,8 @@ def _ride(d: Discourse, ids: Ids, said: Relation, references: Ids) -> None:
         rider = references and d.mentions[one].kind is not None
         if not rider or not (d.mentions[one].record.walks or d.mentions[one].kind == target.kind):
             continue
-        if references[0] == len(d.mentions) - 1:
+        last = len(d.mentions) - 1
+        if references[0] == last and d.mentions[last].tokens == target.tokens:  # it was named for its rider alone
             d.mentions.pop()
         d.change(one, kind=target.kind, ridden=True, host=None)
 

@@ -290,7 +290,7 @@ def noun_phrase(node: Node) -> NounPhrase:
         in_total=bool(node.get("in_total")),
         all_but=node.get("all_but", 0),
         at=Position(spacing=spacing) if spacing else sides[0] if sides else None,
-        manner=manner_of([*fits, *leaves(node, "collective", "kind"), *of_nobody], kind),
+        manner=manner_of([*fits, *leaves(node, "collective", "kind", "traffic"), *of_nobody], kind),
         tokens=tokens,
     )
 
