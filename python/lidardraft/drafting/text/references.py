@@ -8,8 +8,6 @@ from lidardraft.drafting.text.mentions import JUNCTIONS, Discourse, Ids, mention
 from lidardraft.drafting.text.places import describe, place_at
 from lidardraft.drafting.text.tree import Item, NounPhrase, Place, Relation
 
-_ANYBODY = ("person", "pedestrian", "man", "woman", "boy", "girl", "child", "kid", "guy", "lady", "walker")
-
 
 def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
     """What a pronoun means: "them" are several, "it" is one."""
@@ -71,7 +69,7 @@ def known_mention(d: Discourse, phrase: NounPhrase, subjects: Ids) -> int | None
             continue
         if phrase.owned and not (number == len(d.mentions) - 1 and one.record.cycles):
             continue  # "a cyclist pushes his bike", but "a shepherd and his dog"
-        if one.kind == phrase.kind == "person" and phrase.noun not in (*_ANYBODY, one.noun):
+        if one.kind == phrase.kind == "person" and not phrase.anybody and phrase.noun != one.noun:
             continue  # "a man lies there; the driver stands beside him"
         if one.kind == phrase.kind or (phrase.kind == "vehicle" and one.record.is_vehicle and not phrase.traffic):
             return number

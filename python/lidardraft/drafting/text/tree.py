@@ -83,6 +83,7 @@ class NounPhrase:
     ridden: bool = False
     owned: bool = False  # "its roof"
     noun: str = ""  # of its kind, in the singular
+    anybody: bool = False  # "the man", who may be the worker of before, as "the driver" may not
     plain: bool = False  # "the car", which may be the ego's, as "the taxi" may not
     one_each: bool = False
     in_total: bool = False
@@ -285,6 +286,7 @@ def noun_phrase(node: Node) -> NounPhrase:
         ridden=bool(node.get("ridden")),
         owned=any(one.get("owned") for one in leaves(node, "the")),
         noun=node.get("noun", ""),
+        anybody=bool(node.get("anybody")),
         plain=bool(node.get("plain")),
         one_each=node.symbol == "ellipsis" and bool(node.get("each")) and bool(counted),
         in_total=bool(node.get("in_total")),
