@@ -45,7 +45,7 @@ def _words(tokens: list[Token]) -> list[list[Node]]:
         for parts, word in entries:
             if match and word.category == "dozen" and ends.get(match.end(), 0) > index + 1:
                 continue  # "hundred and one" is no hundred
-            if word.features.get("named") and parts[-1] in texts[:index]:
+            if word.features.get("named") and _is_named_before(texts, index, parts[-1]):
                 continue  # "a robot ahead, a car behind the robot"
             if tuple(texts[index : index + len(parts)]) == parts:
                 cost = {"silent": _SAYS_NOTHING, "unknown": -_SAYS_NOTHING}.get(word.category, 0.0)
@@ -72,6 +72,12 @@ def _words(tokens: list[Token]) -> list[list[Node]]:
 def _number(text: str, start: int, end: int, cost: float) -> Node:
     category = "fraction" if "." in text or " point " in text else "number"
     return Node(category, start, end, cost, (("value", number(text)),))
+
+
+def _is_named_before(texts: list[str], index: int, noun: str) -> bool:
+    """Whether a noun stands before a token, but for "robot view"."""
+    views = {parts[0] for entries in lexicon().values() for parts, word in entries if word.category == "scene_noun"}
+    return any(text == noun and after not in views for text, after in itertools.pairwise(texts[: index + 1]))
 
 
 _SIGNS = (",", ".", ":", "(", ")")
