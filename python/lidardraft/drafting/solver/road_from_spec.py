@@ -180,7 +180,7 @@ def _lanes_to_the_right(spec: SceneSpec) -> int:
         for group in spec.groups
         if group.distance and group.relation is None and group.record.is_vehicle and "beside-right" in group.places
     ]
-    return max(0, math.ceil(max(reach, default=0.0) / _WIDEST_LANE - 0.3))
+    return min(MAX_LANES - 1, max(0, math.ceil(max(reach, default=0.0) / _WIDEST_LANE - 0.3)))
 
 
 def _beside_the_ego(group: ObjectGroup, side: str, one_way: bool) -> bool:

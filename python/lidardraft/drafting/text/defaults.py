@@ -47,7 +47,7 @@ def spec_of(mentions: Mentions, road: RoadNotes, texts: list[str]) -> SceneSpec:
         road = replace(road, sidewalk=None)
     needs_sidewalk = any(group.surface == "sidewalk" or group.from_sidewalk for group in groups)
     return SceneSpec(
-        road=_road_spec(road, mentions, needs_sidewalk),
+        road=_road_spec(road, mentions, {str(group.surface) for group in groups}, needs_sidewalk),
         groups=tuple(groups),
         absent=tuple(sorted(absent)),
         not_around=tuple(sorted({str(one.kind) for one in mentions if one in denied or one.only} - set(absent))),
@@ -203,12 +203,14 @@ def _words(mention: Mention, mentions: Mentions, texts: list[str]) -> str:
     return " ".join(texts[n] for n in (sorted(mention.tokens) if others & set(between) else between))
 
 
-def _road_spec(notes: RoadNotes, mentions: Mentions, needs_sidewalk: bool) -> RoadSpec:
+def _road_spec(notes: RoadNotes, mentions: Mentions, surfaces: set[str], needs_sidewalk: bool) -> RoadSpec:
     at_junction = any(one.is_wanted and one.at.at_junction for one in mentions)
     kind = notes.kind or ("crossroads" if at_junction else "straight")
     number = notes.lanes or _lanes_filled(mentions) or notes.usual_lanes
     middle = notes.ego_lane == "middle" and number == 3  # which has a lane on each side that leads the same way
-    whole = kind == "motorway" or notes.each_way or notes.one_way or middle
+    median = "median" in notes.settings and not notes.one_way and kind != "parking-lot"
+    divided_alike = number % 2 == 1 and (median or "median" in surfaces)  # which has as many lanes on each side
+    whole = kind == "motorway" or notes.each_way or notes.one_way or middle or divided_alike
     if kind == "motorway" and number > 3 and number % 2 == 0 and not (notes.each_way or notes.one_way):
         number //= 2  # a six-lane motorway has three each way
     usual = notes.usual_lanes and number == notes.usual_lanes and notes.one_way and not notes.lanes
@@ -220,7 +222,7 @@ def _road_spec(notes: RoadNotes, mentions: Mentions, needs_sidewalk: bool) -> Ro
         lanes=lanes or None,
         oncoming_lanes=oncoming or None,
         sidewalk=True if needs_sidewalk else sidewalk,
-        median="median" in notes.settings and not notes.one_way,
+        median=median,
         one_way=notes.one_way,
         ego_lane=notes.ego_lane,
         ego_motion=notes.ego_motion,
