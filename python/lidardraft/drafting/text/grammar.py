@@ -52,8 +52,9 @@ def _words(tokens: list[Token]) -> list[list[Node]]:
                 here.append(Node(word.category, index, index + len(parts), cost, tuple(word.features.items())))
         if match and match.end() in ends:
             here.append(_number(match[0], index, ends[match.end()], 0.0))
-            before, link, _ = match[0].rpartition(" and ")
-            if link and {"between", "from"} & set(texts[max(0, index - 2) : index]):  # "between two and three hundred"
+            before, link, upper = match[0].rpartition(" and ")
+            between = {"between", "from"} & set(texts[max(0, index - 2) : index])
+            if link and between and upper != "one":  # "between two hundred and three hundred"
                 here.append(_number(before, index, index + len(before.split()), 0.5))
         cost = UNKNOWN if not here else 2 * UNKNOWN
         if not token.is_strange:

@@ -166,7 +166,7 @@ def _ride(d: Discourse, ids: Ids, said: Relation, references: Ids) -> None:
     """ "A man on a bicycle" is a bicycle with its rider."""
     for one in ids:
         target = said.targets[0]
-        rider = references and d.mentions[one].kind is not None
+        rider = references and one not in references and d.mentions[one].kind is not None
         if not rider or not (d.mentions[one].record.walks or d.mentions[one].kind == target.kind):
             continue
         last = len(d.mentions) - 1
