@@ -236,7 +236,8 @@ class _Reading:
         if node.symbol in _ROADS:
             street = street_of(node)
             ego = before is not None and isinstance(before.head, NounPhrase) and before.head.pronoun == "us"
-            at = self._texts[max(0, node.start - 1)] == "at"  # "crossing at an intersection"
+            traffic = before is not None and isinstance(before.head, NounPhrase) and before.head.traffic
+            at = self._texts[max(0, node.start - 1)] == "at" and not traffic  # "crossing at an intersection"
             there = (street.definite or ego or at) and node.symbol == "street"
             if before is not None and named and not link and there:
                 self._items[-1] = _with(before, Modifier(street, link, verb))

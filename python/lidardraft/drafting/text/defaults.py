@@ -259,7 +259,7 @@ def _implied(groups: list[ObjectGroup], road: RoadNotes) -> list[ObjectGroup]:
             implied.append(ObjectGroup(kind="vehicle", count="some", at_junction=True))
         elif road.kind in _CROSSED:
             implied.append(ObjectGroup(kind="vehicle", count="some", heading="across"))
-    if busy and junction and not kinds:
+    if busy and junction and kinds <= {"vehicle"}:
         implied.append(ObjectGroup(kind="person", count="some", at_junction=True))
     return implied
 
