@@ -70,10 +70,15 @@ def test_a_median_lies_between_two_directions() -> None:
     tree = ObjectGroup(kind="tree", count=3, surface="median")
     assert road("straight", tree).median == road("straight", median=True).median == 4.0
     assert road("straight").median == 0.0
-    for fields in ({"one_way": True}, {"lanes": 2, "oncoming_lanes": 1}):
-        with pytest.raises(LayoutError, match=r"^road: a median is between two directions with as many lanes"):
+    for fields, has in (
+        ({"one_way": True}, "is one-way"),
+        ({"lanes": 3, "oncoming_lanes": 2}, "has 3 .* and 2 oncoming"),
+    ):
+        with pytest.raises(
+            LayoutError, match=rf"^road: it {has}; a median is between two directions with as many lanes"
+        ):
             road("straight", tree, **fields)
-    with pytest.raises(LayoutError, match=r"^road: a median is between two directions"):
+    with pytest.raises(LayoutError, match=r"^road: it is a parking lot; a median is between two directions"):
         road("parking-lot", median=True)
 
 

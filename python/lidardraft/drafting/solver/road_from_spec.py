@@ -88,8 +88,13 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
 def _median(spec: SceneSpec) -> float:
     """The width of what lies between the directions [m]."""
     if spec.road.median or any(group.surface == "median" for group in spec.groups):
-        if spec.road.kind == "parking-lot" or spec.road.one_way or spec.road.oncoming_lanes:
-            raise LayoutError("road: a median is between two directions with as many lanes; ask for them, or for none")
+        ways = f"has {spec.road.lanes} lanes this way and {spec.road.oncoming_lanes} oncoming"
+        ways = "is one-way" if spec.road.one_way else ways if spec.road.oncoming_lanes else ""
+        ways = "is a parking lot" if spec.road.kind == "parking-lot" else ways
+        if ways:
+            raise LayoutError(
+                f"road: it {ways}; a median is between two directions with as many lanes; ask for no median"
+            )
         return MEDIAN
     usual = spec.road.kind == "motorway" and not (spec.road.one_way or _has_junction(spec))
     return MEDIAN if usual else 0.0

@@ -215,7 +215,7 @@ def _fitting(place: Place, mention: Mention) -> Position | None:
         at = replace(at, from_road=None, places=at.places if at.sides else (RIGHT,))  # who rides close to the kerb
     if at.beside_road and kind.walks and not (at.sidewalk or at.from_road):
         at = replace(at, beside_road=False, from_road=_VERGE)  # who is at the side of the road
-    if place.centre and kind.name == "tram" and not at.at_junction:
+    if place.centre and kind.is_vehicle and "median" in kind.surfaces and not at.at_junction:  # a tram
         at = replace(at, on_road=False, median=True)
     if at.median and "median" not in kind.surfaces:
         return None
