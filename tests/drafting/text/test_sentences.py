@@ -357,6 +357,8 @@ def test_control_characters_are_blanks() -> None:
 def test_a_sentence_has_a_length() -> None:
     with pytest.raises(TextError, match="the sentence has 1000005 characters; it may have 10000"):
         spec_from_text("9" * 1_000_000 + " cars")
+    with pytest.raises(TextError, match="the text has 201 words and signs; it may have 200, more with --llm-url"):
+        spec_from_text("a car ahead " * 67)
     assert spec_from_text("9" * 9000 + " cars").not_understood == ("9" * 9000,)
 
 
