@@ -414,7 +414,7 @@ def test_words_that_are_not_in_the_vocabulary_are_reported(words: list[str]) -> 
 
 # Words that say something of what they stand with, or nothing at all; without those that only join others.
 PUT_IN = ["flurb", "red", "7", "big", "behind", "opposite", "cyclists", "a roundabout", "20 m", "10 m apart", "nearby"]
-NEAR_OTHERS = re.compile(r"\d|\b(and|or|at|from|between|each|one|two|both|road|street|other)\b")
+NEAR_OTHERS = re.compile(r"\d|\b(and|or|at|from|between|each|one|two|both|road|street|other|follow\w*)\b")
 
 
 @settings(max_examples=150, deadline=None)
