@@ -156,7 +156,7 @@ def test_a_sketch_is_read_and_what_is_ignored_is_said(capsys: pytest.CaptureFixt
     assert cli.main([*draft, "a.svg", "--metres-per-pixel", "0.5"]) == 0
     captured = capsys.readouterr()
     bare = "no street around it: it has no road under the ego vehicle that could be followed"
-    assert captured.err == f"lidardraft: a.svg: ignored: text: not read\nlidardraft: {bare}\n"
+    assert captured.err == f"lidardraft: a.svg: ignored: text: not read\nlidardraft: a.svg: {bare}\n"
     (box,) = Layout.load("layout.json").boxes()
     np.testing.assert_allclose(box.center[:2], (8, 1.5), atol=0.05)
     pixels = np.full((100, 100, 3), 255, np.uint8)

@@ -55,7 +55,7 @@ _SCANS = (".bin", ".pcd", ".ply", ".npz", ".las", ".pkl.gz", ".pcap")  # in fold
 
 _SENSORS = {".pcd.bin": "hdl32e", ".pkl.gz": "pandar64"}  # of nuScenes and PandaSet, by endings
 _STREET_AROUND = ("text", "sketch", "boxes", "image")  # inputs that get one unless --surroundings says otherwise
-_MOST_NOTES = 10  # on a script that a language model wrote
+_MOST_NOTES = 10  # that are printed
 _URL = "LIDARDRAFT_LLM_URL"  # as in chat_server.py, which loads HTTP
 
 
@@ -141,14 +141,16 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
     name = _name_of_input(arguments)
     try:
         layout = _READERS[name](arguments)
-        if name == "text":
-            return layout
-        whole = _surrounded(arguments, layout, arguments.seed, usual=name in _STREET_AROUND)
-        if whole is not layout and (note := whole.provenance["surroundings"].get("note")):
-            say(note)
-        return whole
+        if name != "text":
+            layout = _surrounded(arguments, layout, arguments.seed, usual=name in _STREET_AROUND)
     except LidarDraftError as error:
         raise type(error)(f"{error}{_other_option(name, getattr(arguments, name))}") from None
+    # The notes on a layout that was saved, also as a model or a script, were printed when it was made.
+    file = getattr(arguments, name)
+    if name != "layout" and (name not in ("glb", "blender") or layout.provenance.get("source") == Path(file).name):
+        for note in notes_on(layout):
+            say(note if name == "text" else f"{file}: {note}")
+    return layout
 
 
 def _surrounded(arguments: argparse.Namespace, layout: Layout, seed: int, *, usual: bool) -> Layout:
@@ -277,28 +279,17 @@ def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> L
 
 
 def notes_on(layout: Layout) -> list[str]:
-    """What of its sentence was not understood, had to be left out, or cannot be seen: a line each."""
-    told = layout.provenance
-    around = told.get("surroundings", {})
-    notes = [*told.get("notes", ()), *told.get("findings", ())]
-    notes += [around["note"]] if "note" in around else []
-    notes += [f"{name} cannot be seen: {by} stands before it" for name, by in around.get("hidden", {}).items()]
+    """The first of the layout's notes, and how many more there are."""
+    notes = list(layout.notes)
+    if layout.provenance.get("source") == "text" and layout.provenance.get("not_understood"):
+        notes[0] += "; --llm-url takes free text"
     if len(notes) > _MOST_NOTES:
         notes[_MOST_NOTES:] = [f"and {len(notes) - _MOST_NOTES} more, in the layout's provenance"]
-    if told.get("not_shown"):
-        notes.insert(0, f"not shown: {', '.join(told['not_shown'])}")
-    if told.get("not_understood"):
-        near = "".join(f"; did you mean {known!r}?" for known in told.get("nearest_words", {}).values())
-        free = "; --llm-url takes free text" if told.get("source") == "text" else ""
-        notes.insert(0, f"not understood: {', '.join(told['not_understood'])}{near}{free}")
     return notes
 
 
 def _from_text(arguments: argparse.Namespace) -> Layout:
-    layout = layout_of_text(arguments, arguments.text, arguments.seed)
-    for note in notes_on(layout):
-        say(note)
-    return layout
+    return layout_of_text(arguments, arguments.text, arguments.seed)
 
 
 def _from_points(arguments: argparse.Namespace) -> Layout:
@@ -350,10 +341,7 @@ def _from_sketch(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.sketch.layout import layout_from_sketch
 
     path, scale = arguments.sketch, arguments.metres_per_pixel
-    layout = layout_from_sketch(path, metres_per_pixel=scale, scale_bar=arguments.scale_bar, seed=arguments.seed)
-    for line in layout.provenance["ignored"]:
-        say(f"{path}: ignored: {line}")
-    return layout
+    return layout_from_sketch(path, metres_per_pixel=scale, scale_bar=arguments.scale_bar, seed=arguments.seed)
 
 
 def _from_boxes(arguments: argparse.Namespace) -> Layout:
@@ -383,11 +371,7 @@ def _from_blender(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.blender.layout import layout_from_blender
 
     path = Path(arguments.blender)
-    layout = layout_from_blender(path, classes=_classes(arguments), strict=bool(arguments.strict))
-    if layout.provenance.get("source") == path.name:  # and not that of a layout that was written as a script
-        for note in layout.provenance["notes"]:
-            say(f"{path}: {note}")
-    return layout
+    return layout_from_blender(path, classes=_classes(arguments), strict=bool(arguments.strict))
 
 
 def _from_layout(arguments: argparse.Namespace) -> Layout:

@@ -10,7 +10,7 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence, Sized
-from dataclasses import MISSING, dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
@@ -217,6 +217,28 @@ class Layout:
             if primitive.id == id:
                 return primitive
         raise KeyError(id)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What of the input was not understood, left out or assumed, and what cannot be seen: a line each."""
+        told = self.provenance
+        around = told.get("surroundings", {})
+        lines = [f"ignored: {line}" for line in told.get("ignored", ())]
+        lines += [*told.get("notes", ()), *told.get("findings", ())]
+        lines += [around["note"]] if "note" in around else []
+        lines += [f"{name} cannot be seen: {by} stands before it" for name, by in around.get("hidden", {}).items()]
+        if told.get("not_shown"):
+            lines.insert(0, f"not shown: {', '.join(told['not_shown'])}")
+        if told.get("not_understood"):
+            near = "".join(f"; did you mean {known!r}?" for known in told.get("nearest_words", {}).values())
+            lines.insert(0, f"not understood: {', '.join(told['not_understood'])}{near}")
+        return tuple(lines)
+
+    def noted(self, *lines: str) -> Layout:
+        """The layout with more notes, which `provenance["notes"]` holds; itself without any."""
+        if not lines:
+            return self
+        return replace(self, provenance=self.provenance | {"notes": [*self.provenance.get("notes", ()), *lines]})
 
     def boxes(self) -> list[Box]:
         """One box around each thing (instance > 0), with the yaw of its largest part, in the order of instances."""
