@@ -124,10 +124,11 @@ def add_weights(parser: Options) -> None:
         metavar="NAME",
         help="weights of the diffusion model: packaged ones by name, or a .safetensors file (default street)",
     )
-    text = f"steps of denoising, a call of the network each, two with `paper` (default {STEPS})"
-    parser.add_argument("--steps", type=whole_number(1), default=STEPS, metavar="N", help=text)
-    text = f"weight of what a ControlNet adds; 1 takes one call of the network a step (default {GUIDANCE:g})"
-    parser.add_argument("--guidance", type=positive, default=GUIDANCE, metavar="W", help=text)
+    stored = "(default: as stored with the weights, else"
+    text = f"steps of denoising, a call of the network each, two with `paper` {stored} {STEPS})"
+    parser.add_argument("--steps", type=whole_number(1), metavar="N", help=text)
+    text = f"weight of what a ControlNet adds; 1 takes one call of the network a step {stored} {GUIDANCE:g})"
+    parser.add_argument("--guidance", type=positive, metavar="W", help=text)
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 
 

@@ -259,7 +259,7 @@ def generate(arguments: argparse.Namespace) -> None:
 
     pipeline = read_pipeline(arguments, langevin=arguments.langevin)
     after = None if arguments.after is None else Scan.load(arguments.after)
-    with progress(num * arguments.steps, "step") as bar:
+    with progress(num * pipeline.steps, "step") as bar:
 
         def make(number: int) -> Scan:
             bar.set_description(f"scan {number + 1} of {num}")
@@ -282,7 +282,7 @@ def _generate_of_map(arguments: argparse.Namespace, sensor: Sensor) -> None:
         raise FormatError("--speed, --after and --surroundings go with a layout; a semantic map has none")
     label, num = read_semantic_map(arguments.map, sensor), arguments.num or 1
     pipeline = read_pipeline(arguments, langevin=arguments.langevin)
-    with progress(num * arguments.steps, "step") as bar, named(arguments.map):
+    with progress(num * pipeline.steps, "step") as bar, named(arguments.map):
 
         def make(number: int) -> RangeImage:
             bar.set_description(f"scan {number + 1} of {num}")

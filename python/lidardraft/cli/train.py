@@ -38,7 +38,7 @@ if TYPE_CHECKING:
     from lidardraft.training.loop import Report
     from lidardraft.training.sources import PairSource
 
-_RECIPES = ("small", "paper", "small-paper", "paper-map", "small-map", "tiny", "tiny-paper")
+_RECIPES = ("small", "paper", "paper-small", "paper-large", "paper-map", "small-map", "tiny", "tiny-paper")
 _FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
 
 
@@ -218,7 +218,7 @@ def ablation(arguments: argparse.Namespace) -> None:
     from lidardraft.training.sources import StreetSource, top_view
 
     sensor, num = read_sensor(arguments.sensor), arguments.num
-    *_, base, control = recipes.small_paper()
+    *_, base, control = recipes.paper_small()
     base, control = (
         dataclasses.replace(stage, steps=steps, seed=arguments.seed)
         for stage, steps in ((base, arguments.base_steps), (control, arguments.steps))
