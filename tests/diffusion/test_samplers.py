@@ -11,7 +11,8 @@ import torch
 from torch import Tensor
 
 from lidardraft.cli.arguments import add_weights, read_pipeline
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, CONDITION_PARTS, STATE_CHANNELS, encode_rays
+from lidardraft.diffusion.channels import CONDITION_CHANNELS, CONDITION_PARTS, STATE_CHANNELS
+from lidardraft.diffusion.codec import encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import GUIDANCE, LAST_NOISE, STEPS, DenoiserConfig
 from lidardraft.diffusion.noise import add_noise, geometric_levels, karras_levels, score_from_denoised, training_levels

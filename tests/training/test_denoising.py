@@ -9,14 +9,8 @@ import torch
 from box_pairs import SENSOR, make_pair, noted
 from safetensors.torch import load_file
 
-from lidardraft.diffusion.codec import (
-    CONDITION_CHANNELS,
-    CONDITION_PARTS,
-    DEPTH,
-    RAY_CHANNELS,
-    STATE_CHANNELS,
-    encode_scan,
-)
+from lidardraft.diffusion.channels import CONDITION_CHANNELS, CONDITION_PARTS, DEPTH, RAY_CHANNELS, STATE_CHANNELS
+from lidardraft.diffusion.codec import encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.errors import TrainingError
 from lidardraft.formats.pairs import Pair, write_pairs

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lidardraft.diffusion.codec import CONDITION_PARTS, RAY_CHANNELS
+from lidardraft.diffusion.channels import CONDITION_PARTS, RAY_CHANNELS
 from lidardraft.errors import LidarDraftError
 
 # How weights sample if their file stores nothing else.

@@ -13,7 +13,8 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import STATE_CHANNELS, encode_rays
+from lidardraft.diffusion.channels import STATE_CHANNELS
+from lidardraft.diffusion.codec import encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import GUIDANCE, LAST_NOISE, STEPS
 from lidardraft.diffusion.noise import geometric_levels, karras_levels, score_from_denoised
