@@ -46,8 +46,8 @@ def encode_scans(depth: Tensor, label: Tensor, intensity: Tensor | None, sensor:
 
 def encode_scan(image: RangeImage) -> np.ndarray:
     """The state f32 [8, H, W] of one scan, as `encode_scans` has it."""
-    intensity = None if image.intensity is None else torch.from_numpy(image.intensity)[None]
-    return encode_scans(*_tensors(image.depth, image.label), intensity, image.sensor)[0].numpy()
+    intensity = None if image.intensity is None else _tensor(image.intensity)
+    return encode_scans(_tensor(image.depth), _tensor(image.label), intensity, image.sensor)[0].numpy()
 
 
 def decode_scan(state: np.ndarray, sensor: Sensor) -> RangeImage:
@@ -99,10 +99,15 @@ def encode_condition(
     """The condition f32 [17, H, W] of one layout, as `encode_conditions` has it, open where `open_pixels`, bool
     [H, W]."""
     is_open = np.zeros(simulated.sensor.shape, dtype=bool) if open_pixels is None else open_pixels
-    intensity = None if simulated.intensity is None else torch.from_numpy(simulated.intensity)[None]
-    cast = _tensors(condition_image.depth, condition_image.label)
-    given = *cast, *_tensors(simulated.depth), intensity, *_tensors(is_open)
-    return encode_conditions(*given, simulated.sensor)[0].numpy()
+    condition = encode_conditions(
+        _tensor(condition_image.depth),
+        _tensor(condition_image.label),
+        _tensor(simulated.depth),
+        None if simulated.intensity is None else _tensor(simulated.intensity),
+        _tensor(is_open),
+        simulated.sensor,
+    )
+    return condition[0].numpy()
 
 
 def encode_rays(sensor: Sensor) -> np.ndarray:
@@ -130,8 +135,8 @@ def _log_ground(sensor: Sensor) -> np.ndarray:
     return np.log2(ground + 1).astype(np.float32)[:, None]
 
 
-def _tensors(*images: np.ndarray) -> list[Tensor]:
-    return [torch.from_numpy(np.ascontiguousarray(image))[None] for image in images]
+def _tensor(image: np.ndarray) -> Tensor:
+    return torch.from_numpy(np.ascontiguousarray(image))[None]
 
 
 def _filled_from_left(depth: Tensor, valid: Tensor, wraps: bool) -> Tensor:

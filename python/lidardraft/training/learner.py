@@ -114,7 +114,7 @@ class Learner:
         processes.add_up(gradient)
         norm = gradient.norm()
         gradient *= (self.config.max_gradient / (norm + 1e-6)).clamp(max=1)
-        for weight, part in zip(learned, gradient.split([weight.numel() for weight in learned]), strict=True):
+        for weight, part in zip(learned, torch.split(gradient, [w.numel() for w in learned]), strict=True):
             weight.grad = part.view_as(weight)
         self.optimiser.step()
         self._average(step)
@@ -125,7 +125,7 @@ class Learner:
         # A window that grows with the training, about a tenth of its length: the power profile of Karras et al.
         # (Analyzing and Improving the Training Dynamics of Diffusion Models, CVPR 2024) with gamma = 8. It forgets the
         # random start.
-        averages, weights = list(self.averaged.parameters()), list(self.network.parameters())
+        averages, weights = (list[Tensor](each.parameters()) for each in (self.averaged, self.network))
         torch._foreach_lerp_(averages, weights, 9 / (10 + step) if step else 1.0)
 
     def save(self, path: Path, step: int, identity: RunIdentity) -> None:
@@ -188,7 +188,7 @@ class Muon(torch.optim.Optimizer):
             matrices = [w for w in weights if w.ndim > 1 and min(_shape(w)) >= _LEAST_SIDE]
             if matrices:
                 self._step_of_matrices(matrices, group["lr"], group["weight_decay"])
-            if others := [w for w in weights if w.ndim == 1 or min(_shape(w)) < _LEAST_SIDE]:
+            if others := [w for w in weights if w.ndim < 2 or min(_shape(w)) < _LEAST_SIDE]:
                 self._step_of_others(others, _ADAM_RATE * group["lr"])
 
     def _states(self, name: str, weights: list[Tensor]) -> list[Tensor]:
