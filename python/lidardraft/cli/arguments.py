@@ -113,7 +113,8 @@ def add_minutes(parser: Options) -> None:
 
 def add_training_device(parser: Options) -> None:
     """--device of a training."""
-    parser.add_argument("--device", default="cpu", help="where torch trains: cpu, cuda, ... (default cpu)")
+    text = "where torch trains: cpu, cuda, ... (default: the GPU if there is one, else cpu)"
+    parser.add_argument("--device", help=text)
 
 
 def add_weights(parser: Options) -> None:

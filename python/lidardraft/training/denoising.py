@@ -124,7 +124,7 @@ def train_denoiser(
     run: str | os.PathLike[str],
     *,
     begin: Denoiser | None = None,
-    device: str = "cpu",
+    device: str | None = "cpu",
     max_minutes: float = float("inf"),
     compiles: bool = False,
 ) -> Iterator[Report]:

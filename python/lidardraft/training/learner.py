@@ -216,7 +216,7 @@ class Muon(torch.optim.Optimizer):
         means, squares = self._states("mean", weights), self._states("square", weights)
         for weight in weights:  # which may begin to learn later than others
             self.state[weight]["step"] = self.state[weight].get("step", torch.zeros(())) + 1
-        steps = [self.state[weight]["step"].item() for weight in weights]  # on the CPU
+        steps: list[float] = torch.stack([self.state[weight]["step"] for weight in weights]).tolist()  # on the CPU
         torch._foreach_lerp_(means, gradients, 1 - first)
         torch._foreach_lerp_(squares, torch._foreach_mul(gradients, gradients), 1 - second)
         moved = torch._foreach_div(means, [1 - first**step for step in steps])

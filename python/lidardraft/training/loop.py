@@ -134,10 +134,16 @@ def check_run_folder(run: str | os.PathLike[str]) -> None:
             raise TrainingError(f"{folder} is a file; it must be a folder")
 
 
-def device_for_training(name: str) -> torch.device:
-    """The torch device of that name; raises `TrainingError` where there is none."""
+def device_for_training(name: str | None = None) -> torch.device:
+    """The torch device of that name, by default the GPU if there is one; of several GPUs that of `LOCAL_RANK`, which
+    `torchrun` sets. Raises `TrainingError` if there is none of that name."""
+    name = name or ("cuda" if torch.cuda.is_available() else "cpu")
     try:
         device = torch.device(name)
+        if name == "cuda":
+            device = torch.device("cuda", int(os.environ.get("LOCAL_RANK", "0")))
+            torch.cuda.set_device(device)
+            torch.set_float32_matmul_precision("high")  # TF32, of what is not in bfloat16
         torch.empty(0, device=device)
     except (RuntimeError, AssertionError, NotImplementedError) as error:  # torch's, for a device it does not have
         raise TrainingError(f"device is {name!r}: {str(error).splitlines()[0]}") from None

@@ -45,7 +45,7 @@ def train_segmenter(
     run: str | os.PathLike[str],
     *,
     begin: Segmenter | None = None,
-    device: str = "cpu",
+    device: str | None = "cpu",
     max_minutes: float = float("inf"),
 ) -> Iterator[Report]:
     """Train a segmenter, from fresh weights or those of `begin`, on the scans of pairs; the condition images are not

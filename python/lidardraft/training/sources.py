@@ -36,7 +36,7 @@ _HIGH = 200.0  # m over the sensor's origin, where the rays start
 _CHOICE_STREAM = 5  # random numbers that choose a source
 _MEMINFO = Path("/proc/meminfo")  # of Linux; other systems say it elsewhere, and are not asked
 _PIXELS = 64 * 1024  # of the images that memory is counted in
-_PAIR_BYTES = sum(np.dtype(dtype).itemsize for dtype in IMAGES.values())  # a pixel
+PAIR_BYTES = sum(np.dtype(dtype).itemsize for dtype in IMAGES.values())  # a pixel
 
 
 class PairSource(Data, Protocol):
@@ -70,7 +70,7 @@ class PairFolder:
         self.path = folder.resolve()
         self.checksum = zlib.crc32(self.sensor.to_json().encode())
         total, shape = sum(index.counts), self.sensor.shape
-        check_memory(f"{folder} with its {total} pairs", total * math.prod(shape) * _PAIR_BYTES)
+        check_memory(f"{folder} with its {total} pairs", total * math.prod(shape) * PAIR_BYTES)
         images = {name: np.empty((total, *shape), dtype) for name, dtype in IMAGES.items()}
         self.notes: list[dict[str, Any]] = []
         for number, count in enumerate(index.counts):
