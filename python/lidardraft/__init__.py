@@ -36,7 +36,7 @@ _PUBLIC = {
     "lidardraft.scene.mesh": "TriangleMesh",
     "lidardraft.scene.range_image": "RangeImage RangeImageBatch",
     "lidardraft.scene.raycast": "Hits Raycaster raycast with_vehicle",
-    "lidardraft.scene.scenario": "AlongLane Scenario Straight Track Walk Waypoints",
+    "lidardraft.scene.scenario": "AlongLane Motion Scenario Straight Track Walk Waypoints",
     "lidardraft.scene.sensor": "Sensor",
     "lidardraft.scene.sensor_model": "IntensityCurve SensorModel",
     "lidardraft.scene.weather": "Weather",
@@ -45,7 +45,7 @@ _PUBLIC = {
     "lidardraft.simulation.object_sampling": "ObjectSampling",
     "lidardraft.simulation.observe_cast": "observe_cast observe_points",
     "lidardraft.simulation.recorded_scan": "RecordedScan",
-    "lidardraft.simulation.scan_edits": "Insert Move Remove Replace edit_scan",
+    "lidardraft.simulation.scan_edits": "Edit Insert Move Remove Replace edit_scan",
     "lidardraft.simulation.sequence": "SequenceSimulator",
     "lidardraft.simulation.simulate": "Simulator simulate",
     "lidardraft.simulation.surround": "surround",
@@ -88,8 +88,8 @@ if TYPE_CHECKING:
         Hits as Hits, Raycaster as Raycaster, raycast as raycast, with_vehicle as with_vehicle,
     )
     from lidardraft.scene.scenario import (
-        AlongLane as AlongLane, Scenario as Scenario, Straight as Straight, Track as Track, Walk as Walk,
-        Waypoints as Waypoints,
+        AlongLane as AlongLane, Motion as Motion, Scenario as Scenario, Straight as Straight, Track as Track,
+        Walk as Walk, Waypoints as Waypoints,
     )
     from lidardraft.scene.sensor import Sensor as Sensor
     from lidardraft.scene.sensor_model import IntensityCurve as IntensityCurve, SensorModel as SensorModel
@@ -100,7 +100,7 @@ if TYPE_CHECKING:
     from lidardraft.simulation.observe_cast import observe_cast as observe_cast, observe_points as observe_points
     from lidardraft.simulation.recorded_scan import RecordedScan as RecordedScan
     from lidardraft.simulation.scan_edits import (
-        Insert as Insert, Move as Move, Remove as Remove, Replace as Replace, edit_scan as edit_scan,
+        Edit as Edit, Insert as Insert, Move as Move, Remove as Remove, Replace as Replace, edit_scan as edit_scan,
     )
     from lidardraft.simulation.sequence import SequenceSimulator as SequenceSimulator
     from lidardraft.simulation.simulate import Simulator as Simulator, simulate as simulate

@@ -49,7 +49,7 @@ class Insert:
     size: Vector | None = None
     id: str = ""
 
-    def apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
+    def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
         """The scan with this edit."""
         id = self.id or _free_id(scan, self.kind)
         solid = SolidObject.of_kind(self.kind, size=self.size, name=id, seed=seed)
@@ -62,7 +62,7 @@ class Remove:
 
     id: str
 
-    def apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
+    def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
         """The scan with this edit."""
         return _without_object(scan, scan.box(self.id), seed)
 
@@ -76,7 +76,7 @@ class Move:
     to: tuple[float, float]
     yaw: float | None = None
 
-    def apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
+    def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
         """The scan with this edit."""
         box = scan.box(self.id)
         solid = SolidObject.of_class(box.label, box.size, name=box.id, seed=seed)
@@ -91,11 +91,11 @@ class Replace:
     id: str
     kind: str
 
-    def apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
+    def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
         """The scan with this edit."""
         box = scan.box(self.id)
         rest = _without_object(scan, box, seed)
-        return Insert(self.kind, box.center[:2], box.yaw).apply(rest, seed=seed)
+        return Insert(self.kind, box.center[:2], box.yaw)._apply(rest, seed=seed)
 
 
 Edit = Insert | Remove | Move | Replace
@@ -111,7 +111,7 @@ def edit_scan(scan: RecordedScan, edits: Iterable[Edit], *, seed: int = 0) -> Re
     seed = check_seed(seed)
     for edit in edits:
         check_type("an edit", edit, Insert, Remove, Move, Replace)
-        scan = edit.apply(scan, seed=seed)
+        scan = edit._apply(scan, seed=seed)
     return scan
 
 
