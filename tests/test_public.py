@@ -142,12 +142,11 @@ def test_a_wrong_seed_is_one_error_everywhere() -> None:
     calls = seeded()
     takes = {called for n, v in public() for called, f in callables(n, v) if "seed" in inspect.signature(f).parameters}
     assert calls.keys() == takes - RECORDS
-    for name, call in calls.items():
+    for call in calls.values():
         for wrong in (-1, 1.5, True, "1", None, 2**63):
             expected = re.escape(f"seed is {wrong!r}; it must be an integer of 0 to 2^63 - 1")
             with pytest.raises(LayoutError, match=f"^{expected}$"):
                 call(wrong)
-                pytest.fail(f"{name} takes the seed {wrong!r}")
 
 
 def mypy(folder: Path, text: str) -> str:

@@ -71,7 +71,7 @@ class Street:
 
 
 def make_street(*, seed: int = 0, config: StreetConfig | None = None, number: int = 0) -> Street:
-    """Street `number` of a seed; the same on every machine."""
+    """Street `number` of a seed."""
     seed, number = check_seed(seed), check_number("number", number)
     config = config or StreetConfig()
     rng = np.random.default_rng([seed, number])
