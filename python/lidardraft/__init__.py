@@ -53,7 +53,6 @@ _PUBLIC = {
     "lidardraft.streets": "StreetConfig StreetMix street_scan streets",
 }
 _MODULE_OF = {name: module for module, names in _PUBLIC.items() for name in names.split()}
-_WHOLE = ("edit", "streets")  # which are modules
 
 if TYPE_CHECKING:
     # fmt: off
@@ -116,11 +115,11 @@ else:
             raise AttributeError(f"module 'lidardraft' has no attribute {name!r}")
         with _extra("generate"):
             module = importlib.import_module(_MODULE_OF[name])
-            return globals().setdefault(name, module if name in _WHOLE else getattr(module, name))
+            value = module if name in ("edit", "streets") else getattr(module, name)  # modules are public whole
+            return globals().setdefault(name, value)
 
-
-def __dir__() -> list[str]:
-    return sorted(_MODULE_OF)
+    def __dir__():
+        return __all__
 
 
 def _warn_of_debug_build(debug: bool) -> None:

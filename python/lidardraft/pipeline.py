@@ -130,7 +130,7 @@ class Pipeline:
         cast, is_open = _cast_and_open(simulated)
         if completes and not is_open.any():
             warnings.warn(_NOTHING_OPEN, stacklevel=3)
-            return dataclasses.replace(simulated, assumptions=(*simulated.assumptions, _NOTHING_OPEN))
+            return dataclasses.replace(simulated, assumed=(*simulated.assumed, _NOTHING_OPEN))
         given = simulated.image
         if after is not None:
             if not completes or after.image.sensor != given.sensor:

@@ -44,7 +44,7 @@ class Scan:
     In a frame of a sequence, `time` is that of the middle of the sweep since the start [s], the layout is as it stands
     then, and `velocities` are those [m/s] of the objects that move, by their names, in the world.
 
-    `assumptions` are lines on this scan alone; `notes` are these and those of its layout.
+    `assumed` are lines on this scan alone; `notes` are these and those of its layout.
     """
 
     image: RangeImage
@@ -55,7 +55,7 @@ class Scan:
     turn: float = 0.0
     time: float | None = None
     velocities: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
-    assumptions: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()
 
     @classmethod
     def from_points(
@@ -89,12 +89,12 @@ class Scan:
         lines = () if returns == count else (f"{count - returns} of {count} points are left out: {lost}",)
         for line in lines:
             warnings.warn(line, stacklevel=2)
-        return cls(image=image, layout=layout or Layout(), pose=pose, seed=0, assumptions=lines)
+        return cls(image=image, layout=layout or Layout(), pose=pose, seed=0, assumed=lines)
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The notes of the layout, and what was assumed or left out in this scan (`assumptions`): a line each."""
-        return (*self.layout.notes, *self.assumptions)
+        """The notes of the layout, and what was assumed or left out in this scan (`assumed`): a line each."""
+        return (*self.layout.notes, *self.assumed)
 
     @cached_property
     def condition_image(self) -> RangeImage:
@@ -207,8 +207,8 @@ class Scan:
         if self.time is not None:
             velocities = np.array(json.dumps(dict(self.velocities)))
             said |= {"turn": np.array(self.turn), "time": np.array(self.time), "velocities": velocities}
-        if self.assumptions:
-            said["assumptions"] = np.array("\n".join(self.assumptions))
+        if self.assumed:
+            said["assumed"] = np.array("\n".join(self.assumed))
         return said
 
     @classmethod
@@ -229,8 +229,8 @@ class Scan:
                 velocities = parse_object(array_files.read_text(archive, "velocities"))
                 motion["velocities"] = {key: checked_vector(key, "velocity", row) for key, row in velocities.items()}
             seed = int(array_files.read_numbers(archive, "seed", ()).item())
-            if array_files.holds(archive, "assumptions"):
-                motion["assumptions"] = tuple(array_files.read_text(archive, "assumptions").splitlines())
+            if array_files.holds(archive, "assumed"):
+                motion["assumed"] = tuple(array_files.read_text(archive, "assumed").splitlines())
         layout = Layout.load(f"{name}.layout.json")
         return cls(image=image, layout=layout, pose=pose, seed=seed, **motion)
 

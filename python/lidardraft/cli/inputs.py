@@ -85,7 +85,7 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     one.add_argument("--obj", metavar="FILE.obj", help="a 3D model: Wavefront OBJ with the ego vehicle at its origin")
     one.add_argument("--glb", metavar="FILE.glb", help="a 3D model: binary glTF, as Blender exports it")
     one.add_argument("--blender", metavar="FILE.py", help="a Blender Python script; it is read as data, never run")
-    text = "a layout, as `lidardraft draft` writes it; no street is added, unlike --text (--surroundings)"
+    text = "a layout, as `lidardraft draft` writes it; by itself it gets no street (see --surroundings)"
     one.add_argument("--layout", metavar="LAYOUT.json", help=text)
     for option in many:
         value, text = _MANY[option]

@@ -81,7 +81,7 @@ class SequenceSimulator:
     ) -> None:
         _check_rate(sensor, frames, hz)
         self.frames, self.hz, self.seed = frames, hz, check_seed(seed)
-        self.layout, scene, self._assumptions = prepared(layout, seed, detail)
+        self.layout, scene, self._assumed = prepared(layout, seed, detail)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
         still = list[Primitive]()
         parts: dict[str, list[Primitive]] = {name: [] for name in self.tracks.actors}
@@ -128,7 +128,7 @@ class SequenceSimulator:
             turn=turn,
             time=self.time(number),
             velocities={mover.name: tuple(rate[:3].tolist()) for mover, _, rate in moved},
-            assumptions=self._assumptions,
+            assumed=self._assumed,
         )
 
     def cast(self, number: int) -> RangeImage:

@@ -47,7 +47,7 @@ class Simulator:
         threads: int | None = None,
     ) -> None:
         check_type("sensor", sensor, Sensor)
-        self.layout, self.scene, self._assumptions = prepared(layout, seed, detail)
+        self.layout, self.scene, self._assumed = prepared(layout, seed, detail)
         weather = weather or weather_of(self.layout)
         self._scanner = Scanner.from_layout(
             self.scene, sensor, model=model, weather=weather, by_id=True, threads=threads
@@ -69,7 +69,7 @@ class Simulator:
         pose = sensor.pose() if pose is None else finite_array("pose", pose, 4, 4)
         poses = sensor.poses_in_motion(pose, speed * pose[:3, 0]) if speed else pose
         image = self._scanner.observe(self._scanner.cast(poses, seed), seed)
-        return Scan(image=image, layout=self.layout, pose=pose, seed=seed, speed=speed, assumptions=self._assumptions)
+        return Scan(image=image, layout=self.layout, pose=pose, seed=seed, speed=speed, assumed=self._assumed)
 
 
 def simulate(
@@ -99,10 +99,10 @@ def prepared(layout: Layout | str, seed: int, detail: bool) -> tuple[Layout, Lay
     seed = check_seed(seed)
     check_type("layout", layout, Layout, str)
     layout = _from_text(layout, seed) if isinstance(layout, str) else layout
-    assumptions = () if any(primitive.label in GROUND for primitive in layout) else (_NO_GROUND,)
-    for line in assumptions:
-        warnings.warn(line, stacklevel=3)
-    return layout, detailed(layout, seed=seed) if detail else layout, assumptions
+    assumed = () if any(primitive.label in GROUND for primitive in layout) else (_NO_GROUND,)
+    if assumed:
+        warnings.warn(_NO_GROUND, stacklevel=3)
+    return layout, detailed(layout, seed=seed) if detail else layout, assumed
 
 
 def _from_text(sentence: str, seed: int) -> Layout:
