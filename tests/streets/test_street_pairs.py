@@ -65,7 +65,7 @@ def test_processes_make_the_same_pairs():
 def test_pairs_do_not_depend_on_the_number_of_threads():
     program = (
         "import hashlib; from lidardraft import Sensor\nfrom lidardraft.streets import StreetConfig, streets\n"
-        "pair = next(streets(1, StreetConfig(sensor=Sensor.preset('vlp16'))))\n"
+        "pair = next(streets(seed=1, config=StreetConfig(sensor=Sensor.preset('vlp16'))))\n"
         "images = (pair.scan.depth, pair.scan.label, pair.scan.intensity, pair.condition_image.depth)\n"
         "print(hashlib.sha256(b''.join(image.tobytes() for image in images)).hexdigest())"
     )
