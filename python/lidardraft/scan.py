@@ -44,7 +44,7 @@ class Scan:
     In a frame of a sequence, `time` is that of the middle of the sweep since the start [s], the layout is as it stands
     then, and `velocities` are those [m/s] of the objects that move, by their names, in the world.
 
-    `assumed` are lines on this scan alone; `notes` are these and those of its layout.
+    `assumed` are lines on this scan alone, which files do not keep; `notes` are these and those of its layout.
     """
 
     image: RangeImage
@@ -207,8 +207,6 @@ class Scan:
         if self.time is not None:
             velocities = np.array(json.dumps(dict(self.velocities)))
             said |= {"turn": np.array(self.turn), "time": np.array(self.time), "velocities": velocities}
-        if self.assumed:
-            said["assumed"] = np.array("\n".join(self.assumed))
         return said
 
     @classmethod
@@ -229,8 +227,6 @@ class Scan:
                 velocities = parse_object(array_files.read_text(archive, "velocities"))
                 motion["velocities"] = {key: checked_vector(key, "velocity", row) for key, row in velocities.items()}
             seed = int(array_files.read_numbers(archive, "seed", ()).item())
-            if array_files.holds(archive, "assumed"):
-                motion["assumed"] = tuple(array_files.read_text(archive, "assumed").splitlines())
         layout = Layout.load(f"{name}.layout.json")
         return cls(image=image, layout=layout, pose=pose, seed=seed, **motion)
 
