@@ -17,6 +17,7 @@ import pytest
 
 import lidardraft
 from lidardraft import Layout, LayoutError, Primitive, RecordedScan, Scan, Sensor, streets
+from lidardraft.cli.main import main
 
 SCRIPT = Path(__file__).with_name("typed_script.py")
 PACKAGE = Path(lidardraft.__file__).parent
@@ -200,3 +201,15 @@ def test_scan_notes_are_those_of_the_layout_and_of_the_scan(tmp_path: Path) -> N
     with pytest.warns(UserWarning, match="no ground"):
         (frame,) = lidardraft.SequenceSimulator(bare, SENSOR, frames=1, speed=0.0)
     assert frame.notes == scan.notes
+
+
+def test_a_sentence_that_is_simulated_gets_a_street_and_a_layout_none(capsys: pytest.CaptureFixture[str]) -> None:
+    bare = lidardraft.layout_from_text("a car", seed=2)
+    assert lidardraft.simulate(bare, SENSOR, seed=2).layout == bare
+    assert lidardraft.simulate("a car", SENSOR, seed=2).layout == lidardraft.surround(bare, seed=2) != bare
+    with pytest.raises(SystemExit):
+        main(["simulate", "--help"])
+    said = " ".join(capsys.readouterr().out.split())
+    assert "a layout, as `lidardraft draft` writes it; by itself it gets no street (see --surroundings)" in said
+    for function in (lidardraft.simulate, lidardraft.layout_from_text):
+        assert "`surround`" in str(function.__doc__)
