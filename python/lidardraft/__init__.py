@@ -61,7 +61,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in _LAZY:
-        with extra("generate"):
+        with extra():
             return getattr(importlib.import_module(_LAZY[name]), name)
     raise AttributeError(f"module 'lidardraft' has no attribute {name!r}")
 

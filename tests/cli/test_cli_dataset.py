@@ -390,6 +390,12 @@ cluster.shutdown()
 """
 
 
+def test_without_ray_the_extra_is_named(refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "ray", None)
+    said = refused("dataset", "recipe.toml", "-o", "out", "--ray")
+    assert said == "lidardraft: ray is not installed; run: pip install 'lidardraft[cluster]'\n"
+
+
 @pytest.mark.slow
 @pytest.mark.timeout(400)
 def test_a_cluster_of_two_nodes_loses_one() -> None:

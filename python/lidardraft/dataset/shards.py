@@ -21,7 +21,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from lidardraft.dataset.recipe import SCANS, Recipe
-from lidardraft.errors import FormatError
+from lidardraft.errors import FormatError, extra
 from lidardraft.files import locked_folder, new_folder, read_text, write_text
 from lidardraft.formats.frame import writer_of
 from lidardraft.formats.webdataset import write_shard
@@ -213,7 +213,8 @@ def on_cluster(make: Callable[[Item], T], items: Iterable[Item], address: str) -
     What was at work on a machine that is lost is made again on another. Raises as `make` does, and `FormatError` where
     there is no such cluster.
     """
-    import ray
+    with extra():
+        import ray
 
     try:
         ray.init(address=address, log_to_driver=False, logging_level="error")
