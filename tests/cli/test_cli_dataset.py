@@ -10,6 +10,7 @@ import signal
 import subprocess
 import sys
 import time
+import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import cache, partial
@@ -21,6 +22,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from processes import Command, wait_for
 
+import lidardraft
 from lidardraft import Scan, layout_from_text, surround
 from lidardraft.cli import main as cli
 from lidardraft.dataset import recipe as recipes
@@ -28,6 +30,7 @@ from lidardraft.dataset.recipe import Recipe
 from lidardraft.dataset.table import Table, drawn, every
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.formats.frame import FORMATS
+from lidardraft.networks.weight_header import PACKAGED
 
 RECIPE = """
 scans = 20
@@ -222,6 +225,44 @@ def test_a_shard_that_somebody_deletes_is_made_again() -> None:
     whole = made("-n", "5", "-o", "set", "--jobs", "1")
     Path("set/000000.tar").unlink()
     assert made("-n", "5", "-o", "set", "--jobs", "1") == whole
+
+
+def test_a_set_goes_on_with_the_version_and_the_weights_that_began_it(
+    refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch, recipe: Path
+) -> None:
+    text = RECIPE[: RECIPE.index("[[weather]]")].replace("[[scene]]\nlayout", "share = 0\n[[scene]]\nshare = 0\nlayout")
+    recipe.write_text(
+        text.replace("speed = [0,", 'weights = "mine.safetensors"\nspeed = [0,').replace("share = 2", "share = 1")
+    )
+    street, mine = PACKAGED / "street.safetensors", Path("mine.safetensors")
+    mine.write_bytes(street.read_bytes())
+    whole = made("-n", "1", "-o", "set", "--jobs", "1")
+    assert made("-n", "1", "-o", "set", "--jobs", "1") == whole
+    kept = json.loads(Path("set/recipe.json").read_text())
+    assert kept["version"] == lidardraft.__version__
+    assert kept["weights"] == [zlib.crc32(street.read_bytes())]
+
+    mine.write_bytes((PACKAGED / "paper.safetensors").read_bytes())
+    said = refused("dataset", "recipe.toml", "-n", "2", "-o", "set")
+    now = "the folder holds scans of other weights than the recipe names now; give the former files back"
+    assert said == f"lidardraft: set/recipe.json: {now}, or use another folder\n"
+    mine.unlink()
+    assert "weights are 'mine.safetensors'; they must be a file or one of" in refused(
+        "dataset", "recipe.toml", "-o", "x"
+    )
+    mine.write_bytes(street.read_bytes())
+
+    with monkeypatch.context() as later:
+        later.setattr(lidardraft, "__version__", "9.9")
+        said = refused("dataset", "recipe.toml", "-n", "2", "-o", "set")
+        was = lidardraft.__version__
+    assert (
+        f"set/recipe.json: the folder holds scans of lidardraft {lidardraft.__version__}, and this is {was}; go" in said
+    )
+    del kept["version"], kept["weights"]
+    Path("set/recipe.json").write_text(json.dumps(kept, sort_keys=True))
+    said = refused("dataset", "recipe.toml", "-n", "2", "-o", "set")
+    assert "set/recipe.json: an earlier lidardraft wrote it and noted no version, so scans of" in said
 
 
 def test_files_of_a_recipe_lie_beside_it_or_at_their_whole_path() -> None:

@@ -22,7 +22,7 @@ import numpy as np
 
 from lidardraft.dataset.recipe import SCANS, Recipe
 from lidardraft.errors import FormatError, extra
-from lidardraft.files import locked_folder, new_folder, read_text, write_text
+from lidardraft.files import locked_folder, named, new_folder, read_text, write_text
 from lidardraft.formats.frame import writer_of
 from lidardraft.formats.webdataset import write_shard
 from lidardraft.json_fields import parse_object
@@ -150,8 +150,10 @@ class DataSet:
             if found:
                 raise FormatError(f"{self.folder} is not empty ({found[0]}); use another folder")
             write_text(path, self.recipe.text)
-        elif read_text(path) != self.recipe.text:
-            raise FormatError(f"{self.folder} holds scans of another recipe; use another folder")
+        elif (begun := read_text(path)) != self.recipe.text:
+            with named(path):
+                difference = _difference(parse_object(begun), parse_object(self.recipe.text))
+                raise FormatError(f"{difference}, or use another folder")
         last = max(self._begun(), default=0)
         held = last * self.recipe.shard_size + (self._held(last) or {"scans": 0})["scans"]
         if held > self.recipe.scans:
@@ -171,6 +173,20 @@ class DataSet:
         total: Tally = {}
         if all(_add(total, self.done(number)) for number in range(self._shards())):
             write_text(self.folder / "summary.json", json.dumps(total, indent=1, sort_keys=True))
+
+
+def _difference(begun: Tally, asked: Tally) -> str:
+    """How the recipe that a folder was begun with differs from the one asked for, and what goes on with it."""
+    version, here = begun.get("version"), asked["version"]
+    if version is None:
+        return (
+            f"an earlier lidardraft wrote it and noted no version, so scans of {here} may differ; go on with that one"
+        )
+    if version != here:
+        return f"the folder holds scans of lidardraft {version}, and this is {here}; go on with {version}"
+    if begun | {"weights": asked["weights"]} == asked:
+        return "the folder holds scans of other weights than the recipe names now; give the former files back"
+    return "the folder holds scans of another recipe; go on with that one"
 
 
 def _check_free(folder: Path, lock: str) -> None:

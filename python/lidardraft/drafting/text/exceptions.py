@@ -60,7 +60,7 @@ def all_but_some(d: Discourse, phrase: NounPhrase, whole: int | None) -> Ids:
 
 
 def is_denied(d: Discourse, clause: Clause, number: int) -> bool:
-    """Whether a list goes on that is denied: "no cars or trucks", "without cars and buses", but not "no cars and a bus"."""
+    """Whether a list goes on that is denied: "no cars or trucks", "without cars and buses"; not "no cars and a bus"."""
     link, phrase = clause.items[number].link, clause.items[number].head
     before = clause.items[number - 1].head if number else None
     if not isinstance(before, NounPhrase) or not isinstance(phrase, NounPhrase) or clause.items[number - 1].modifiers:

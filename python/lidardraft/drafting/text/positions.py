@@ -64,7 +64,7 @@ class Position:
         return Position(**said | {"places": places})
 
     def _common(self, other: Position) -> tuple[Place, ...]:
-        """The places of both: "ahead" and "on the left" have "ahead on the left"; what comes from a place has left it."""
+        """The places of both: "ahead" and "on the left" have "ahead on the left". What comes from one has left it."""
         pairs = [(a or c, b or d) for a, b in self.places for c, d in other.places if _agree(a, c) and _agree(b, d)]
         if not pairs and self._is_origin != other._is_origin:
             return other.places if self._is_origin else self.places
