@@ -4,6 +4,7 @@ import contextlib
 import gc
 import hashlib
 import json
+import math
 import os
 import random
 import signal
@@ -124,6 +125,26 @@ def test_a_scan_depends_on_the_seed_and_its_number_alone() -> None:
     assert not np.array_equal(scans[2].points()[:50], scans[3].points()[:50])
 
 
+def test_scenes_sensors_and_weather_come_as_often_as_their_shares_say(recipe: Path) -> None:
+    """Of n draws with probability p, n * p come, within five deviations of sqrt(n * p * (1 - p))."""
+    layout = '[[scene]]\nshare = {}\nlayout = "bare.json"\n'
+    layout_from_text("a truck ahead").save("bare.json")
+    sensor = '[[sensor]]\nshare = {}\nname = "small.json"\nmount_height = {}\n'
+    shares, num = (1, 7, 0), 64
+    text = "".join(layout.format(share) for share in shares)
+    text += "".join(sensor.format(share, height) for share, height in zip(shares, (1.5, 2.0, 2.5), strict=True))
+    recipe.write_text(f"seed = 3\n{text}[[weather]]\nshare = 1\n[[weather]]\nshare = 7\nwetness = 1.0\n")
+    loaded = Recipe.load(recipe, scans=num)
+    found: Counter[str] = Counter()
+    for scan in map(loaded.scan, range(num)):
+        told = scan.layout.provenance["recipe"]
+        found.update([f"scene {told['scene']}", f"sensor {scan.image.sensor.mount_height}", f"wet {told['weather']}"])
+    bound = 5 * math.sqrt(num * (1 / 8) * (7 / 8))  # 13.2 around 8 and 56; of equal shares 21 or 32 come
+    rare, usual = ["scene 1", "sensor 1.5", "wet {}"], ["scene 2", "sensor 2.0", "wet {'wetness': 1.0}"]
+    assert found.keys() == {*rare, *usual}
+    assert all(abs(found[name] - num / 8) < bound for name in rare), found
+
+
 def test_any_processes_make_the_same_shards(capsys: pytest.CaptureFixture[str]) -> None:
     whole = made("-o", "one", "--jobs", "1")
     assert capsys.readouterr().out.endswith("one: 20 scans as webdataset\n")
@@ -230,10 +251,8 @@ def test_a_shard_that_somebody_deletes_is_made_again() -> None:
 def test_a_set_goes_on_with_the_version_and_the_weights_that_began_it(
     refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch, recipe: Path
 ) -> None:
-    text = RECIPE[: RECIPE.index("[[weather]]")].replace("[[scene]]\nlayout", "share = 0\n[[scene]]\nshare = 0\nlayout")
-    recipe.write_text(
-        text.replace("speed = [0,", 'weights = "mine.safetensors"\nspeed = [0,').replace("share = 2", "share = 1")
-    )
+    scene = '[[scene]]\ntext = "a car ahead"\nweights = "mine.safetensors"\n'
+    recipe.write_text(f'{scene}[[sensor]]\nname = "small.json"\n')
     street, mine = PACKAGED / "street.safetensors", Path("mine.safetensors")
     mine.write_bytes(street.read_bytes())
     whole = made("-n", "1", "-o", "set", "--jobs", "1")
