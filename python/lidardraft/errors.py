@@ -113,15 +113,9 @@ class MissingExtraError(LidarDraftError, ImportError):
 
 # The libraries that only extras bring, each with those extras; the first one is the smallest.
 EXTRAS = {
-    "torch": ("generate", "train", "image"),
-    "transformers": ("image",),
-    "huggingface_hub": ("image",),
-    "laspy": ("export",),
-    "foxglove": ("export",),
-    "av": ("video",),
-    "ray": ("cluster",),
-    "ouster": ("ouster",),
-}
+    "torch": ("generate", "train", "image"), "transformers": ("image",), "huggingface_hub": ("image",),
+    "laspy": ("export",), "foxglove": ("export",), "av": ("video",), "ray": ("cluster",), "ouster": ("ouster",),
+}  # fmt: skip
 
 
 @contextmanager

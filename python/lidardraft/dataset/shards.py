@@ -152,8 +152,7 @@ class DataSet:
             write_text(path, self.recipe.text)
         elif (begun := read_text(path)) != self.recipe.text:
             with named(path):
-                difference = _difference(parse_object(begun), parse_object(self.recipe.text))
-                raise FormatError(f"{difference}, or use another folder")
+                raise FormatError(_difference(parse_object(begun), parse_object(self.recipe.text)))
         last = max(self._begun(), default=0)
         held = last * self.recipe.shard_size + (self._held(last) or {"scans": 0})["scans"]
         if held > self.recipe.scans:
@@ -179,14 +178,16 @@ def _difference(begun: Tally, asked: Tally) -> str:
     """How the recipe that a folder was begun with differs from the one asked for, and what goes on with it."""
     version, here = begun.get("version"), asked["version"]
     if version is None:
-        return (
+        said = (
             f"an earlier lidardraft wrote it and noted no version, so scans of {here} may differ; go on with that one"
         )
-    if version != here:
-        return f"the folder holds scans of lidardraft {version}, and this is {here}; go on with {version}"
-    if begun | {"weights": asked["weights"]} == asked:
-        return "the folder holds scans of other weights than the recipe names now; give the former files back"
-    return "the folder holds scans of another recipe; go on with that one"
+    elif version != here:
+        said = f"the folder holds scans of lidardraft {version}, and this is {here}; go on with {version}"
+    elif begun | {"weights": asked["weights"]} == asked:
+        said = "the folder holds scans of other weights than the recipe names now; give the former files back"
+    else:
+        said = "the folder holds scans of another recipe; go on with that one"
+    return f"{said}, or use another folder"
 
 
 def _check_free(folder: Path, lock: str) -> None:

@@ -66,14 +66,10 @@ class Position:
     def _common(self, other: Position) -> tuple[Place, ...]:
         """The places of both: "ahead" and "on the left" have "ahead on the left". What comes from one has left it."""
         pairs = [(a or c, b or d) for a, b in self.places for c, d in other.places if _agree(a, c) and _agree(b, d)]
-        if not pairs and self._is_origin != other._is_origin:
-            return other.places if self._is_origin else self.places
+        left, other_left = (str(at.heading).startswith(("across-", "with")) for at in (self, other))
+        if not pairs and left != other_left:
+            return other.places if left else self.places
         return tuple(dict.fromkeys(pairs))
-
-    @property
-    def _is_origin(self) -> bool:
-        """Whether something comes from there: it crosses from a side, or joins from there."""
-        return str(self.heading).startswith(("across-", "with"))
 
     def or_at(self, other: Position) -> Position:
         """One and the other: "in front" and "behind"."""
