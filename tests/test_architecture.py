@@ -34,7 +34,8 @@ ALLOWED = {
     "training": BASE
     | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"}
     | {"simulation"},
-    "dataset": BASE | {"scene", "formats", "drafting", "arranging", "streets", "simulation", "scan", "pipeline"},
+    "dataset": BASE
+    | {"scene", "formats", "drafting", "arranging", "networks", "streets", "simulation", "scan", "pipeline"},
     "drawing": BASE | {"scene"},
     "view": BASE | {"scene", "drawing"},
     "scan": BASE | {"scene", "formats", "view"},

@@ -113,7 +113,7 @@ else:
     def __getattr__(name):
         if name not in _MODULE_OF:
             raise AttributeError(f"module 'lidardraft' has no attribute {name!r}")
-        with _extra("generate"):
+        with _extra():
             module = importlib.import_module(_MODULE_OF[name])
             value = module if name in ("edit", "streets") else getattr(module, name)  # modules are public whole
             return globals().setdefault(name, value)

@@ -18,7 +18,7 @@ from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.drafting.text.layout import layout_from_text
 from lidardraft.errors import CheckpointError, LidarDraftError, check_number, check_seed, check_type
 from lidardraft.json_fields import is_number
-from lidardraft.networks import weight_file
+from lidardraft.networks import weight_file, weight_header
 from lidardraft.scan import Scan
 from lidardraft.scene.labelling import label_by_agreement
 from lidardraft.scene.layout import Layout
@@ -79,7 +79,7 @@ class Pipeline:
         `threads` is how many torch may use in this process from now on; scans differ a little with their number.
         """
         check_type("name", name, str, os.PathLike)
-        path = weight_file.find(name)
+        path = weight_header.find(name)
         denoiser, trained = weight_file.load(path, Denoiser), weight_file.read_card(path).get("sensors")
         try:
             denoiser = denoiser.to(device)

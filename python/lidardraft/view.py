@@ -438,7 +438,7 @@ def save_gif(path: str | os.PathLike[str], pictures: Iterable[np.ndarray], secon
 def save_mp4(path: str | os.PathLike[str], pictures: Iterable[np.ndarray], seconds: float) -> None:
     """Write pictures uint8 [H, W, 3] as a film (H.264) that shows each for so many seconds; a last odd row or column is
     left out. Raises `MissingExtraError` where PyAV is not installed."""
-    with extra("video"):
+    with extra():
         import av
     frames = iter(pictures)
     first = next(frames)

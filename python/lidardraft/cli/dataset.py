@@ -12,6 +12,7 @@ from typing import Any
 from lidardraft.cli.arguments import whole_number
 from lidardraft.cli.command import progress
 from lidardraft.cli.scan_folder import add_jobs, jobs_of, scans_in
+from lidardraft.errors import extra
 from lidardraft.formats.frame import FORMATS, Frame, writer_of
 
 
@@ -38,6 +39,9 @@ def _workers(arguments: argparse.Namespace, num: int, run: int) -> Callable[...,
     """What makes shards: the machines of a cluster, worker processes, or this process."""
     if arguments.ray is not None:
         from lidardraft.dataset.shards import on_cluster
+
+        with extra():
+            import ray  # noqa: F401  # a missing library is reported before anything is written
 
         return partial(on_cluster, address=arguments.ray)
     jobs = jobs_of(arguments, num, run)

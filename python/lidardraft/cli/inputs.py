@@ -327,7 +327,7 @@ def _predicted(
 
         read_metadata(weights)  # a broken file is reported before torch is loaded
     try:
-        with extra("generate"):
+        with extra():
             from lidardraft.perception.segmenter import SURE, Segmenter
     except MissingExtraError as error:
         raise FormatError(f"{path} has no labels: give --labels, or let a segmenter predict them ({error})") from None

@@ -21,8 +21,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from lidardraft.dataset.recipe import SCANS, Recipe
-from lidardraft.errors import FormatError
-from lidardraft.files import locked_folder, new_folder, read_text, write_text
+from lidardraft.errors import FormatError, extra
+from lidardraft.files import locked_folder, named, new_folder, read_text, write_text
 from lidardraft.formats.frame import writer_of
 from lidardraft.formats.webdataset import write_shard
 from lidardraft.json_fields import parse_object
@@ -150,8 +150,9 @@ class DataSet:
             if found:
                 raise FormatError(f"{self.folder} is not empty ({found[0]}); use another folder")
             write_text(path, self.recipe.text)
-        elif read_text(path) != self.recipe.text:
-            raise FormatError(f"{self.folder} holds scans of another recipe; use another folder")
+        elif (begun := read_text(path)) != self.recipe.text:
+            with named(path):
+                raise FormatError(_difference(parse_object(begun), parse_object(self.recipe.text)))
         last = max(self._begun(), default=0)
         held = last * self.recipe.shard_size + (self._held(last) or {"scans": 0})["scans"]
         if held > self.recipe.scans:
@@ -171,6 +172,22 @@ class DataSet:
         total: Tally = {}
         if all(_add(total, self.done(number)) for number in range(self._shards())):
             write_text(self.folder / "summary.json", json.dumps(total, indent=1, sort_keys=True))
+
+
+def _difference(begun: Tally, asked: Tally) -> str:
+    """How the recipe that a folder was begun with differs from the one asked for, and what goes on with it."""
+    version, here = begun.get("version"), asked["version"]
+    if version is None:
+        said = (
+            f"an earlier lidardraft wrote it and noted no version, so scans of {here} may differ; go on with that one"
+        )
+    elif version != here:
+        said = f"the folder holds scans of lidardraft {version}, and this is {here}; go on with {version}"
+    elif begun | {"weights": asked["weights"]} == asked:
+        said = "the folder holds scans of other weights than the recipe names now; give the former files back"
+    else:
+        said = "the folder holds scans of another recipe; go on with that one"
+    return f"{said}, or use another folder"
 
 
 def _check_free(folder: Path, lock: str) -> None:
@@ -213,7 +230,8 @@ def on_cluster(make: Callable[[Item], T], items: Iterable[Item], address: str) -
     What was at work on a machine that is lost is made again on another. Raises as `make` does, and `FormatError` where
     there is no such cluster.
     """
-    import ray
+    with extra():
+        import ray
 
     try:
         ray.init(address=address, log_to_driver=False, logging_level="error")

@@ -35,7 +35,7 @@ def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nda
 
     Raises `FormatError` where the file is broken, packed or has more than 4,194,304 points, `MissingExtraError`
     where laspy is not installed."""
-    with extra("export"):
+    with extra():
         import laspy
     size = regular_size(path)
     with named(path), expecting("a whole LAS file"), Path(path).open("rb") as stream:
@@ -63,7 +63,7 @@ def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nda
 def write_las(output: str | os.PathLike[str], drives: Drives) -> None:
     """Write a .las file for each frame. Raises `FormatError` where `output` is there already or cannot be written,
     `MissingExtraError` where laspy is not installed."""
-    with extra("export"):
+    with extra():
         import laspy
     with new_folder(output) as folder:
         for name, frame in numbered(drives):

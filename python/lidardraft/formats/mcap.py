@@ -26,7 +26,7 @@ _TYPES = {"f4": "Float32", "u1": "Uint8", "u2": "Uint16", "u4": "Uint32"}
 def write_mcap(output: str | os.PathLike[str], drives: Drives) -> None:
     """Write 000000.mcap and so on, one for each drive. Raises `FormatError` where `output` is there already or cannot
     be written, `MissingExtraError` where foxglove-sdk is not installed."""
-    with extra("export"):
+    with extra():
         import foxglove
     logging.getLogger("foxglove").addHandler(logging.NullHandler())  # its warnings are those of the error below
     with new_folder(output) as folder:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import os
 import re
+from functools import partial
 from typing import Any
 
+import numpy as np
 from platformdirs import user_cache_path
 
 from lidardraft.drafting.blender.layout import layout_from_blender
@@ -30,12 +33,14 @@ from lidardraft.drafting.solver.scene_spec import (
     SceneSpec,
     relations,
 )
+from lidardraft.drafting.text.omissions import omissions
+from lidardraft.drafting.text.tree import NounPhrase
 from lidardraft.errors import LayoutError, TextError, check_seed, check_type
 from lidardraft.files import named
 from lidardraft.json_fields import check_fields, parse_object
 from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.objects.sentence_kind import COUNTS
-from lidardraft.scene.check import check
+from lidardraft.scene.check import check, objects
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.weather import WEATHERS
 from lidardraft.semantics import CLASSES
@@ -84,7 +89,7 @@ def layout_from_llm(
         script = Request(server, blender_prompt(), text, {"seed": seed})
         drawn = converse(script, lambda reply: layout_from_blender(code_of(reply), strict=True), replies, limit)
         said = {"seed": seed, "findings": [finding.message for finding in check(drawn.result)]}
-        return _with_provenance(drawn.result, drawn, said)
+        return _with_provenance(drawn.result, drawn, said).noted(*omissions(text, partial(_drawn, drawn.result)))
     schema = {"name": "scene_spec", "strict": True, "schema": scene_spec_schema()}
     asked = Request(server, spec_prompt(), text, {"response_format": {"type": "json_schema", "json_schema": schema}})
     described = converse(asked, lambda reply: _spec_of(reply, text), replies, limit)
@@ -92,7 +97,8 @@ def layout_from_llm(
     if spec.not_understood and spec == SceneSpec(not_understood=spec.not_understood):
         raise TextError(f"nothing of {text!r} was understood by {server.model}")
     said = {"understood": relations(spec), "not_understood": list(spec.not_understood)}
-    return _with_provenance(layout_from_spec(spec, seed=seed), described, said)
+    layout = _with_provenance(layout_from_spec(spec, seed=seed), described, said)
+    return layout.noted(*omissions(text, partial(_described, spec)))
 
 
 def spec_prompt() -> Prompt:
@@ -125,6 +131,30 @@ def _spec_of(reply: str, text: str) -> SceneSpec:
             raise LayoutError(f"{said!r} is no part of the text, as {foreign[0]!r} is not in it; copy words of it")
     layout_from_spec(spec)
     return spec
+
+
+def _described(spec: SceneSpec, phrase: NounPhrase) -> list[tuple[float, float]]:
+    """The groups of a spec that a phrase may name, as `omissions` wants them; a rider may be a "person" of the text."""
+    kind, found = SENTENCE_KINDS[str(phrase.kind)], list[tuple[float, float]]()
+    if kind.name in (*spec.absent, *spec.not_around) or any(phrase.noun in said for said in spec.not_understood):
+        return [(0, math.inf)]
+    for group in spec.groups:
+        its = SENTENCE_KINDS[group.kind]
+        fits = its == kind or (kind.name == "person" and its.is_ridden)
+        fits = fits or ("vehicle" in (kind.name, its.name) and kind.is_vehicle and its.is_vehicle)
+        if fits or (its.label == kind.label and phrase.noun in group.words.casefold()):
+            count = (math.nan, math.inf) if isinstance(group.count, str) else np.broadcast_to(group.count, 2).tolist()
+            found.append((count[0], count[1] * (math.inf if group.lane == "each" else max(len(group.places), 1))))
+    return found
+
+
+def _drawn(layout: Layout, phrase: NounPhrase) -> list[tuple[float, float]]:
+    """Up to all objects of a layout that are of the class of a phrase: an object may be drawn as several."""
+    kind = SENTENCE_KINDS[str(phrase.kind)]
+    kinds = [one for one in SENTENCE_KINDS.values() if one == kind or (kind.name == "vehicle" and one.is_vehicle)]
+    labels = {one.label for one in kinds} | ({"rider"} if kind.name == "person" else set())
+    count = sum(any(part.label in labels for part in parts) for parts in objects(layout).values())
+    return [(1, count)] if count else []
 
 
 def _with_provenance(layout: Layout, conversation: Conversation, said: dict[str, Any]) -> Layout:
