@@ -26,6 +26,7 @@ _LAZY = {
     "Simulator": "lidardraft.simulation.simulate",
     "detail": "lidardraft.simulation.detail",
     "edit_scan": "lidardraft.simulation.scan_edits",
+    "export": "lidardraft.exports",
     "observe_cast": "lidardraft.simulation.observe_cast",
     "observe_points": "lidardraft.simulation.observe_cast",
     "simulate": "lidardraft.simulation.simulate",
