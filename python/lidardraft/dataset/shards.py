@@ -187,7 +187,7 @@ class DataSet:
                 return
             if path.exists() and read_text(path) == text and (self.folder / whole).exists() == merged:
                 return
-            path.unlink(missing_ok=True)
+            self._remove_all(path.name, path.name)
             self._remove_all(whole, whole)
             if merged:
                 merge([self.folder / self.name(number) for number in range(self._shards())], self.folder / whole)
