@@ -421,6 +421,17 @@ def test_a_set_that_grows_is_merged_anew(made: Callable[..., dict[str, bytes]]) 
     assert made("kitti") == made("kitti", "whole")
 
 
+def test_shards_that_are_not_of_one_set_are_refused(
+    made: Callable[..., dict[str, bytes]], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """As those of versions that counted scans anew in each shard."""
+    made("pcd")
+    Path("set/000001/000002.pcd").rename("set/000001/000000.pcd")
+    Path("set/summary.json").unlink()
+    assert cli.main(["dataset", "recipe.toml", "--jobs", "1", "-o", "set"]) == 2
+    assert "set/000001/000000.pcd is in another shard too, and another file there" in capsys.readouterr().err
+
+
 def test_scans_names_folders_and_drives_are_exported(tmp_path: Path) -> None:
     for number, scan in enumerate(sequence()):
         scan.save(tmp_path / f"{number:06d}", picture=False)

@@ -23,12 +23,11 @@ def export(
     as_seen: bool | None = None,
     box_margin: float = 0.0,
 ) -> None:
-    """Write scans, names of saved ones, or a folder of these, as one drive, or several drives of scans or names, into
-    the new folder `output` in a format of docs/formats.md ("kitti", "nuscenes", ...).
+    """Write a drive of scans or of names of saved ones, all of a folder, or several drives, one scan after the other,
+    into the new folder `output` in a format of docs/formats.md ("kitti", "nuscenes", ...).
 
-    Points and boxes are those of `Scan.frame`, by default `as_seen` for "mcap" alone. Scans are taken one by one.
-    Raises `FormatError` for an unknown format, no scans, or an `output` that is there or cannot be written; if no scan
-    has a box and the format has some, that is a `UserWarning`.
+    Points and boxes are those of `Scan.frame`, by default `as_seen` for "mcap" alone. No box at all is a `UserWarning`
+    if the format has boxes. Raises `FormatError` for an unknown format, no scans, or an `output` that is there already.
     """
     write, boxes, seen = writer_of(format), 0, format in AS_SEEN if as_seen is None else as_seen
 

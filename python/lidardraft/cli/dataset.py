@@ -97,7 +97,7 @@ def export_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where it goes: new or empty")
     text = "points as the sensor saw them while it moved, and their times where the format has any; always of mcap"
     parser.add_argument("--as-seen", action="store_true", default=None, help=text)
-    text = "make boxes larger by M metres on each side, against the noise of points (0.02 holds nearly all; default 0)"
+    text = "make boxes larger by M metres on each side, against the noise of points (0.05 holds nearly all; default 0)"
     parser.add_argument("--box-margin", type=number, default=0.0, metavar="M", help=text)
 
 

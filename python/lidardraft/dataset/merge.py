@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import filecmp
 import hashlib
 import json
 import os
@@ -9,6 +10,7 @@ import shutil
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
+from lidardraft.errors import FormatError
 from lidardraft.files import new_folder, written_whole
 
 _ROWS = "data_list"  # of MMDetection3D's infos
@@ -18,7 +20,7 @@ def merge(shards: Sequence[Path], output: Path) -> None:
     """Link the files of the shards, or copy them where the disk has no links, into the new folder `output`.
 
     Of files of one name, lines of texts and rows of tables follow one another, and rows that are the same are there
-    once; others are the same. Raises `FormatError` where `output` is there already or cannot be written.
+    once. Raises `FormatError` where others differ, or `output` is there already or cannot be written.
     """
     with new_folder(output) as folder:
         shared = dict[Path, list[Path]]()
@@ -27,17 +29,18 @@ def merge(shards: Sequence[Path], output: Path) -> None:
                 target = folder / source.relative_to(shard)
                 if source.is_dir():
                     target.mkdir(exist_ok=True)
-                elif target.exists():
+                elif target.exists() and source.suffix in (".json", ".txt"):
                     shared.setdefault(target, [target]).append(source)
-                else:
+                elif target.exists() and not filecmp.cmp(source, target, shallow=False):
+                    raise FormatError(f"{source} is in another shard too, and another file there; use another folder")
+                elif not target.exists():
                     try:
                         os.link(source, target)
                     except OSError:
                         shutil.copyfile(source, target)
         for target, sources in shared.items():
-            if target.suffix in (".json", ".txt"):
-                with written_whole(target) as temporary, temporary.open("wb") as file:
-                    file.writelines(_rows(sources) if target.suffix == ".json" else map(Path.read_bytes, sources))
+            with written_whole(target) as temporary, temporary.open("wb") as file:
+                file.writelines(_rows(sources) if target.suffix == ".json" else map(Path.read_bytes, sources))
 
 
 def _rows(sources: Sequence[Path]) -> Iterator[bytes]:
