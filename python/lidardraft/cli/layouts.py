@@ -91,10 +91,8 @@ def raycast(arguments: argparse.Namespace) -> None:
     """Get the depth, class and instance images of a layout as a sensor's rays meet it, in an .npz file, the condition
     image of the diffusion model; and the layout beside it, from which `observe` has the objects."""
     sensor = read_sensor(arguments.sensor)
-    layout = read_layout(arguments)
-    beside = Path(arguments.output).with_suffix(".layout.json")
-    given = beside.exists() and Layout.load(beside) == layout
-    if not given:
+    layout, beside = read_layout(arguments), Path(arguments.output).with_suffix(".layout.json")
+    if not (given := beside.exists() and Layout.load(beside) == layout):
         check_other_file(beside, input_of(arguments))
     image = cast(layout, sensor)
     image.save(arguments.output)

@@ -179,18 +179,18 @@ class DataSet:
         if not all(_add(total, self.done(number)) for number in range(self._shards())):
             return
         path, text = self.folder / "summary.json", json.dumps(total, indent=1, sort_keys=True)
-        whole, merged = self.recipe.format, self.recipe.format not in _UNMERGED
+        whole, merged = self.folder / self.recipe.format, self.recipe.format not in _UNMERGED
         with ExitStack() as held:
             try:
                 held.enter_context(locked_folder(self.folder, ".merging"))
             except FormatError:  # another share is at it
                 return
-            if path.exists() and read_text(path) == text and (self.folder / whole).exists() == merged:
+            if path.exists() and read_text(path) == text and whole.exists() == merged:
                 return
-            self._remove_all(path.name, path.name)
-            self._remove_all(whole, whole)
+            for old in (path.name, whole.name):
+                self._remove_all(old, old)
             if merged:
-                merge([self.folder / self.name(number) for number in range(self._shards())], self.folder / whole)
+                merge([self.folder / self.name(number) for number in range(self._shards())], whole)
             write_text(path, text)
 
 

@@ -86,9 +86,8 @@ CATEGORY_OF_CLASS = {
 _INDEX = np.array([list(CATEGORIES).index(CATEGORY_OF_CLASS[row.name]) for row in CLASSES], np.uint8)
 _CLASS = np.array([BY_NAME[name].id for name in CATEGORIES.values()], np.uint8)
 _CYCLES = ("bicycle", "motorcycle")
-_ATTRIBUTES = [f"cycle.{how}_rider" for how in ("with", "without")]
-_ATTRIBUTES += [f"vehicle.{how}" for how in ("moving", "stopped", "parked")]
-_ATTRIBUTES += [f"pedestrian.{how}" for how in ("moving", "standing", "sitting_lying_down")]
+_ATTRIBUTES = ("cycle.with_rider", "cycle.without_rider", "vehicle.moving", "vehicle.stopped", "vehicle.parked",
+               "pedestrian.moving", "pedestrian.standing", "pedestrian.sitting_lying_down")  # fmt: skip
 _CHILD = 1.4  # m; below, a person is a child: those of sentences have 1.33 m at most, adults 1.5 m at least
 _VISIBLE = (("4", "v80-100", 0.8), ("3", "v60-80", 0.6), ("2", "v40-60", 0.4), ("1", "v0-40", 0.0))
 _START = 1_600_000_000_000_000  # us, the first frame's time

@@ -67,10 +67,9 @@ RAW_FROM_CLASS: dict[str, int] = {
     "traffic-light": 99,
 }
 
-# What moves: 252 moving-car, 253 moving-bicyclist, 254 moving-person, 255 moving-motorcyclist, 256 moving-on-rails, 257
-# moving-bus, 258 moving-truck; of 259 moving-other-vehicle we have none.
-RAW_OF_MOVING = {"car": 252, "rider": 253, "bicycle": 253, "person": 254, "motorcycle": 255, "train": 256, "bus": 257}
-RAW_OF_MOVING |= {"truck": 258}
+# Of objects that move: the lowest such id of the class; what is ridden is of its moving-bicyclist or -motorcyclist.
+RAW_OF_MOVING = {name: raw for raw, name in reversed(CLASS_FROM_RAW.items()) if raw >= 252}
+RAW_OF_MOVING |= {"bicycle": 253, "motorcycle": 255}
 
 _INSTANCE_LIMIT = 2**16 - 1
 OUTLIER = 1
