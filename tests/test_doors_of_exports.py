@@ -402,6 +402,12 @@ def die_at(point: int) -> None:
         setattr(os, call.__name__, dies(call))
 
 
+def test_a_set_that_is_killed_as_it_begins_goes_on(made: Callable[..., dict[str, bytes]]) -> None:
+    Path("set").mkdir()
+    Path("set/recipe.json.0a1b2c3d.partial").write_text("half")
+    assert made("pcd") == made("pcd", "whole")
+
+
 def test_a_disk_without_links_gets_copies(
     made: Callable[..., dict[str, bytes]], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -153,6 +153,7 @@ class DataSet:
         """Keep the recipe in the folder; raises `FormatError` where there is another, or more scans than it has."""
         path = self.folder / "recipe.json"
         if not path.exists():
+            self._remove_all(path.name, path.name)
             found = sorted(each.name for each in self.folder.glob("[!.]*"))
             if found:
                 raise FormatError(f"{self.folder} is not empty ({found[0]}); use another folder")
