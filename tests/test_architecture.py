@@ -39,12 +39,13 @@ ALLOWED = {
     "drawing": BASE | {"scene"},
     "view": BASE | {"scene", "drawing"},
     "scan": BASE | {"scene", "formats", "view"},
+    "exports": BASE | {"formats", "scan"},
     "pipeline": BASE | {"scene", "drafting", "networks", "diffusion", "simulation", "scan"},
     "evaluation": BASE | {"scene", "streets", "networks", "diffusion", "metrics", "simulation", "pipeline"},
     "protocols": BASE | {"formats", "metrics", "perception"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}
-    | {"scan", "simulation", "training", "calibration", "perception", "arranging", "protocols", "dataset"},
+    | {"scan", "simulation", "training", "calibration", "perception", "arranging", "protocols", "dataset", "exports"},
     "__main__": {"cli"},
 }
 # The rooms and modules of streets, and which others each may use.

@@ -15,12 +15,12 @@ from typing import Any
 import numpy as np
 
 from lidardraft import array_files, view
-from lidardraft.errors import LayoutError, check_type
+from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import written_together
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.formats.frame import Annotation, Frame, with_riders_merged
-from lidardraft.json_fields import parse_object
+from lidardraft.json_fields import is_number, parse_object
 from lidardraft.scene.box import Box, checked_vector
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import finite_array
@@ -32,6 +32,7 @@ from lidardraft.scene.visibility import occluded_shares
 _MOST_IN_NOTEBOOKS = 40_000  # points of an output, which is kept in the file of the notebook: half a megabyte
 SCAN_ENDINGS = (".bin", ".label", ".npz", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan
 TRACK_FILES = ("poses.txt", "times.txt", "tracks.json")  # beside the saved scans of a sequence
+CASTS_FILE = "casts.json"  # beside those of `observe`: the file that each is made of, by its number
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -136,32 +137,37 @@ class Scan:
         return [box.seen_from(self.pose) for box in self._boxes()]
 
     def _boxes(self) -> list[Box]:
-        boxes = self.layout.boxes()
-        if self.time is None:
-            return boxes
-        return [replace(box, velocity=self.velocities.get(box.id.split(".", 1)[0], (0.0, 0.0, 0.0))) for box in boxes]
+        still = None if self.time is None else (0.0, 0.0, 0.0)
+        velocities = (self.velocities.get(box.id.split(".", 1)[0], still) for box in self.layout.boxes())
+        return [replace(box, velocity=each) for box, each in zip(self.layout.boxes(), velocities, strict=True)]
 
     def returns_per_box(self) -> list[int]:
         """How many points are of each of `boxes()`."""
         counts = np.bincount(self.instances(), minlength=2**16)
         return [int(counts[box.instance]) for box in self.layout.boxes()]
 
-    def frame(self) -> Frame:
-        """What data sets in other people's formats are written from."""
+    def frame(self, *, as_seen: bool = False, box_margin: float = 0.0) -> Frame:
+        """What data sets in other people's formats are written from: `points()` in boxes that are larger by
+        `box_margin` [m] on each side, or with `as_seen` `image.points()`, as the sensor saw them, and their times.
+
+        Raises `FormatError` where the margin is negative or not a number.
+        """
+        if not is_number(box_margin) or box_margin < 0:
+            raise FormatError(f"box_margin is {box_margin!r}; it must be a number of metres, 0 or more")
         moved = (self.poses()[:, :3, 3] - self.pose[:3, 3]) @ self.pose[:3, :3]
         boxes = self.boxes()
         shares = occluded_shares(self.image, boxes, moved)
-        annotations = list(map(Annotation, boxes, self.returns_per_box(), shares))
+        annotations = with_riders_merged(list(map(Annotation, boxes, self.returns_per_box(), shares)))
         return Frame(
             sensor=self.image.sensor,
             pose=self.pose,
-            points=self.points(),
+            points=self.image.points() if as_seen else self.points(),
             intensity=self.intensities(),
             ring=self.image.beams(),
-            time=self.image.times(),
+            time=self.image.times() if as_seen else None,
             label=self.labels(),
             instance=self.instances(),
-            annotations=with_riders_merged(annotations),
+            annotations=tuple(each.grown(box_margin) if box_margin else each for each in annotations),
             world=json.dumps(self.layout.provenance, sort_keys=True),
             start=None if self.time is None else self.time - self.image.sensor.sweep_time / 2,
         )
@@ -204,9 +210,12 @@ class Scan:
     def _motion(self) -> dict[str, np.ndarray]:
         """What the .npz says of motion."""
         said = {"speed": np.array(self.speed)}
+        if self.turn or self.time is not None:
+            said["turn"] = np.array(self.turn)
         if self.time is not None:
-            velocities = np.array(json.dumps(dict(self.velocities)))
-            said |= {"turn": np.array(self.turn), "time": np.array(self.time), "velocities": velocities}
+            said["time"] = np.array(self.time)
+        if self.velocities or self.time is not None:
+            said["velocities"] = np.array(json.dumps(dict(self.velocities)))
         return said
 
     @classmethod
@@ -217,21 +226,28 @@ class Scan:
         name = os.fspath(name).removesuffix(".bin").removesuffix(".npz")
         file = f"{name}.npz"
         image = RangeImage.load(file)
-        with array_files.opened(file) as archive:
-            if not array_files.holds(archive, "pose"):
-                return cls(image=image, layout=Layout(()), pose=image.sensor.pose(), seed=0)
-            pose = finite_array("pose", array_files.read_numbers(archive, "pose", (4, 4)), 4, 4)
-            names = ("speed", "turn", "time") if array_files.holds(archive, "time") else ("speed",)
-            motion: dict[str, Any] = {key: array_files.read_numbers(archive, key, ()).item() for key in names}
-            if "time" in motion:
-                velocities = parse_object(array_files.read_text(archive, "velocities"))
-                motion["velocities"] = {key: checked_vector(key, "velocity", row) for key, row in velocities.items()}
-            seed = int(array_files.read_numbers(archive, "seed", ()).item())
-        layout = Layout.load(f"{name}.layout.json")
-        return cls(image=image, layout=layout, pose=pose, seed=seed, **motion)
+        motion = read_motion(file)
+        if "pose" not in motion:
+            return cls(image=image, layout=Layout(()), pose=image.sensor.pose(), seed=0)
+        return cls(image=image, layout=Layout.load(f"{name}.layout.json"), **{"seed": 0, **motion})
 
     def __repr__(self) -> str:
         return f"Scan({self.image!r}, {self.layout!r}, seed {self.seed}, {self.speed:g} m/s)"
+
+
+def read_motion(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """What a .npz of a scan or a cast says of `pose`, `speed`, `turn`, `time`, `velocities` and `seed`: arguments of
+    `Scan`. Raises `FormatError` naming what is broken."""
+    said: dict[str, Any] = {}
+    with array_files.opened(path) as archive:
+        names = [name for name in ("speed", "turn", "time", "seed") if array_files.holds(archive, name)]
+        said |= {name: array_files.read_numbers(archive, name, ()).item() for name in names}
+        if array_files.holds(archive, "pose"):
+            said["pose"] = finite_array("pose", array_files.read_numbers(archive, "pose", (4, 4)), 4, 4)
+        if array_files.holds(archive, "velocities"):
+            velocities = parse_object(array_files.read_text(archive, "velocities"))
+            said["velocities"] = {key: checked_vector(key, "velocity", row) for key, row in velocities.items()}
+    return said
 
 
 def save_observed(image: RangeImage, name: str | os.PathLike[str], *, picture: bool = True) -> None:

@@ -49,14 +49,14 @@ _PARTLY, _LARGELY = 0.1, 0.5  # occluded shares from which an object counts as p
 _LONGEST = 10_000  # lines of a label file
 
 
-def write_kitti_object(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_kitti_object(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """Write training/ with velodyne/, label_2/, calib/ and image_2/, and ImageSets/; objects without a point are left
     out. Raises `FormatError` where `output` is there already or cannot be written."""
     with new_folder(output) as folder:
         for part in ("velodyne", "label_2", "calib", "image_2"):
             (folder / "training" / part).mkdir(parents=True)
         names = []
-        for name, frame in numbered(drives):
+        for name, frame in numbered(drives, first):
             names.append(name)
             _write_frame(folder / "training", name, frame)
         write_image_sets(folder, names)

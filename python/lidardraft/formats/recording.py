@@ -281,7 +281,7 @@ def _from_columns(
     if "channel" in columns:
         columns.setdefault("ring", columns["channel"])
     # labels of others count classes of their own; `lidardraft export` writes all four fields
-    ours = ("label", "instance") if {"ring", "time", "label", "instance"} <= columns.keys() else ()
+    ours = ("label", "instance") if {"ring", "label", "instance"} <= columns.keys() else ()
     fields = {field: columns[field] for field in ("ring", "intensity", *ours) if field in columns}
     return np.stack([columns[axis] for axis in "xyz"], axis=1), fields
 

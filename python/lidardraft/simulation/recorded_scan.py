@@ -16,7 +16,7 @@ from lidardraft.files import written_together
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.formats.kitti import write_bin
 from lidardraft.formats.recording import returns, rings_of_order
-from lidardraft.formats.semantickitti import write_label
+from lidardraft.formats.semantickitti import OUTLIER, write_label
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
@@ -180,7 +180,7 @@ class RecordedScan:
         with written_together(name) as stem:
             write_bin(f"{stem}.bin", kept["points"], kept["intensity"])
             filled = kept["made_up"] == FILLED
-            write_label(f"{stem}.label", kept["label"], kept["instance"], outlier=filled)
+            write_label(f"{stem}.label", kept["label"], kept["instance"] * ~filled, raw=OUTLIER * filled)
             write_boxes(f"{stem}.boxes.json", self.boxes, self.returns_per_box())
             np.savez_compressed(f"{stem}.npz", xyz=kept.pop("points"), **kept)
             Path(f"{stem}.sensor.json").write_text(self.sensor.to_json())
