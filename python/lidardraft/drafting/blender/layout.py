@@ -8,7 +8,7 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from lidardraft.drafting.blender.script.limits import Limits, RefusalError, Scri
 from lidardraft.drafting.blender.script.modules import modules
 from lidardraft.drafting.blender.script.reading import read
 from lidardraft.drafting.blender.script.values import Namespace
+from lidardraft.drafting.plausible import settled
 from lidardraft.drafting.things import Node, Things
 from lidardraft.errors import FormatError, LayoutError, ScriptError, check_type
 from lidardraft.files import named, read_bytes, regular_size
@@ -48,6 +49,9 @@ def layout_from_blender(
     classes: Mapping[str, str] | None = None,
     strict: bool = False,
     limits: Limits = _DEFAULT_LIMITS,
+    scale: float = 1.0,
+    recentre: bool = False,
+    as_is: bool = False,
 ) -> Layout:
     """The layout of the scene that a Blender Python script makes: its text, or the path of its file, NAME.py.
 
@@ -55,19 +59,22 @@ def layout_from_blender(
     empty. Classes are those of `classes`, by names of objects, materials or collections, or else what these names say
     ("Car.001", "mat_building"); an object without one is "other", with a note. Upright cubes, spheres, cylinders and
     planes become the layout's own shapes, all else meshes. Numbers of `random` are those of Python's generator for the
-    script's seed, or for 0.
+    script's seed, or for 0. Of a text that is no Python, but has Markdown fences, the longest block between them is
+    read. `scale`, `recentre` and `as_is` are as in `layout_from_glb`.
 
     What was passed over because no shape depends on it is in `provenance["notes"]`. Raises `ScriptError` naming the
-    line of what is not understood or more than `limits`, and, where `strict`, `LayoutError` listing the names that say
-    no class.
+    line of what is not understood or more than `limits`, `LayoutError` for a thing that is in another unit, and, where
+    `strict`, listing the names that say no class.
     """
     check_type("script", script, str, os.PathLike)
+    place = partial(settled, scale=scale, recentre=recentre, as_is=as_is)
     if isinstance(script, str) and ("\n" in script or not script.endswith(".py")):
-        return _layout(script, classes or {}, strict, limits, {"source": "blender"})
+        return _layout(script, classes or {}, strict, limits, {"source": "blender"}, place)
     if (size := regular_size(script)) > 4 * limits.file:
         raise FormatError(f"{os.fspath(script)} has {size} bytes; scripts of up to {4 * limits.file} are read")
     with named(script):
-        return _layout(_decoded(read_bytes(script)), classes or {}, strict, limits, {"source": Path(script).name})
+        text = _decoded(read_bytes(script))
+        return _layout(text, classes or {}, strict, limits, {"source": Path(script).name}, place)
 
 
 def _decoded(data: bytes) -> str:
@@ -79,7 +86,14 @@ def _decoded(data: bytes) -> str:
         raise ScriptError(f"line {line}: no text in UTF-8: byte {error.start} of the file is wrong") from None
 
 
-def _layout(text: str, classes: Mapping[str, str], strict: bool, limits: Limits, source: dict[str, Any]) -> Layout:
+def _layout(
+    text: str,
+    classes: Mapping[str, str],
+    strict: bool,
+    limits: Limits,
+    source: dict[str, Any],
+    place: Callable[..., Layout],
+) -> Layout:
     check_classes(classes)
     script = Script(limits)
     scene = Scene(script)
@@ -96,9 +110,11 @@ def _layout(text: str, classes: Mapping[str, str], strict: bool, limits: Limits,
     if not primitives:
         raise ScriptError("; ".join([f"line {script.line}: the script has made no object with a surface", *notes[:3]]))
     if PROVENANCE in scene.current.properties:
-        return Layout(primitives=tuple(primitives), **_travelled(scene.current.properties[PROVENANCE]))
+        layout = Layout(primitives=tuple(primitives), **_travelled(scene.current.properties[PROVENANCE]))
+        return place(layout, is_ours=True)
     digest = hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
-    return Layout(primitives=tuple(primitives), provenance={**source, "sha256": digest, "notes": notes})
+    layout = Layout(primitives=tuple(primitives), provenance={**source, "sha256": digest, "notes": notes})
+    return place(layout)
 
 
 def _travelled(value: Any) -> dict[str, Any]:
