@@ -12,6 +12,7 @@ from lidardraft.errors import LayoutError
 from lidardraft.files import regular_size
 
 _TURNED = 1e-9  # of a polygon's area, by which rounding may turn a triangle around
+_JITTER = 1e-11  # of its extent, by which the corners of a polygon are off their lines when it is cut
 _LINE = 1e-12  # m2 of a triangle, per square metre of the mesh's extent, below which it is only a line
 
 
@@ -107,6 +108,7 @@ def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
     ]
 
 
+@np.errstate(all="ignore")  # of places too far away, which are refused elsewhere
 def triangles_of(vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> np.ndarray:
     """The triangles int64 [F, 3] of polygons among vertices float64 [V, 3], each of so many of the `corners` as
     `counts` says, 3 or more. N corners become N - 2 triangles; where corners are on a line, some are lines.
@@ -137,13 +139,14 @@ def _ears(polygon: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
     across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
     flat = (polygon - polygon[0]) @ np.stack([across, np.cross(normal, across)], axis=1)
-    triangles = triangulate_float64(flat / np.abs(flat).max(), np.array([len(flat)], dtype=np.uint32)).reshape(-1, 3)
-    # Corners on a line may be left out: a triangle with their neighbours, a line too, keeps the edges as they are.
-    left, lines = list(range(len(flat))), []
-    for corner in sorted({*left} - {*triangles.ravel().tolist()}):
-        place = left.index(corner)
-        lines.append((left[place - 1], left.pop(place), left[place % len(left)]))
-    return np.array([*triangles.tolist(), *lines])
+    flat /= np.abs(flat).max()
+    flat += _JITTER * np.sin(
+        flat[:, ::-1] / _JITTER**0.5
+    )  # what is exactly on a line would be left out, and the edges too
+    found = triangulate_float64(flat, np.array([len(flat)], dtype=np.uint32)).reshape(-1, 3)
+    triangles = np.zeros((len(flat) - 2, 3), dtype=np.int64)  # those without extent are passed over
+    triangles[: len(found)] = found
+    return triangles
 
 
 def unit_mesh(shape: str) -> TriangleMesh:
