@@ -28,8 +28,8 @@ def check_scale(scale: float) -> None:
 def check_sizes(layout: Layout, scales: str = "--scale {:g} (`scale` in Python) makes metres of them; ") -> None:
     """Raise `LayoutError` where a thing is so large or so small that it is in another unit than the metre.
 
-    All three extents have to be out, as many cars in one mesh are as high as one: too large by a factor of 3, or where
-    another unit makes all of them right; too small by a factor of 3 where no thing of the class is larger.
+    All three extents have to be out, as many cars in one mesh are as high as one: too large where another unit makes
+    all of them right, or by a factor of 3 and not called "Cars"; too small by that, as the largest of its class.
     """
     boxes = sorted(layout.boxes(), key=lambda box: max(box.size))
     largest = {box.label: box for box in boxes}
@@ -43,9 +43,10 @@ def check_sizes(layout: Layout, scales: str = "--scale {:g} (`scale` in Python) 
         )
         unit = min(_METRES, key=lambda unit: abs(math.log((size[2] or 1.0) * _METRES[unit] / usual)))
         metres = size * _METRES[unit]
-        is_unit = (low <= metres).all() and (metres <= high).all() and not says_many(box.id)
+        is_unit = (low <= metres).all() and (metres <= high).all()
+        most = np.inf if says_many(box.id) else high if is_unit else _TOY * high
         is_small = (size < low / _TOY).all() and box is largest[box.label]
-        if is_small or (size > (high if is_unit else _TOY * high)).all():
+        if is_small or (size > most).all():
             cause = "were they scaled twice? " if is_small else f"are these {unit}? "
             said = [" x ".join(f"{extent:.3g}" for extent in one) for one in (box.size, *SIZE_RANGES[box.label])]
             raise LayoutError(
@@ -82,7 +83,7 @@ def recentred(layout: Layout) -> Layout:
     x, y = ((low[axis] + high[axis]) / 2 for axis in (0, 1))
     under = LayoutGround(ground).at(x, y)
     move = (-x, -y, -(low[2] if under is None else under[0]))
-    said = ", ".join(f"{value:.3f}" for value in move)
+    said = ", ".join(f"{round(value, 3) + 0.0:.3f}" for value in move)
     return _mapped(layout, 1.0, move).noted(f"moved by ({said}) m: the middle of its ground is the origin")
 
 

@@ -116,7 +116,8 @@ def triangles_of(vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray) 
     A fan around the first corner covers a polygon once, unless it crosses itself, where all of the fan turns as the
     polygon does, by areas along its normal (Newell's). Other polygons, which are concave, are cut into ears.
     """
-    corners, first = corners.astype(np.int64), np.repeat(np.cumsum(counts) - counts, counts - 2)
+    corners, counts = corners.astype(np.int64), counts.astype(np.int64)
+    first = np.repeat(np.cumsum(counts) - counts, counts - 2)
     begins = np.cumsum(counts - 2) - (counts - 2)
     step = first + np.arange(len(first)) - np.repeat(begins, counts - 2) + 1
     fans = corners[np.stack([first, step, step + 1], axis=1)]
@@ -140,9 +141,8 @@ def _ears(polygon: np.ndarray, normal: np.ndarray) -> np.ndarray:
     across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
     flat = (polygon - polygon[0]) @ np.stack([across, np.cross(normal, across)], axis=1)
     flat /= np.abs(flat).max()
-    flat += _JITTER * np.sin(
-        flat[:, ::-1] / _JITTER**0.5
-    )  # what is exactly on a line would be left out, and the edges too
+    # What is exactly on a line would be left out, and with it edges that other faces have.
+    flat += _JITTER * np.sin(flat[:, ::-1] / _JITTER**0.5)
     found = triangulate_float64(flat, np.array([len(flat)], dtype=np.uint32)).reshape(-1, 3)
     triangles = np.zeros((len(flat) - 2, 3), dtype=np.int64)  # those without extent are passed over
     triangles[: len(found)] = found
