@@ -103,24 +103,7 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     text = "length of a pixel of --sketch, in metres"
     group.add_argument("--metres-per-pixel", type=number, metavar="M", help=text)
     group.add_argument("--scale-bar", type=number, metavar="M", help="length of the black bar in a painted --sketch")
-    group.add_argument(
-        "--class",
-        dest="classes",
-        action="append",
-        metavar="NAME=CLASS",
-        help="class of the objects, materials or collections of that name in --obj, --glb or --blender, where their "
-        "names say none or another; repeatable",
-    )
-    text = "refuse a --blender script in which the names of an object say no class, in place of a note"
-    group.add_argument("--strict", action="store_true", default=None, help=text)
-    group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
-    text = "length of a unit of --obj, --glb or --blender, in metres (default 1; 0.01 for centimetres)"
-    group.add_argument("--scale", type=number, metavar="M", help=text)
-    text = "move --obj, --glb or --blender: the middle of its ground becomes the origin, where the sensor stands"
-    group.add_argument("--recentre", action="store_true", default=None, help=text)
-    text = "read --obj, --glb, --blender or --boxes whatever the sizes of vehicles and people in it say of its unit"
-    group.add_argument("--as-is", action="store_true", default=None, help=text)
-    group.add_argument("--frame", type=int, metavar="N", help="frame of KITTI's tracking labels in --boxes (default 0)")
+    _add_model_options(group)
     text = "say what each word of --text became, and which were not understood"
     group.add_argument("--explain", action="store_true", default=None, help=text)
     _add_image_options(group)
@@ -393,6 +376,28 @@ def _from_blender(arguments: argparse.Namespace) -> Layout:
 
 def _from_layout(arguments: argparse.Namespace) -> Layout:
     return Layout.load(arguments.layout)
+
+
+def _add_model_options(group: argparse._ArgumentGroup) -> None:
+    """What says more about --obj, --glb, --blender and --boxes."""
+    group.add_argument(
+        "--class",
+        dest="classes",
+        action="append",
+        metavar="NAME=CLASS",
+        help="class of the objects, materials or collections of that name in --obj, --glb or --blender, where their "
+        "names say none or another; repeatable",
+    )
+    text = "refuse a --blender script in which the names of an object say no class, in place of a note"
+    group.add_argument("--strict", action="store_true", default=None, help=text)
+    group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
+    text = "length of a unit of --obj, --glb or --blender, in metres (default 1; 0.01 for centimetres)"
+    group.add_argument("--scale", type=number, metavar="M", help=text)
+    text = "move --obj, --glb or --blender: the middle of its ground becomes the origin, where the sensor stands"
+    group.add_argument("--recentre", action="store_true", default=None, help=text)
+    text = "read --obj, --glb, --blender or --boxes whatever the sizes of vehicles and people in it say of its unit"
+    group.add_argument("--as-is", action="store_true", default=None, help=text)
+    group.add_argument("--frame", type=int, metavar="N", help="frame of KITTI's tracking labels in --boxes (default 0)")
 
 
 def _add_image_options(group: argparse._ArgumentGroup) -> None:
