@@ -526,14 +526,14 @@ def test_other_types_and_objects_without_a_size(tmp_path: Path) -> None:
         (
             "tracklet_labels.xml",
             '<?xml version="1.0"?><boost_serialization><tracklets class_id="0"/>',
-            "KITTI's tracklets",
+            "KITTI tracklets",
         ),
     ],
 )
 def test_box_files_of_tools_are_named(tmp_path: Path, name: str, text: str, tool: str) -> None:
     (tmp_path / name).write_text(text)
     with pytest.raises(
-        FormatError, match=rf"{name}: a file of {tool}; .* as lines of a \.txt file: x y z length width"
+        FormatError, match=rf"{name}: a file of {tool}, .* a line each of x y z length width .* as \.txt$"
     ):
         read_box_file(tmp_path / name)
 
@@ -548,6 +548,16 @@ ASPECTS = {
     "xMinYMin slice": (400, 400, 8, 8),
     "xMidYMax slice": (400, 0, 8, 8),
 }
+
+
+def test_strokes_are_stretched_with_the_page(tmp_path: Path) -> None:
+    (tmp_path / "a.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="800" height="400" viewBox="0 0 100 100" '
+        'preserveAspectRatio="none"><line id="road_1" x1="50" y1="0" x2="50" y2="100" stroke="#888" stroke-width="2"/>'
+        '<line id="road_2" x1="0" y1="50" x2="40" y2="50" stroke="#888" stroke-width="2"/></svg>'
+    )
+    roads = [each.size[:2] for each in read_sketch(tmp_path / "a.svg", metres_per_pixel=0.5) if each.label == "road"]
+    assert np.allclose(sorted(roads), [(160, 4), (200, 8)])
 
 
 @pytest.mark.parametrize("aspect", ASPECTS)

@@ -160,7 +160,7 @@ def read_label_2(
 def _of_frame(text: str, path: str | os.PathLike[str], frame: int | None) -> str:
     """The lines of one frame of tracking labels, without frame and track, as label_2 has them; the others are empty."""
     lines = [[*line.split(maxsplit=2), "", "", ""] for line in text.splitlines()]
-    frames = [line[0] for line in lines if line[2]]
+    frames = [line[0] for line in lines if line[2]] or ["none"]
     if str(frame or 0) not in frames:
         raise FormatError(f"there is no frame {frame or 0} in these labels of frames {frames[0]} to {frames[-1]}")
     if frame is None and len({*frames}) > 1:

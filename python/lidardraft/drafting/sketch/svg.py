@@ -373,8 +373,12 @@ class _Reader:
             return
         if len(self.page.figures) >= _MOST_FIGURES:
             raise FormatError(f"more than {_MOST_FIGURES} shapes; sketches of up to so many are read")
-        pieces = [(points @ matrix[:2, :2].T + matrix[:2, 2], closed) for points, closed in pieces]
-        width = float(style.get("stroke-width", "1")) * math.sqrt(abs(float(np.linalg.det(matrix[:2, :2]))))
+        linear, steps = matrix[:2, :2], np.concatenate([np.diff(points, axis=0) for points, _ in pieces])
+        pieces = [(points @ linear.T + matrix[:2, 2], closed) for points, closed in pieces]
+        width = float(style.get("stroke-width", "1")) * math.sqrt(area := abs(float(np.linalg.det(linear))))
+        if np.abs(linear @ linear.T - area * np.eye(2)).max() > 1e-6 * area > 0:  # as wide as what is across the stroke
+            long, drawn = (float(np.linalg.norm(each, axis=1).sum()) for each in (steps, steps @ linear.T))
+            width *= math.sqrt(area) * long / (drawn or 1.0)
         nonzero = style.get("fill-rule") != "evenodd"
         self.page.figures.append(Figure(_names_of(element), groups, element.tag, pieces, fill, stroke, width, nonzero))
 
