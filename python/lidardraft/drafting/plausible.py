@@ -29,21 +29,17 @@ def check_sizes(layout: Layout, scales: str = "--scale {:g} (`scale` in Python) 
     """Raise `LayoutError` where a thing is so large or so small that it is in another unit than the metre.
 
     All three extents have to be out, as many cars in one mesh are as high as one: too large where another unit makes
-    all of them right, or by a factor of 3 and not called "Cars"; too small by that, as the largest of its class.
+    all of them usual, or by a factor of 3, and not called "Cars"; too small by that, as the largest of its class.
     """
     boxes = sorted(layout.boxes(), key=lambda box: max(box.size))
     largest = {box.label: box for box in boxes}
     for box in boxes:
         if max(SIZE_RANGES[box.label][0]) / _TOY <= max(box.size) <= max(SIZE_RANGES[box.label][1]):
             continue
-        (low, high), size, usual = (
-            np.sort(SIZE_RANGES[box.label]),
-            np.sort(box.size),
-            max(BY_NAME[box.label].size or ()),
-        )
-        unit = min(_METRES, key=lambda unit: abs(math.log((size[2] or 1.0) * _METRES[unit] / usual)))
-        metres = size * _METRES[unit]
-        is_unit = (low <= metres).all() and (metres <= high).all()
+        (low, high), size = np.sort(SIZE_RANGES[box.label]), np.sort(box.size)
+        usual = np.sort(BY_NAME[box.label].size or ())
+        unit = min(_METRES, key=lambda unit: abs(math.log((size[2] or 1.0) * _METRES[unit] / usual[2])))
+        is_unit = bool((np.abs(size * _METRES[unit] - usual) <= usual / 3).all())
         most = np.inf if says_many(box.id) else high if is_unit else _TOY * high
         is_small = (size < low / _TOY).all() and box is largest[box.label]
         if is_small or (size > most).all():

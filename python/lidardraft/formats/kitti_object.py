@@ -131,7 +131,7 @@ def read_label_2(
     DontCare is left out, and so are, with a warning, other types and objects without a size in 3D. Raises `FormatError`
     naming the file and the line that is not KITTI's.
     """
-    text, left = read_text(path), Counter[str]()
+    text, left = read_text(path).removeprefix("\ufeff"), Counter[str]()
     with named(f"{os.fspath(path)} needs its calibration"):
         lidar_from_camera = _lidar_from_camera(calib or Path(path).absolute().parent.parent / "calib" / Path(path).name)
 
