@@ -140,6 +140,14 @@ def test_a_model_in_another_unit(tmp_path: Path, door: str, unit: str, name: str
 
 
 @pytest.mark.parametrize("door", READERS)
+@pytest.mark.parametrize("scale", [0, -1.0, math.nan, "1"])
+def test_a_scale_is_a_length(tmp_path: Path, door: str, scale: Any) -> None:
+    write, read = READERS[door]
+    with pytest.raises(LayoutError, match=rf"scale is {scale}; it must be a finite number of metres > 0"):
+        read(write(tmp_path, {"Car": CAR}), scale=scale)
+
+
+@pytest.mark.parametrize("door", READERS)
 def test_a_toy(tmp_path: Path, door: str) -> None:
     write, read = READERS[door]
     path = write(tmp_path, {"Car": times(CAR, 0.01)})
@@ -496,6 +504,15 @@ def test_tracking_labels_of_kitti(tmp_path: Path, frame: int | None) -> None:
     assert [box.label for box in boxes] == (["car", "train"] if frame == 1 else ["car"])
     assert np.allclose([boxes[0].center, boxes[0].size], [(12.27, 3.0, -0.98), (4.2, 1.8, 1.5)])
     assert boxes[0].yaw == pytest.approx(0)
+
+
+def test_the_frame_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = kitti(tmp_path, "label_02", [f"{at} 0 " + OBJECT.format("Car" if at else "Van") for at in (0, 7)])
+    draft = ["draft", "--boxes", str(path), "--surroundings", "bare", "--no-preview", "-o", str(tmp_path / "out.json")]
+    assert main(draft) == 0
+    assert "of frames 0 to 7; 0 is read (--frame N reads another)" in capsys.readouterr().err
+    assert main([*draft, "--frame", "7"]) == 0
+    assert Layout.load(tmp_path / "out.json")["car_1"].center == pytest.approx((12.27, 3.0, 0.75), abs=1e-6)
 
 
 def test_a_frame_of_what_has_none(tmp_path: Path) -> None:

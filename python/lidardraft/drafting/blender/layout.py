@@ -36,6 +36,7 @@ from lidardraft.scene.placed_mesh import in_unit_box, placed_mesh
 from lidardraft.scene.pose import point_at
 from lidardraft.semantics import BY_NAME
 
+_Placing = Callable[..., Layout]  # `settled`, with how the script is to be placed
 _DEFAULT_LIMITS = Limits()
 PROVENANCE = "lidardraft"  # the property of the scene in which a layout's provenance and coverage travel
 _MOST_NAMES = 50  # in one message
@@ -87,12 +88,7 @@ def _decoded(data: bytes) -> str:
 
 
 def _layout(
-    text: str,
-    classes: Mapping[str, str],
-    strict: bool,
-    limits: Limits,
-    source: dict[str, Any],
-    place: Callable[..., Layout],
+    text: str, classes: Mapping[str, str], strict: bool, limits: Limits, source: dict[str, Any], place: _Placing
 ) -> Layout:
     check_classes(classes)
     script = Script(limits)
