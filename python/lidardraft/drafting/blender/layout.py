@@ -21,7 +21,7 @@ from lidardraft.drafting.blender.bpy.meshes import Mesh, MeshShape
 from lidardraft.drafting.blender.bpy.objects import SceneObject
 from lidardraft.drafting.blender.bpy.operators import Operators
 from lidardraft.drafting.blender.bpy.scene import Scene
-from lidardraft.drafting.blender.script.limits import Limits, RefusalError, Script
+from lidardraft.drafting.blender.script.limits import RefusalError, Script, ScriptLimits
 from lidardraft.drafting.blender.script.modules import modules
 from lidardraft.drafting.blender.script.reading import read
 from lidardraft.drafting.blender.script.values import Namespace
@@ -37,7 +37,7 @@ from lidardraft.scene.pose import point_at
 from lidardraft.semantics import BY_NAME
 
 _Placing = Callable[..., Layout]  # `settled`, with how the script is to be placed
-_DEFAULT_LIMITS = Limits()
+_DEFAULT_LIMITS = ScriptLimits()
 PROVENANCE = "lidardraft"  # the property of the scene in which a layout's provenance and coverage travel
 _MOST_NAMES = 50  # in one message
 _DEEPEST = 100  # parents of an object
@@ -49,7 +49,7 @@ def layout_from_blender(
     *,
     classes: Mapping[str, str] | None = None,
     strict: bool = False,
-    limits: Limits = _DEFAULT_LIMITS,
+    limits: ScriptLimits = _DEFAULT_LIMITS,
     scale: float = 1.0,
     recentre: bool = False,
     as_is: bool = False,
@@ -88,7 +88,7 @@ def _decoded(data: bytes) -> str:
 
 
 def _layout(
-    text: str, classes: Mapping[str, str], strict: bool, limits: Limits, source: dict[str, Any], place: _Placing
+    text: str, classes: Mapping[str, str], strict: bool, limits: ScriptLimits, source: dict[str, Any], place: _Placing
 ) -> Layout:
     check_classes(classes)
     script = Script(limits)
