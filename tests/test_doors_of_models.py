@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from lidardraft import Box, Layout, layout_from_blender, layout_from_boxes, layout_from_glb, layout_from_obj
 from lidardraft import layout_from_sketch as read_sketch
 from lidardraft.cli.main import main
+from lidardraft.drafting.blender.script.limits import ScriptLimits
 from lidardraft.errors import FormatError, LayoutError, ScriptError
 from lidardraft.formats.box_files import read_box_file
 from lidardraft.formats.glb import glb_bytes
@@ -235,7 +236,7 @@ def test_the_options_of_the_command_line(tmp_path: Path, capsys: pytest.CaptureF
         assert Layout.load(out)["Car"].center == pytest.approx((0, 0, 0.75))
 
 
-def test_what_we_wrote_is_not_doubted(tmp_path: Path) -> None:
+def test_what_we_wrote_is_not_doubted(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A layout that is exported and read again stays as it is, whatever is in it."""
     from lidardraft.formats.blender_script import write_blender_script
     from lidardraft.formats.glb import write_glb
@@ -247,6 +248,9 @@ def test_what_we_wrote_is_not_doubted(tmp_path: Path) -> None:
         found = read(tmp_path / name)
         assert found["car_1"].size == pytest.approx((420.0, 180.0, 150.0))
         assert found.notes == layout.notes
+    out = str(tmp_path / "out.json")
+    assert main(["draft", "--glb", str(tmp_path / "a.glb"), "--recentre", "--no-preview", "-o", out]) == 0
+    assert "a.glb: moved by (0.000, 0.000, 0.000) m" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("indexed", [True, False])
@@ -394,6 +398,14 @@ def test_triangles_cover_a_polygon_once(seed: int, count: int, is_comb: bool, is
     outline = {(k, (k + 1) % len(flat)) for k in range(len(flat))}
     assert len(set(edges)) == len(edges)
     assert {edge for edge in edges if edge[::-1] not in edges} == outline
+
+
+def test_concave_faces_take_the_time_of_their_script() -> None:
+    script = "import bpy\nmesh = bpy.data.meshes.new('m')\n"
+    script += "mesh.from_pydata([(0,0,0), (4,0,0), (4,3,0), (2,1,0), (0,3,0)], [], [(1, 2, 3, 4, 0)] * 30000)\n"
+    script += "bpy.context.collection.objects.link(bpy.data.objects.new('building', mesh))\n"
+    with pytest.raises(ScriptError, match=r"line 4: the script takes more than 0\.3 s"):
+        layout_from_blender(script, limits=ScriptLimits(seconds=0.3))
 
 
 def test_convex_faces_keep_their_fans() -> None:

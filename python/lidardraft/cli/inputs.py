@@ -141,7 +141,8 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
         raise type(error)(f"{error}{_other_option(name, getattr(arguments, name))}") from None
     # The notes on a layout that was saved, also as a model or a script, were printed when it was made.
     file = getattr(arguments, name)
-    if name != "layout" and (name not in ("glb", "blender") or layout.provenance.get("source") == Path(file).name):
+    is_new = name not in ("glb", "blender") or layout.provenance.get("source") == Path(file).name
+    if name != "layout" and (is_new or arguments.recentre):
         for note in notes_on(layout):
             say(note if name == "text" else f"{file}: {note}")
     return layout

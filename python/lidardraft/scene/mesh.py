@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
 
@@ -109,12 +110,15 @@ def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
 
 
 @np.errstate(all="ignore")  # of places too far away, which are refused elsewhere
-def triangles_of(vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray) -> np.ndarray:
+def triangles_of(
+    vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray, *, tick: Callable[[], object] = lambda: None
+) -> np.ndarray:
     """The triangles int64 [F, 3] of polygons among vertices float64 [V, 3], each of so many of the `corners` as
     `counts` says, 3 or more. N corners become N - 2 triangles; where corners are on a line, some are lines.
 
     A fan around the first corner covers a polygon once, unless it crosses itself, where all of the fan turns as the
-    polygon does, by areas along its normal (Newell's). Other polygons, which are concave, are cut into ears.
+    polygon does, by areas along its normal (Newell's). Other polygons, which are concave, are cut into ears; for each
+    of them `tick` is called, which may raise.
     """
     corners, counts = corners.astype(np.int64), counts.astype(np.int64)
     first = np.repeat(np.cumsum(counts) - counts, counts - 2)
@@ -129,6 +133,7 @@ def triangles_of(vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray) 
     shares = np.einsum("fi,fi->f", turns, np.repeat(normals, counts - 2, axis=0))
     wrong = np.minimum.reduceat(shares, begins) < -_TURNED * (normals**2).sum(axis=1)
     for at, count, normal in zip(begins[wrong].tolist(), counts[wrong].tolist(), normals[wrong], strict=True):
+        tick()
         polygon = np.append(fans[at, :2], fans[at : at + count - 2, 2])
         fans[at : at + count - 2] = polygon[_ears(vertices[polygon], normal)]
     return fans

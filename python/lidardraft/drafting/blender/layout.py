@@ -250,7 +250,7 @@ def _placed_shape(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: Any
         exact = _placed_exactly(item, mesh, shape, **fields)
         if exact is not None:
             return exact
-    vertices, faces = shape.triangles()
+    vertices, faces = shape.triangles(mesh.script.check_time)
     known = None if shape.shape == "any" else shape.shape
     return placed_mesh(item.world() @ mesh.matrix, vertices, faces, shape=known, **fields)
 
@@ -272,7 +272,7 @@ def _placed_exactly(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: A
         size = (length, width, 0.0 if flat else height)
         fields |= {"center": tuple(item.location.numbers), "size": size, "yaw": yaw}
         return Primitive(shape="plane" if flat else shape.shape, **fields)
-    vertices, faces = shape.triangles()
+    vertices, faces = shape.triangles(mesh.script.check_time)
     vertices, scale = vertices * stretch, np.array(item.scale.numbers)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     if is_unit:

@@ -52,12 +52,12 @@ class MeshShape:
     vertices: int
     make: Callable[[], tuple[np.ndarray, Polygons]]
 
-    def triangles(self) -> tuple[np.ndarray, np.ndarray]:
-        """Its vertices float64 [V, 3] and its faces as triangles int64 [F, 3]."""
+    def triangles(self, tick: Callable[[], object] = lambda: None) -> tuple[np.ndarray, np.ndarray]:
+        """Its vertices float64 [V, 3] and its faces as triangles int64 [F, 3]; `tick` is as in `triangles_of`."""
         vertices, polygons = self.make()
         counts = np.concatenate([np.zeros(0, dtype=np.int64), *(np.full(*each.shape) for each in polygons)])
         corners = np.concatenate([counts[:0], *(each.ravel() for each in polygons)])
-        return vertices, triangles_of(vertices, corners, counts)
+        return vertices, triangles_of(vertices, corners, counts, tick=tick)
 
 
 def cube(size: float) -> MeshShape:
