@@ -14,6 +14,7 @@ import numpy as np
 from platformdirs import user_cache_path
 
 from lidardraft.drafting.blender.layout import layout_from_blender
+from lidardraft.drafting.blender.script.reading import fenced
 from lidardraft.drafting.language_model.chat_server import MODEL, URL, ChatServer, TimeLimit
 from lidardraft.drafting.language_model.conversation import Conversation, Prompt, ReplyCache, Request, converse
 from lidardraft.drafting.solver.layout import layout_from_spec
@@ -47,7 +48,6 @@ from lidardraft.semantics import CLASSES
 
 Schema = dict[str, Any]
 MAX_LENGTH = 10_000  # characters of a text
-_FENCED = re.compile(r"^[ \t]*(```|~~~)[^\n]*\n(.*?)(?:^[ \t]*\1[`~]*[ \t\r]*$|\Z)", re.MULTILINE | re.DOTALL)
 MAX_GROUPS = 50  # of a spec; the solver takes minutes for many that find no room
 
 
@@ -180,7 +180,7 @@ def code_of(reply: str) -> str:
     It ends in a line break, so it is never taken for the path of a file.
     """
     text = _answer_of(reply)
-    return max((block for _, block in _FENCED.findall(text)), key=len, default=text).strip("\n") + "\n"
+    return (fenced(text) or text).strip("\n") + "\n"
 
 
 def _answer_of(reply: str) -> str:
