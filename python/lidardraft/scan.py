@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft import array_files, view
+from lidardraft.errors import SensorError
 from lidardraft.files import written_together
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
@@ -21,13 +22,13 @@ from lidardraft.formats.frame import Annotation, Frame, with_riders_merged
 from lidardraft.json_fields import parse_object
 from lidardraft.scene.box import Box, checked_vector
 from lidardraft.scene.layout import Layout
-from lidardraft.scene.pose import finite_array
+from lidardraft.scene.pose import finite_array, inverse
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.visibility import occluded_shares
 
 _MOST_IN_NOTEBOOKS = 40_000  # points of an output, which is kept in the file of the notebook: half a megabyte
-SCAN_ENDINGS = (".bin", ".label", ".npz", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan
+SCAN_ENDINGS = (".npz", ".bin", ".label", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan
 TRACK_FILES = ("poses.txt", "times.txt", "tracks.json")  # beside the saved scans of a sequence
 
 
@@ -35,8 +36,9 @@ TRACK_FILES = ("poses.txt", "times.txt", "tracks.json")  # beside the saved scan
 class Scan:
     """A labelled scan and the layout it was made of.
 
-    `pose` is the world_from_sensor [4, 4] it was taken from; of a sensor that moves along its x axis with `speed` [m/s]
-    and turns about its z axis with `turn` [rad/s] it is the pose in the middle of the sweep.
+    `pose` is the world_from_sensor [4, 4] it was taken from; of a sensor that moves with `speed` [m/s] along `heading`,
+    by default its x axis, and turns about its z axis with `turn` [rad/s] it is the pose in the middle of the sweep.
+    `heading` [3], of length 1 in the world, is that of a vehicle that leans: the sensor leans with it, its way does not.
 
     In a frame of a sequence, `time` is that of the middle of the sweep since the start [s], the layout is as it stands
     then, and `velocities` are those [m/s] of the objects that move, by their names, in the world.
@@ -50,6 +52,7 @@ class Scan:
     turn: float = 0.0
     time: float | None = None
     velocities: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    heading: tuple[float, float, float] | None = None
 
     @cached_property
     def condition_image(self) -> RangeImage:
@@ -60,7 +63,8 @@ class Scan:
 
     def poses(self) -> np.ndarray:
         """The pose of each column, f64 [W, 4, 4]."""
-        return self.image.sensor.poses_in_motion(self.pose, self.speed * self.pose[:3, 0], (0.0, 0.0, self.turn))
+        along = self.pose[:3, 0] if self.heading is None else np.array(self.heading)
+        return self.image.sensor.poses_in_motion(self.pose, self.speed * along, (0.0, 0.0, self.turn))
 
     def points(self) -> np.ndarray:
         """x, y, z of the returns in the sensor's frame in the middle of the sweep [m], float32 [N, 3].
@@ -74,9 +78,8 @@ class Scan:
         return (points @ self.pose[:3, :3]).astype(np.float32)
 
     def intensities(self) -> np.ndarray:
-        """Intensities in [0, 1] of `points()`, float32 [N]."""
-        assert self.image.intensity is not None
-        return self.image.intensity[self.image.valid]
+        """Intensities in [0, 1] of `points()`, float32 [N]; raises `SensorError` where the image has none."""
+        return _intensities(self.image)
 
     def labels(self) -> np.ndarray:
         """Class ids of `points()`, uint8 [N]; 0 for points of nothing in the layout."""
@@ -103,9 +106,8 @@ class Scan:
 
     def frame(self) -> Frame:
         """What data sets in other people's formats are written from."""
-        moved = (self.poses()[:, :3, 3] - self.pose[:3, 3]) @ self.pose[:3, :3]
         boxes = self.boxes()
-        shares = occluded_shares(self.image, boxes, moved)
+        shares = occluded_shares(self.image, boxes, inverse(self.pose) @ self.poses())
         annotations = list(map(Annotation, boxes, self.returns_per_box(), shares))
         return Frame(
             sensor=self.image.sensor,
@@ -134,7 +136,8 @@ class Scan:
         step = 1 if most is None else -(-len(self.labels()) // most)
         up = np.array([0.0, 0.0, self.image.sensor.mount_height])
         boxes = [box.raised(up[2]) for box in self.boxes()]
-        label, intensity = self.labels()[::step], self.intensities()[::step]
+        label = self.labels()[::step]
+        intensity = None if self.image.intensity is None else self.intensities()[::step]
         title = view.title_of(self.layout) or self.image.sensor.name
         return view.html_page(self.points()[::step] + up, label=label, intensity=intensity, boxes=boxes, title=title)
 
@@ -145,10 +148,11 @@ class Scan:
     def save(self, name: str | os.PathLike[str], *, picture: bool = True) -> None:
         """Write `NAME.bin`, `.label`, `.npz`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png`.
 
-        The `.npz` is the range image, with pose, speed and seed: `load` reads it and the layout. Files of these names
-        are replaced. Raises `FormatError` where one cannot be written; then all stay as they were.
+        The `.npz` is the range image, with pose, motion and seed: `load` reads it and the layout. An earlier scan of
+        that name is replaced whole. Raises `FormatError` where a file cannot be written and `SensorError` on an image
+        without intensity; then all stay as they were.
         """
-        with written_together(name) as stem:
+        with written_together(name, SCAN_ENDINGS) as stem:
             _save_image(self.image, self.points(), stem)
             self.image.save(f"{stem}.npz", pose=self.pose, seed=np.int64(self.seed), **self._motion())
             write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
@@ -159,9 +163,12 @@ class Scan:
     def _motion(self) -> dict[str, np.ndarray]:
         """What the .npz says of motion."""
         said = {"speed": np.array(self.speed)}
+        if self.turn or self.time is not None:
+            said["turn"] = np.array(self.turn)
         if self.time is not None:
-            velocities = np.array(json.dumps(dict(self.velocities)))
-            said |= {"turn": np.array(self.turn), "time": np.array(self.time), "velocities": velocities}
+            said |= {"time": np.array(self.time), "velocities": np.array(json.dumps(dict(self.velocities)))}
+        if self.heading is not None:
+            said["heading"] = np.array(self.heading)
         return said
 
     @classmethod
@@ -176,8 +183,10 @@ class Scan:
             if not array_files.holds(archive, "pose"):
                 return cls(image=image, layout=Layout(()), pose=image.sensor.pose(), seed=0)
             pose = finite_array("pose", array_files.read_numbers(archive, "pose", (4, 4)), 4, 4)
-            names = ("speed", "turn", "time") if array_files.holds(archive, "time") else ("speed",)
+            names = ("speed", *(key for key in ("turn", "time") if array_files.holds(archive, key)))
             motion: dict[str, Any] = {key: array_files.read_numbers(archive, key, ()).item() for key in names}
+            if array_files.holds(archive, "heading"):
+                motion["heading"] = tuple(array_files.read_numbers(archive, "heading", (3,)).tolist())
             if "time" in motion:
                 velocities = parse_object(array_files.read_text(archive, "velocities"))
                 motion["velocities"] = {key: checked_vector(key, "velocity", row) for key, row in velocities.items()}
@@ -191,15 +200,20 @@ class Scan:
 
 def save_observed(image: RangeImage, name: str | os.PathLike[str], *, picture: bool = True) -> None:
     """Write an image with intensity as a `Scan` is saved, without the `.boxes.json` and `.layout.json` of a layout."""
-    with written_together(name) as stem:
+    with written_together(name, SCAN_ENDINGS) as stem:
         _save_image(image, image.points(), stem)
         image.save(f"{stem}.npz")
         if picture:
             view.save_png(f"{stem}.png", view.render_returns(image, view.points_on_road(image)))
 
 
+def _intensities(image: RangeImage) -> np.ndarray:
+    if image.intensity is None:
+        raise SensorError("the image has no intensity; `simulate` and `observe_cast` give one, `raycast` none")
+    return image.intensity[image.valid]
+
+
 def _save_image(image: RangeImage, points: np.ndarray, stem: str) -> None:
-    assert image.intensity is not None
-    kitti.write_bin(f"{stem}.bin", points, image.intensity[image.valid])
+    kitti.write_bin(f"{stem}.bin", points, _intensities(image))
     semantickitti.write_label(f"{stem}.label", image.label[image.valid], image.instance[image.valid])
     Path(f"{stem}.sensor.json").write_text(image.sensor.to_json())

@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
+from lidardraft import Box, Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.errors import LayoutError
+from lidardraft.scene.pose import inverse
 from lidardraft.scene.visibility import occluded_shares, open_pixels
 
 SENSOR = Sensor(name="small", elevations=tuple(np.deg2rad([10.0, -5.0, -20.0])), columns=72)
@@ -85,7 +86,8 @@ FEW = Sensor(
 )
 
 
-def test_hidden_shares_are_those_of_casts_of_each_object_alone() -> None:
+@pytest.mark.parametrize("turn", [0.0, 0.9, -0.9])
+def test_hidden_shares_are_those_of_casts_of_each_object_alone(turn: float) -> None:
     rng = np.random.default_rng(3)
     standing = []
     for number in range(1, 25):
@@ -95,8 +97,7 @@ def test_hidden_shares_are_those_of_casts_of_each_object_alone() -> None:
         place = {"center": center, "size": size, "yaw": rng.uniform(-3, 3)}
         standing.append(Primitive(shape="box", label="car", id=f"car_{number}", instance=number, **place))
     layout, pose = Layout(tuple(standing)), FEW.pose(yaw=0.4)
-    poses = FEW.poses_in_motion(pose, 15.0 * pose[:3, 0])
-    moved = (poses[:, :3, 3] - pose[:3, 3]) @ pose[:3, :3]
+    poses = FEW.poses_in_motion(pose, 15.0 * pose[:3, 0], (0.0, 0.0, turn))
     image = raycast(layout, FEW, poses=poses)
     boxes = [box.seen_from(pose) for box in layout.boxes()]
     expected = []
@@ -104,6 +105,16 @@ def test_hidden_shares_are_those_of_casts_of_each_object_alone() -> None:
         alone = raycast(dataclasses.replace(layout, primitives=(one,)), FEW, poses=poses)
         hidden = (image.depth[alone.valid] < alone.depth[alone.valid] - 0.1) & image.valid[alone.valid]
         expected.append(hidden.mean() if len(hidden) else 1.0)
-    np.testing.assert_allclose(occluded_shares(image, boxes, moved), expected, atol=0.02)
+    np.testing.assert_allclose(occluded_shares(image, boxes, inverse(pose) @ poses), expected, atol=0.02)
     assert min(expected) < 0.01
     assert max(expected) > 0.5
+
+
+def test_a_box_that_no_ray_looks_at_is_hidden() -> None:
+    ahead, above, behind = (
+        Box(id, "car", number, center, (4.0, 2.0, 1.5), 0.0)
+        for number, (id, center) in enumerate((("ahead", (9, 0, -1)), ("above", (9, 0, 9)), ("behind", (-9, 0, -1))), 1)
+    )
+    sector = dataclasses.replace(FEW, azimuth_start=0.5, azimuth_span=1.0, columns=100)
+    image = raycast(Layout(), sector)
+    assert occluded_shares(image, [ahead, above, behind]) == [0.0, 1.0, 1.0]

@@ -15,15 +15,18 @@ from lidardraft.scene.range_image import RangeImage
 _BEFORE = 0.1  # m: what is nearer to the box than this stands in it
 
 
-def occluded_shares(image: RangeImage, boxes: Sequence[Box], moved: np.ndarray | None = None) -> list[float]:
+def occluded_shares(image: RangeImage, boxes: Sequence[Box], poses: np.ndarray | None = None) -> list[float]:
     """For each box, the share of the rays towards it that return from something else before it; 1 without such rays.
 
-    Boxes are in the sensor frame; `moved` [W, 3] is where the sensor stood in it at each column, if it moved.
+    Boxes are in the sensor frame; `poses` [W, 4, 4] are those of the columns in it, if the sensor moved.
     """
     one = image.sensor.pattern.points(np.ones(image.depth.shape, np.float32))
     two = image.sensor.pattern.points(np.full(image.depth.shape, 2, np.float32))
-    directions = (two - one).reshape(-1, 3)
-    origins = (2 * one - two + (0.0 if moved is None else moved)).reshape(-1, 3)
+    directions, origins = two - one, 2 * one - two
+    if poses is not None:
+        directions, origins = (np.einsum("wij,hwj->hwi", poses[:, :3, :3], rays) for rays in (directions, origins))
+        origins += poses[:, :3, 3]
+    directions, origins = directions.reshape(-1, 3), origins.reshape(-1, 3)
     along, outwards = np.einsum("ni,ni->n", origins, directions), np.einsum("ni,ni->n", origins, origins)
     depth, instance = image.depth.ravel(), image.instance.ravel()
     shares = []
