@@ -174,7 +174,7 @@ def render_returns(
 ) -> np.ndarray:
     """The returns `points` [N, 3] of a scan: by an eye that shows its boxes, from above, and as range images.
 
-    uint8 [784, 1400, 3]. The legend says what the colours are (`colour_returns`); rings are 10 m
+    uint8 [788, 1400, 3]. The legend says what the colours are (`colour_returns`); rings are 10 m
     apart.
     """
     boxes, points = _with_returns(boxes, image), points.astype(np.float32)  # half as much memory to go through

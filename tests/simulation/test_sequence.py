@@ -78,6 +78,35 @@ def test_each_column_sees_what_moves_where_it_is_then(azimuth_offsets: tuple[flo
         assert seen == {0, 1, 2, 3}
 
 
+@pytest.mark.parametrize("turn", [1.0, -1.0])
+def test_a_sequence_is_cast_by_an_ego_vehicle_that_turns(turn: float) -> None:
+    """As another caster sees it from where the track has the vehicle at the time of each column."""
+    layout = Layout((ROAD, HOUSE, car(-9, 0.5), car(-7, -3, number=2), car(3, -6, number=3, yaw=1.0)))
+    times = np.linspace(0.0, 0.6, 61)
+    bend = np.stack([times, 2 * np.sin(times), turn * 2 * (1 - np.cos(times)), turn * times], axis=1)  # at 2 m/s
+    ego = Waypoints(tuple(map(tuple, bend.tolist())))
+    actors = {"car_1": Straight(3.0), "car_2": Straight(-4.0), "car_3": Straight(2.0)}
+    made = simulator(layout, Scenario(ego, actors), hz=10.0)
+    rays, cast = sub_rays(SMALL, SMALL.assumed_model), made.cast(3)
+    off = np.zeros(cast.depth.shape)
+    for column, since in enumerate(SMALL.column_times()):
+        time, caster = np.array([0.3 + since]), Raycaster(layout)
+        for name, track in made.tracks.actors.items():
+            x, y, z, yaw = track.at(time)[0].tolist()
+            caster.move(name, upright((x, y, z), yaw))
+        x, y, _, yaw = made.tracks.ego.at(time)[0].tolist()
+        truth = caster.scan(rays, upright((x, y, SMALL.mount_height), yaw))
+        off[:, column] = np.abs(cast.depth[:, column] - truth.depth[:, column]) / np.maximum(truth.depth[:, column], 1)
+    assert (off < 2e-3).mean() > 0.995  # but for edges: in a sweep it drives straight on, 2 mm beside the bend
+    assert set(np.unique(cast.instance)) == {0, 1, 2, 3}
+    scan = made.frame(3)
+    assert scan.turn == pytest.approx(turn)
+    for box in scan.boxes():  # and the turn is taken out of its points
+        mine = scan.points()[scan.instances() == box.instance]
+        assert len(mine) > 20
+        assert box.contains(mine, 0.3).all()  # the cars drive up to 0.2 m meanwhile
+
+
 def test_a_car_is_sheared_as_fast_as_it_drives_while_it_is_swept() -> None:
     """On the left its front is swept after its rear: without rolling shutter it would be 4.2 m long."""
     sensor = dataclasses.replace(SMALL, columns=2048, range_sigma=0.0)
@@ -186,6 +215,9 @@ def test_the_ego_vehicle_lets_who_crosses_pass() -> None:
     crossing = np.abs(tracks.actors["person_1"].places[:, 1]) < 1.0
     assert (tracks.ego.places[crossing, 0] < 35 - 2.25).all()
     assert tracks.ego.places[-1, 0] > 37  # and goes on
+    # 25 m before the crossing, two seconds before somebody is in the way, 81 / 50 m/s2 are enough; 10 m before it are not
+    braking = np.gradient(np.gradient(tracks.ego.places[:, 0], tracks.ego.times), tracks.ego.times)
+    assert braking.min() > -3.0
 
 
 @settings(max_examples=15, deadline=None)
