@@ -227,7 +227,9 @@ def test_edit(still: Scan, sensor: Sensor) -> None:
     assert len(new) >= 2
     assert box.contains(new, 0.15).all()
     assert box.center[2] - box.size[2] / 2 == pytest.approx(-sensor.mount_height, abs=0.1)
-    kept = np.isin(edited.points[edited.returned], still.points()).all(axis=1) | (edited.label[edited.returned] == PERSON)
+    kept = np.isin(edited.points[edited.returned], still.points()).all(axis=1) | (
+        edited.label[edited.returned] == PERSON
+    )
     assert kept.all()
     sampling = ObjectSampling({"person": 2}, sensor, models=1, distances=(4.0, 20.0))
     points = np.column_stack([still.points(), still.intensities()])

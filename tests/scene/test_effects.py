@@ -293,7 +293,7 @@ def test_as_much_water_is_in_the_air_as_falls(weather: Weather, fall: float):
 
 def test_a_beam_meets_what_its_volume_holds():
     """A cone frustum from 0.95 to 40 m, round and as wide as the window and its divergence."""
-    weather, width = Weather(snow=1.0), 2e-3
+    weather, width = Weather(snow=1.0), 2e-4
     radii = (0.011 + width * np.array([0.95, 40.0])) / 2
     volume = np.pi / 3 * (40.0 - 0.95) * (radii[0] ** 2 + radii[0] * radii[1] + radii[1] ** 2)
     range_, _ = first_particle(weather, (width, width), (200, 1000), np.random.default_rng(0))

@@ -78,32 +78,37 @@ def test_each_column_sees_what_moves_where_it_is_then(azimuth_offsets: tuple[flo
         assert seen == {0, 1, 2, 3}
 
 
-@pytest.mark.parametrize("turn", [1.0, -1.0])
-def test_a_sequence_is_cast_by_an_ego_vehicle_that_turns(turn: float) -> None:
+@pytest.mark.parametrize(("speed", "turn"), [(0.0, 2.0), (0.0, -2.0), (2.0, -2.0)])
+def test_a_sequence_is_cast_by_an_ego_vehicle_that_turns(speed: float, turn: float) -> None:
     """As another caster sees it from where the track has the vehicle at the time of each column."""
-    layout = Layout((ROAD, HOUSE, car(-9, 0.5), car(-7, -3, number=2), car(3, -6, number=3, yaw=1.0)))
+    far = [car(-42, y, number=number, yaw=1.57) for number, y in enumerate(range(-30, 31, 6), start=4)]
+    field = dataclasses.replace(ROAD, size=(200, 200, 0))
+    layout = Layout((field, car(-9, 0.5), car(-7, -3, number=2), car(3, -6, number=3, yaw=1.0), *far))
     times = np.linspace(0.0, 0.6, 61)
-    bend = np.stack([times, 2 * np.sin(times), turn * 2 * (1 - np.cos(times)), turn * times], axis=1)  # at 2 m/s
+    yaw = turn * times
+    bend = np.stack([times, speed / turn * np.sin(yaw), speed / turn * (1 - np.cos(yaw)), yaw], axis=1)
     ego = Waypoints(tuple(map(tuple, bend.tolist())))
     actors = {"car_1": Straight(3.0), "car_2": Straight(-4.0), "car_3": Straight(2.0)}
+    actors |= {f"car_{number}": Straight(0.1) for number in range(4, 15)}
     made = simulator(layout, Scenario(ego, actors), hz=10.0)
     rays, cast = sub_rays(SMALL, SMALL.assumed_model), made.cast(3)
-    off = np.zeros(cast.depth.shape)
+    off, truths = np.zeros(cast.depth.shape), np.zeros(cast.depth.shape, int)
     for column, since in enumerate(SMALL.column_times()):
         time, caster = np.array([0.3 + since]), Raycaster(layout)
         for name, track in made.tracks.actors.items():
-            x, y, z, yaw = track.at(time)[0].tolist()
-            caster.move(name, upright((x, y, z), yaw))
-        x, y, _, yaw = made.tracks.ego.at(time)[0].tolist()
-        truth = caster.scan(rays, upright((x, y, SMALL.mount_height), yaw))
+            x, y, z, looks = track.at(time)[0].tolist()
+            caster.move(name, upright((x, y, z), looks))
+        x, y, _, looks = made.tracks.ego.at(time)[0].tolist()
+        truth = caster.scan(rays, upright((x, y, SMALL.mount_height), looks))
         off[:, column] = np.abs(cast.depth[:, column] - truth.depth[:, column]) / np.maximum(truth.depth[:, column], 1)
-    assert (off < 2e-3).mean() > 0.995  # but for edges: in a sweep it drives straight on, 2 mm beside the bend
-    assert set(np.unique(cast.instance)) == {0, 1, 2, 3}
+        truths[:, column] = truth.instance[:, column]
+    assert (off < 2e-3).mean() > 0.995  # but for edges: in a sweep it drives straight on, 5 mm beside the bend
+    assert len(np.unique(cast.instance)) >= 12  # of 15: a turn against the head's leaves a gap behind
+    assert ((truths > 3) & (cast.instance == 0)).sum() <= 20 * (speed > 0)
     scan = made.frame(3)
     assert scan.turn == pytest.approx(turn)
     for box in scan.boxes():  # and the turn is taken out of its points
         mine = scan.points()[scan.instances() == box.instance]
-        assert len(mine) > 20
         assert box.contains(mine, 0.3).all()  # the cars drive up to 0.2 m meanwhile
 
 
