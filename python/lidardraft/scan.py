@@ -38,7 +38,7 @@ class Scan:
 
     `pose` is the world_from_sensor [4, 4] it was taken from; of a sensor that moves with `speed` [m/s] along `heading`,
     by default its x axis, and turns about its z axis with `turn` [rad/s] it is the pose in the middle of the sweep.
-    `heading` [3], of length 1 in the world, is that of a vehicle that leans: the sensor leans with it, its way does not.
+    `heading` [3], of length 1 in the world, is that of a vehicle that leans, as its sensor does, but not its way.
 
     In a frame of a sequence, `time` is that of the middle of the sweep since the start [s], the layout is as it stands
     then, and `velocities` are those [m/s] of the objects that move, by their names, in the world.

@@ -220,7 +220,7 @@ def test_the_ego_vehicle_lets_who_crosses_pass() -> None:
     crossing = np.abs(tracks.actors["person_1"].places[:, 1]) < 1.0
     assert (tracks.ego.places[crossing, 0] < 35 - 2.25).all()
     assert tracks.ego.places[-1, 0] > 37  # and goes on
-    # 25 m before the crossing, two seconds before somebody is in the way, 81 / 50 m/s2 are enough; 10 m before it are not
+    # two seconds before somebody is in the way, 25 m away, 81 / 50 m/s2 are enough; when he is, 8 m away, 5 m/s2
     braking = np.gradient(np.gradient(tracks.ego.places[:, 0], tracks.ego.times), tracks.ego.times)
     assert braking.min() > -3.0
 

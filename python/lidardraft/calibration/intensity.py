@@ -16,8 +16,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.errors import FormatError
 from lidardraft.calibration.surface_groups import groups_of
+from lidardraft.errors import FormatError
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor_model import IntensityCurve
 
