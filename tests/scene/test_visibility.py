@@ -40,21 +40,23 @@ def test_a_layout_without_an_open_shape_leaves_nothing_open_not_even_the_sky(lay
 
 
 @pytest.mark.parametrize("layout", [OPEN, CLOSED])
-@pytest.mark.parametrize("yaw", [0.0, 1.0])
-def test_what_is_outside_the_coverage_is_open(layout: Layout, yaw: float) -> None:
+@pytest.mark.parametrize(("yaw", "turn"), [(0.0, 0.0), (1.0, 0.0), (1.0, 3.0)])
+def test_what_is_outside_the_coverage_is_open(layout: Layout, yaw: float, turn: float) -> None:
     seen = dataclasses.replace(layout, coverage=(-0.5, 1.5))
     sensor = dataclasses.replace(SENSOR, azimuth_offsets=(0.0, 0.2, -0.2))
-    pose = sensor.pose(yaw=yaw)
-    image = raycast(seen, sensor, pose=pose, primitive=True)
+    poses = sensor.poses_in_motion(sensor.pose(yaw=yaw), angular_velocity=(0.0, 0.0, turn))
+    image = raycast(seen, sensor, poses=poses, primitive=True)
     # the azimuth in the world of each ray
     all_around = Layout((Primitive(shape="cylinder", center=(0, 0, 0), size=(40, 40, 40), label="wall", id="w"),))
-    points = raycast(all_around, sensor, pose=pose).points(np.broadcast_to(pose, (72, 4, 4))).reshape(3, 72, 3)
+    points = raycast(all_around, sensor, poses=poses).points(poses).reshape(3, 72, 3)
     azimuth = np.arctan2(points[..., 1], points[..., 0])
     inside = (azimuth > -0.5) & (azimuth < 1.5)
     assert 0.25 < inside.mean() < 0.4
-    found = open_pixels(seen, image, pose)
+    found = open_pixels(seen, image, poses)
     assert found[~inside].all()
-    np.testing.assert_array_equal(found[inside], open_pixels(layout, image, pose)[inside])
+    np.testing.assert_array_equal(found[inside], open_pixels(layout, image, poses)[inside])
+    if not turn:
+        np.testing.assert_array_equal(found, open_pixels(seen, image, poses[0]))
 
 
 def test_a_coverage_may_lie_across_the_back() -> None:

@@ -55,7 +55,8 @@ def _entries(to_box: np.ndarray, directions: np.ndarray, box: Box) -> np.ndarray
 
 
 def open_pixels(layout: Layout, condition_image: RangeImage, pose: np.ndarray) -> np.ndarray:
-    """The pixels that a layout leaves open to a sensor at world_from_sensor `pose` [4, 4], bool [H, W].
+    """The pixels that a layout leaves open to a sensor at world_from_sensor `pose`, [4, 4] or of each column
+    [W, 4, 4]: bool [H, W].
 
     A pixel is open where the ray of `condition_image`, the cast with the image `primitive`, hits a shape that is `open`
     or, in a layout that has one, no shape at all; and outside the layout's coverage. Pixels that the vehicle hides are
@@ -69,6 +70,6 @@ def open_pixels(layout: Layout, condition_image: RangeImage, pose: np.ndarray) -
     sensor = condition_image.sensor
     if layout.coverage is not None:
         start, end = layout.coverage
-        seen_from = math.atan2(pose[1, 0], pose[0, 0]) - start
+        seen_from = np.arctan2(pose[..., 1, 0], pose[..., 0, 0]) - start
         found = found | ((sensor.azimuths + seen_from) % (2 * math.pi) > end - start)
     return found & ~sensor.blocked_pixels
