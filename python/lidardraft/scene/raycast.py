@@ -63,8 +63,8 @@ class Hits:
 class Raycaster:
     """A layout compiled once, to be scanned from many poses.
 
-    `layout` is the layout as it was compiled: `move` changes what is cast, and leaves `layout` as it is. A copy, or what
-    another process gets, is compiled again and has moved what this one has.
+    `layout` is the layout as it was compiled: `move` changes what is cast, and leaves `layout` as it is. Copies, also
+    those in other processes, are compiled again, with all that was moved.
 
     `seed` decides how far rays travel in media (`Primitive.extinction`): a pure function of seed, primitive, row and
     column of a scan, or number of a ray. The primitive counts by its number in the layout or, with `by_id`, by its id:
