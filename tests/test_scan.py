@@ -84,7 +84,7 @@ def test_an_earlier_scan_of_a_name_is_replaced_whole(scan: Scan, tmp_path: Path)
 
 def test_an_image_without_intensity_is_not_saved_as_a_scan(tmp_path: Path) -> None:
     bare = Scan(image=raycast(LAYOUT, SMALL), layout=LAYOUT, pose=SMALL.pose(), seed=0)
-    said = "the image has no intensity; `simulate` and `observe_cast` give one, `raycast` none"
+    said = "no intensity in the image; `simulate` and `observe_cast` give one, `Scan.from_points` takes one"
     for refused in (bare.intensities, bare.frame, lambda: bare.save(tmp_path / "a")):
         with pytest.raises(SensorError, match=said):
             refused()

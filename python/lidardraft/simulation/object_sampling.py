@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import LayoutError, check_type
+from lidardraft.errors import LayoutError, check_seed, check_type
 from lidardraft.scene.box import Box
 from lidardraft.scene.check import VEHICLE_LABELS
 from lidardraft.scene.pose import point_at
@@ -67,7 +67,7 @@ class ObjectSampling:
                 raise LayoutError(f"{what}: {number!r} is not a whole number from {least}")
         self.counts, self.sensor, self.distances = dict(counts), sensor, distances
         self.names = dict(_NAME_OF_KIND if names is None else names)
-        self._rng = np.random.default_rng(seed)
+        self._rng = np.random.default_rng(check_seed(seed))
         self._models = {
             kind: [SolidObject.of_kind(kind, name=f"{kind}_{number}", seed=seed) for number in range(models)]
             for kind in counts
