@@ -208,8 +208,9 @@ class Pipeline:
 
 def _cast_and_open(scan: Scan) -> tuple[RangeImage, np.ndarray]:
     """The cast of the layout of a scan, and what it leaves open, bool [H, W]."""
-    cast = raycast(scan.layout, scan.image.sensor, poses=scan.poses(), primitive=True)
-    return cast, open_pixels(scan.layout, cast, scan.pose)
+    poses = scan.poses()
+    cast = raycast(scan.layout, scan.image.sensor, poses=poses, primitive=True)
+    return cast, open_pixels(scan.layout, cast, poses)
 
 
 def merged(given: RangeImage, made: RangeImage, is_open: np.ndarray) -> RangeImage:

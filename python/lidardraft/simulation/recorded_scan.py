@@ -174,10 +174,13 @@ class RecordedScan:
         """Write the returns as `NAME.bin`, `.label`, `.npz`, `.boxes.json` and `.sensor.json`.
 
         The `.npz` has `xyz`, `intensity`, `label`, `instance`, `made_up` and `source`; in the `.label`, filled returns
-        are SemanticKITTI's outliers. Raises `FormatError` where one cannot be written; then none is.
+        are SemanticKITTI's outliers. An earlier scan of that name is replaced whole. Raises `FormatError` where one
+        cannot be written; then none is.
         """
+        from lidardraft.scan import SCAN_ENDINGS  # pictures come with it, which edits do not need
+
         kept = {field: getattr(self, field)[self.returned] for field in RAY_FIELDS if field != "distance"}
-        with written_together(name) as stem:
+        with written_together(name, SCAN_ENDINGS) as stem:
             write_bin(f"{stem}.bin", kept["points"], kept["intensity"])
             filled = kept["made_up"] == FILLED
             write_label(f"{stem}.label", kept["label"], kept["instance"] * ~filled, raw=OUTLIER * filled)
