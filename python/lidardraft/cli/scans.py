@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli.arguments import (
+    add_carla_tags,
     add_seed,
     add_sensor,
     add_speed,
@@ -331,7 +332,8 @@ def observe(arguments: argparse.Namespace) -> None:
     weather, num = read_weather(arguments.weather), len(arguments.casts)
 
     def make(number: int) -> RangeImage:
-        return _observed(arguments.casts[number], arguments.seed + number, sensor, materials, weather)
+        tags = arguments.carla_tags
+        return _observed(arguments.casts[number], arguments.seed + number, sensor, materials, weather, tags)
 
     with progress(num, "cast") as bar:
         for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, save_observed).write(num):
@@ -340,9 +342,9 @@ def observe(arguments: argparse.Namespace) -> None:
 
 
 def _observed(
-    path: str, seed: int, sensor: Sensor | None, materials: dict[str, str], weather: Weather | None
+    path: str, seed: int, sensor: Sensor | None, materials: dict[str, str], weather: Weather | None, tags: str | None
 ) -> RangeImage:
-    from lidardraft.formats.carla import read_carla
+    from lidardraft.formats.carla import TAGS, VERSIONS, read_carla
     from lidardraft.formats.cast import read_cast
     from lidardraft.simulation.observe_cast import observe_cast, observe_points
 
@@ -354,7 +356,7 @@ def _observed(
             return observe_cast(depth, label, of_cast, seed=seed, weather=weather, **options)
     if sensor is None:
         raise FormatError(f"{path} does not name its sensor; give its --sensor")
-    cloud = read_carla(path)
+    cloud = read_carla(path, VERSIONS.get(tags or "", TAGS))
     with named(path):
         return observe_points(
             cloud.points,
@@ -374,13 +376,14 @@ def observe_options(parser: argparse.ArgumentParser) -> None:
         "An .npz cast holds images [H, W] of the sensor's rays: depth [m, 0 without a return] and label (our class "
         "ids), and where they are known instance, incidence (its cosine), materials and sensor (JSON); `lidardraft "
         "raycast` writes such a file. A .ply or .npy cloud holds x y z CosAngle ObjIdx ObjTag, as CARLA 0.9.14 and "
-        "later write it."
+        "later write it; --carla-tags says if an earlier one did."
     )
     parser.add_argument("casts", nargs="+", metavar="CAST", help="an .npz cast, or CARLA's .ply or .npy")
     add_sensor(parser, default=None, of=" whose rays they are, where an .npz does not hold it")
     text = "material of a class, in place of the usual one; repeatable"
     metavar = "CLASS=MATERIAL"
     parser.add_argument("--material", dest="materials", action="append", default=[], metavar=metavar, help=text)
+    add_carla_tags(parser)
     add_weather(parser)
     add_seed(parser)
     add_folder(parser)

@@ -15,6 +15,7 @@ from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import written_together
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.formats.kitti import write_bin
+from lidardraft.formats.point_fields import unit_intensity
 from lidardraft.formats.recording import returns, rings_of_order
 from lidardraft.formats.semantickitti import write_label
 from lidardraft.scene.box import Box
@@ -69,8 +70,10 @@ class RecordedScan:
         instance: np.ndarray | None = None,
         made_up: np.ndarray | None = None,
         ring: np.ndarray | None = None,
+        intensity_scale: float | None = None,
     ) -> RecordedScan:
-        """Of points [N, 3] and what is known of each, [N].
+        """Of points [N, 3] and what is known of each, [N]; an intensity of `intensity_scale` is 1. Without it, it is
+        that of their type if they are whole numbers, and else 1, over which at most 1 % may be.
 
         Rays without a return are found in the gaps of each ring, which the points' order tells too (as in KITTI's
         files); else they are those of `sensor` that no point lies on. `boxes` are by default those of the clusters of
@@ -78,7 +81,10 @@ class RecordedScan:
         """
         check_type("sensor", sensor, Sensor)
         given = {"intensity": intensity, "label": label, "instance": instance, "made_up": made_up, "ring": ring}
-        known = {name: values for name, values in given.items() if values is not None}
+        known = {name: np.asarray(values) for name, values in given.items() if values is not None}
+        if "intensity" in known:
+            there = np.ones(known["intensity"].shape, bool)
+            known["intensity"] = unit_intensity(known["intensity"], there, intensity_scale, of="the scan")
         points, known = returns(points, known | {"source": np.arange(len(points))})
         count = len(points)
         label = known.get("label", np.zeros(count)).astype(np.uint8)
