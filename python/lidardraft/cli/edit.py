@@ -69,8 +69,8 @@ def _read(arguments: argparse.Namespace) -> RecordedScan:
         fields |= read_labels(arguments.labels, len(points), of=path)
     sensor, boxes = sensor_of_scan(path, arguments.sensor), boxes_of_scan(path, arguments.boxes)
     with named(path):
-        fields.pop("column", None)
-        return RecordedScan.from_points(points, sensor, boxes=boxes, **fields)
+        known: dict[str, Any] = {name: values for name, values in fields.items() if name != "column"}
+        return RecordedScan.from_points(points, sensor, boxes=boxes, **known)
 
 
 def _list(scan: RecordedScan) -> None:

@@ -55,7 +55,7 @@ def unit_intensity(
         raise FormatError(
             f"{held}; give their scale, likely {likely:g}, as --intensity-scale (in Python intensity_scale)"
         )
-    if scale is None and values.dtype == np.uint16 and 0 < most and likely < known:
+    if scale is None and values.dtype == np.uint16 and most > 0 and likely < known:
         said = f"intensities of 16 bits are divided by {known:g}, but the largest is {most:g}"
         warnings.warn(f"{os.fspath(of)}: {said}: give --intensity-scale {likely:g} if that stands for 1", stacklevel=2)
     if over:

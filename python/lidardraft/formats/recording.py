@@ -370,9 +370,9 @@ def _from_columns(
         raise FormatError(f"{os.fspath(path)}: there is no field {missing[0]} of one value a point")
     # labels of others count classes of their own; `lidardraft export` writes all four fields
     ours = ("label", "instance") if {"ring", "time", "label", "instance"} <= columns.keys() else ()
-    fields = {field: columns[names[field]] for field in ("ring", "intensity") if field in names}
-    fields |= {field: columns[field] for field in ours}
-    return np.stack([columns[names[axis]] for axis in "xyz"], axis=1), fields
+    found = {field: columns[name] for field, name in names.items() if field not in "xyz"}
+    found |= {field: columns[field] for field in ours}
+    return np.stack([columns[names[axis]] for axis in "xyz"], axis=1), found
 
 
 def _from_npz(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
