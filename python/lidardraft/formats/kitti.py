@@ -44,18 +44,23 @@ def read_bin(path: str | os.PathLike[str], intensity_scale: float = 1.0) -> tupl
         raise FormatError(f"{name} is {other}; a KITTI scan is float32 x y z and intensity, and nothing before them")
     if looks_like_text(data):
         raise FormatError(f"{name} is text; a KITTI scan is float32 x y z and intensity")
-    if other := _other_columns(data):
-        raise FormatError(f"{name} looks like {other}; a KITTI scan is float32 x y z and intensity")
-    if len(data) % _POINT_BYTES:
-        raise FormatError(f"{name} has {len(data)} bytes; a KITTI scan has {_POINT_BYTES} a point, so it is truncated")
-    scan = np.frombuffer(data, dtype="<f4").reshape(-1, 4).astype(np.float32)
-    _check(name, scan, math.inf)
-    with named(path):
-        return scan[:, :3].copy(), unit_intensity(scan[:, 3], np.ones(len(scan), bool), intensity_scale, of=path)
+    try:
+        if len(data) % _POINT_BYTES:
+            raise FormatError(
+                f"{name} has {len(data)} bytes; a KITTI scan has {_POINT_BYTES} a point, so it is truncated"
+            )
+        scan = np.frombuffer(data, dtype="<f4").reshape(-1, 4).astype(np.float32)
+        _check(name, scan, math.inf)
+        with named(path):
+            return scan[:, :3].copy(), unit_intensity(scan[:, 3], np.ones(len(scan), bool), intensity_scale, of=path)
+    except FormatError:
+        if other := _other_columns(data):
+            raise FormatError(f"{name} looks like {other}; a KITTI scan is float32 x y z and intensity") from None
+        raise
 
 
 def _other_columns(data: bytes) -> str:
-    """The columns that the bytes of a scan look like, unless float32 x y z and intensity; "" if they look like none.
+    """The columns that the bytes of a file look like which is no scan; "" for float32 x y z and intensity, or none.
     Points are near and lie flatter than they are wide, and further columns are not less than 0."""
     for kind, columns in itertools.product(("<f4", "<f8"), (4, 5, 6, 7, 8, 3)):
         if len(data) % (columns * int(kind[2])):
