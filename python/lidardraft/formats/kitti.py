@@ -70,7 +70,8 @@ def _other_columns(data: bytes) -> str:
             if columns == 4 and kind == "<f4":
                 return ""
             if points[:, 2].std() < _FLAT * points[:, :2].std():
-                return f"{columns} columns of float{8 * int(kind[2])}" + " (nuScenes' .pcd.bin?)" * (columns == 5)
+                found = f"{columns} columns of float{8 * int(kind[2])}"
+                return f"{found} (nuScenes' .pcd.bin?)" if found.startswith("5 columns of float32") else found
     return ""
 
 

@@ -33,6 +33,7 @@ _NEAR_GROUND = (2.0, 4.0, 8.0, 16.0)  # m from a place, where its height is look
 _FEWEST = 5  # points that tell a height
 _MOST_LOST = 4.0  # rays without a return, in returns: more are none
 _LEAST_STEP = 2e-4  # rad between two firings of one laser
+_LEAST_AWAY = 1e-3  # m: a point straight below the sensor is as steep as one so far aside
 _SECTORS = 72
 RAY_FIELDS = ("points", "distance", "intensity", "label", "instance", "made_up", "source")
 
@@ -230,7 +231,7 @@ def _lost_rays(points: np.ndarray, ring: np.ndarray | None, sensor: Sensor) -> t
         directions = sensor.pattern.directions()[lost]
         return directions, np.full(len(directions), len(points))
     x, y, z = points.astype(np.float64).T
-    azimuth, slope = np.arctan2(y, x), z / np.hypot(x, y)
+    azimuth, slope = np.arctan2(y, x), z / np.maximum(np.hypot(x, y), _LEAST_AWAY)
     first = np.lexsort((azimuth, ring))
     starts = np.flatnonzero(np.diff(ring[first], prepend=-1))
     second = np.roll(first, -1)
