@@ -369,7 +369,10 @@ def test_the_ground_says_how_high_the_sensor_stood(
     write_label(folder / "a.label", label, np.zeros(len(label), np.uint32))
     draft = ("draft", "--points", "a.bin", "--no-preview", "-o", "l.json")
     said = run(capsys, *draft)
-    assert f"a.bin: the ground lies at z = {1.73 - height:.2f} m, as the sensor is taken to be 1.73 m over it" in said
+    assert (
+        f"a.bin: the ground lies at z = {1.73 - height:.2f} m, as the sensor is taken to be 1.73 m over the road"
+        in said
+    )
     assert f"it is {height:.2f} m: give sensor_height (--sensor-height)" in said
     assert len(Layout.load("l.json").notes) == 1
     said = run(capsys, *draft, "--sensor-height", f"{height}")
@@ -384,7 +387,12 @@ def test_no_note_where_the_road_is_right_or_there_is_no_ground() -> None:
     assert layout_from_cloud(POINTS, LABEL).notes == ()
     steep = POINTS + np.column_stack([0 * POINTS[:, :2], 0.1 * POINTS[:, 0]])
     assert layout_from_cloud(steep, LABEL).notes == ()
-    assert layout_from_cloud(POINTS[LABEL == CAR], LABEL[LABEL == CAR]).notes == ()
+    car, label = POINTS[LABEL == CAR], LABEL[LABEL == CAR]
+    assert layout_from_cloud(car, label).notes == ()
+    (note,) = layout_from_cloud(car + np.float32([0, 0, 32]), label).notes
+    assert note.startswith(
+        "the lowest point lies at z = 32.30 m, as the sensor is taken to be 1.73 m over the road; by"
+    )
 
 
 # Left-handed clouds of CARLA

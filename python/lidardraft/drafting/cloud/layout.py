@@ -40,6 +40,7 @@ _CLEARANCE, _ROUNDED, _CORE = 0.3, 0.1, 0.8
 _NEIGHBOUR = 15.0  # m; objects no further apart are likely to be headed the same way
 _FURTHEST, _NEAREST = 1000.0, 1e-6  # m; no sensor sees further, or nearer
 _GROUND_POINTS = 200  # the nearest of the ground, which tell how high over it the sensor stands
+_LOWEST = 8.0  # m from the road: without a class of the ground, the lowest point is not so far off
 _OFF_GROUND, _SLOPE = 0.5, 0.08  # m off the ground, and for each metre of their distance, that a road may be
 _ROUNDING = 0.01  # m, more than rounding makes of a distance
 _KNOWN = 2.0  # m; so near to ground that was seen, its height is known
@@ -97,16 +98,18 @@ def layout_from_cloud(
 
 def _height_note(points: np.ndarray, labels: np.ndarray, sensor_height: float) -> Iterator[str]:
     """A note if the road, or without one the ground, nearest to the sensor is not at z = 0, where `sensor_height` [m]
-    has it."""
+    has it; if no ground has a class, one if no point is low."""
     road = labels == BY_NAME["road"].id
     ground = points[road if road.sum() >= _GROUND_POINTS else np.isin(labels, GROUND_IDS)]
-    away = np.hypot(*ground[:, :2].T)
-    nearest = np.argsort(away, kind="stable")[:_GROUND_POINTS]
-    if len(nearest) < MIN_POINTS:
-        return
-    found = float(np.median(ground[nearest, 2]))
-    if abs(found) > _OFF_GROUND + _SLOPE * float(np.median(away[nearest])):
-        said = f"the ground lies at z = {found:.2f} m, as the sensor is taken to be {sensor_height:g} m over it"
+    if len(ground) >= MIN_POINTS:
+        away, last = np.hypot(*ground[:, :2].T), min(len(ground), _GROUND_POINTS) - 1
+        near = away <= np.partition(away, last)[last]
+        what, found = "the ground lies", float(np.median(ground[near, 2]))
+        most = _OFF_GROUND + _SLOPE * float(np.median(away[near]))
+    else:
+        what, found, most = "the lowest point lies", float(np.percentile(points[:, 2], 1)), _LOWEST
+    if abs(found) > most:
+        said = f"{what} at z = {found:.2f} m, as the sensor is taken to be {sensor_height:g} m over the road"
         yield f"{said}; by the cloud it is {sensor_height - found:.2f} m: give sensor_height (--sensor-height)"
 
 
