@@ -146,10 +146,8 @@ def test_no_scale_is_guessed(folder: Path, capsys: pytest.CaptureFixture[str], e
     path = folder / f"a{ending}"
     ring = np.repeat(np.arange(16), len(POINTS) // 16 + 1)[: len(POINTS)]
     WITH_NAMES[ending](path, columns_of(intensity=(DIM * 3000).astype(kind), ring=ring.astype("<u2")))
-    asked = (
-        rf"a\{ending}: intensities have a median of 1.5e\+03 and a maximum of 3000, over 1; give their scale, likely"
-    )
-    asked += r" 4095, as --intensity-scale \(in Python intensity_scale\)"
+    asked = rf"a\{ending}: intensities have a median of 1.5e\+03 and a maximum of 3000, over 1; give their scale as"
+    asked += r" --intensity-scale \(intensity_scale\), likely 4095"
     with pytest.raises(FormatError, match=asked):
         read_recording(path)
     write_label(folder / "a.label", LABEL, np.zeros(len(LABEL), np.uint32))
@@ -205,7 +203,7 @@ def test_scales_of_formats(folder: Path) -> None:
     ):
         read_points("a.bin")
     np.testing.assert_allclose(read_points("a.bin", intensity_scale=255)[1]["intensity"], DIM, rtol=1e-6)
-    with pytest.raises(FormatError, match="over 100; give their scale, likely 255"):
+    with pytest.raises(FormatError, match=r"over 100; give their scale as .*, likely 255"):
         read_points("a.bin", intensity_scale=100)
     write_pcd(Path("a.pcd"), columns_of(intensity=-DIM))
     with pytest.raises(FormatError, match="an intensity is not finite or not within 0 to 1"):
@@ -213,7 +211,7 @@ def test_scales_of_formats(folder: Path) -> None:
 
 
 def test_scales_in_python() -> None:
-    with pytest.raises(FormatError, match="in Python intensity_scale"):
+    with pytest.raises(FormatError, match=r"--intensity-scale \(intensity_scale\), likely 255"):
         RecordedScan.from_points(POINTS, SENSOR, intensity=DIM * 255)
     scan = RecordedScan.from_points(POINTS, SENSOR, intensity=DIM * 255, intensity_scale=255)
     np.testing.assert_allclose(scan.intensity[scan.returned], DIM, rtol=1e-6)
@@ -222,7 +220,7 @@ def test_scales_in_python() -> None:
         "gt_boxes": np.zeros((0, 7)),
         "gt_names": np.zeros(0, str),
     }
-    with pytest.raises(FormatError, match="in Python intensity_scale"):
+    with pytest.raises(FormatError, match=r"--intensity-scale \(intensity_scale\), likely 255"):
         ObjectSampling({"car": 1}, SENSOR, models=1)(sample)
     found = ObjectSampling({"car": 1}, SENSOR, models=1, intensity_scale=200)(sample)["points"]
     kept = (found[:, None] == sample["points"]).all(axis=2).any(axis=1)
@@ -422,6 +420,13 @@ def test_clouds_of_carla_are_mirrored_and_have_classes(
     np.testing.assert_array_equal(points, POINTS)
     np.testing.assert_array_equal(fields["label"], LABEL)
     np.testing.assert_array_equal(fields["instance"], np.where(LABEL == CAR, 7, 0))
+    named = {
+        f"scalar_{name}" if name.startswith(("Cos", "Obj")) else name: v.astype("<f4")
+        for name, v in hits(TAGS_NOW).items()
+    }
+    WITH_NAMES[ending](folder / f"b{ending}", named)  # as CloudCompare saves it again
+    with pytest.warns(UserWarning, match=MIRRORED):
+        np.testing.assert_array_equal(read_points(folder / f"b{ending}")[1]["label"], LABEL)
     said = run(capsys, "draft", "--points", path.name, "--no-preview", "-o", "l.json")
     assert MIRRORED in said
     assert Layout.load("l.json").boxes()[0].center[1] == pytest.approx(5, abs=0.3)
@@ -465,7 +470,7 @@ def write_semantic_ply(path: Path, columns: Columns) -> None:
 def test_the_other_lidar_of_carla_is_told(folder: Path) -> None:
     write_ply(folder / "a.ply", columns_of(I=DIM))
     with pytest.warns(
-        UserWarning, match=r"fields x y z I are those of CARLA's LiDAR, whose y points right; y is read as"
+        UserWarning, match=r"x y z I are the fields of CARLA's LiDAR, whose y points right; y is read as"
     ):
         np.testing.assert_array_equal(read_points(folder / "a.ply")[0], POINTS)
 

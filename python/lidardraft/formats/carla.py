@@ -100,7 +100,9 @@ def carla_cloud(hits: Mapping[str, np.ndarray], tags: Tags, *, of: str | os.Path
     table = np.full((max(tags) + 2, 2), -1)
     for tag, (name, material) in tags.items():
         table[tag] = BY_NAME[name].id, -1 if material is None else _INDEX[material]
-    label, materials = table[np.minimum(hits["ObjTag"], len(table) - 1)].T
+    with np.errstate(invalid="ignore"):  # other tools write numbers with a point
+        tag = hits["ObjTag"].astype(np.int64)
+    label, materials = table[np.where((tag >= 0) & (tag < len(table)), tag, -1)].T
     unknown = np.flatnonzero(label < 0)
     if len(unknown):
         raise FormatError(f"hit {unknown[0]} has tag {hits['ObjTag'][unknown[0]]}; CARLA has tags 0 to {max(tags)}")

@@ -19,7 +19,7 @@ NAMES = {
     "intensity": ("intensity", "reflectivity", "reflectance", "remission", "signal", "i"),
     "ring": ("ring", "channel", "laser_id", "laser", "line"),
 }
-# By the ending of a file, else by the type of whole numbers.
+# By the ending of a file, else by the type of whole numbers, as in LAS.
 SCALES = {".pcd.bin": 255.0, ".bin": 1.0, ".pkl.gz": 255.0, ".pcap": 255.0, "uint8": 255.0, "uint16": 65535.0}
 _LIKELY = (255.0, 4095.0, 65535.0)
 _MOST_CLIPPED = 0.01  # of the intensities may be over their scale
@@ -30,11 +30,6 @@ def named_fields(names: list[str]) -> dict[str, str]:
     plain = {name.lower().removeprefix("scalar_"): name for name in reversed(names)}
     found = {field: next((plain[name] for name in known if name in plain), None) for field, known in NAMES.items()}
     return {field: name for field, name in found.items() if name is not None}
-
-
-def scale_of(path: str | os.PathLike[str], given: float | None) -> float | None:
-    """The scale that is given, or that of the format; None where it has none."""
-    return given or next((scale for ending, scale in SCALES.items() if os.fspath(path).endswith(ending)), None)
 
 
 def unit_intensity(
@@ -52,9 +47,7 @@ def unit_intensity(
     likely = next((number for number in _LIKELY if number >= most), most)
     if over > _MOST_CLIPPED * len(seen):
         held = f"intensities have a median of {np.median(seen):.3g} and a maximum of {most:.6g}, over {known:g}"
-        raise FormatError(
-            f"{held}; give their scale, likely {likely:g}, as --intensity-scale (in Python intensity_scale)"
-        )
+        raise FormatError(f"{held}; give their scale as --intensity-scale (intensity_scale), likely {likely:g}")
     if scale is None and values.dtype == np.uint16 and most > 0 and likely < known:
         said = f"intensities of 16 bits are divided by {known:g}, but the largest is {most:g}"
         warnings.warn(f"{os.fspath(of)}: {said}: give --intensity-scale {likely:g} if that stands for 1", stacklevel=2)

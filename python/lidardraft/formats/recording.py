@@ -29,7 +29,7 @@ from lidardraft.formats.ouster import read_ouster_capture
 from lidardraft.formats.pandaset import read_sweep
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.ply import read_ply
-from lidardraft.formats.point_fields import named_fields, scale_of, unit_intensity
+from lidardraft.formats.point_fields import SCALES, named_fields, unit_intensity
 from lidardraft.formats.semantickitti import read_label
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
@@ -106,7 +106,8 @@ def read_points(
     them need not be known. What is applied, clipped or odd is a `UserWarning`. Intensities whose scale nothing says
     are a `FormatError`; if `needs_intensity` is False they are left out, which is a `UserWarning`, if None in silence.
     """
-    scale = scale_of(path, intensity_scale)
+    stated = next((scale for ending, scale in SCALES.items() if os.fspath(path).endswith(ending)), None)
+    scale = intensity_scale or stated
     points, fields = _read(path, scale or 1.0, carla_tags)
     if points.ndim != 2 or any(values.shape != points.shape[:1] for values in fields.values()):
         return points, fields  # which `returns` refuses
@@ -354,16 +355,15 @@ def _from_pcd(path: str | os.PathLike[str], tags: Tags) -> tuple[np.ndarray, dic
 def _from_columns(
     path: str | os.PathLike[str], columns: dict[str, np.ndarray], tags: Tags
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    if set(CARLA_FIELDS) <= columns.keys():
+    plain = {name.removeprefix("scalar_"): values for name, values in columns.items()}
+    if set(CARLA_FIELDS) <= plain.keys():
         said = "CARLA's semantic LiDAR, whose y points right: y is turned to the left, and ObjTag says the classes"
         warnings.warn(f"{os.fspath(path)}: a cloud of {said}", stacklevel=2)
         with named(path):
-            cloud = carla_cloud(columns, tags, of=path)
+            cloud = carla_cloud(plain, tags, of=path)
         return cloud.points, {"label": cloud.label, "instance": cloud.instance}
     if list(columns) == ["x", "y", "z", "I"]:
-        said = (
-            "fields x y z I are those of CARLA's LiDAR, whose y points right; y is read as it stands: negate it if so"
-        )
+        said = "x y z I are the fields of CARLA's LiDAR, whose y points right; y is read as it stands: negate it if so"
         warnings.warn(f"{os.fspath(path)}: {said}", stacklevel=2)
     names = named_fields([name for name, values in columns.items() if values.ndim == 1])
     if missing := [axis for axis in "xyz" if axis not in names]:
