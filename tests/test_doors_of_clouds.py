@@ -146,7 +146,7 @@ def test_no_scale_is_guessed(folder: Path, capsys: pytest.CaptureFixture[str], e
     path = folder / f"a{ending}"
     ring = np.repeat(np.arange(16), len(POINTS) // 16 + 1)[: len(POINTS)]
     WITH_NAMES[ending](path, columns_of(intensity=(DIM * 3000).astype(kind), ring=ring.astype("<u2")))
-    asked = rf"a\{ending}: intensities have a median of 1.5e\+03 and a maximum of 3000, over 1; give their scale as"
+    asked = rf"a\{ending}: intensities have a median of 1500 and a maximum of 3000, over 1; give their scale as"
     asked += r" --intensity-scale \(intensity_scale\), likely 4095"
     with pytest.raises(FormatError, match=asked):
         read_recording(path)
@@ -379,6 +379,16 @@ def test_the_ground_says_how_high_the_sensor_stood(
     assert layout.notes == ()
     assert abs(layout["road"].center[2]) < 0.05
     assert layout.boxes()[0].center[2] == pytest.approx(0.75, abs=0.2)
+
+
+def test_boxes_are_of_a_sensor_of_any_height_too(capsys: pytest.CaptureFixture[str]) -> None:
+    Path("boxes.txt").write_text("9.0 4.0 0.35 4.4 1.9 1.5 0.5 Car\n")  # seen from 0.4 m
+    draft = ("draft", "--boxes", "boxes.txt", "--surroundings", "bare", "--no-preview", "-o", "l.json")
+    run(capsys, *draft, "--sensor-height", "0.4")
+    assert Layout.load("l.json").boxes()[0].center[2] == pytest.approx(0.75, abs=0.02)
+    assert "--sensor-height goes with --points or --boxes" in run(
+        capsys, "draft", "--text", "a car", "--sensor-height", "1", "-o", "l.json", status=2
+    )
 
 
 def test_no_note_where_the_road_is_right_or_there_is_no_ground() -> None:

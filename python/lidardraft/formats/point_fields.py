@@ -46,7 +46,7 @@ def unit_intensity(
     most, over = seen.max(initial=0.0), int((seen > known).sum())
     likely = next((number for number in _LIKELY if number >= most), most)
     if over > _MOST_CLIPPED * len(seen):
-        held = f"intensities have a median of {np.median(seen):.3g} and a maximum of {most:.6g}, over {known:g}"
+        held = f"intensities have a median of {np.median(seen):.4g} and a maximum of {most:.6g}, over {known:g}"
         raise FormatError(f"{held}; give their scale as --intensity-scale (intensity_scale), likely {likely:g}")
     if scale is None and values.dtype == np.uint16 and most > 0 and likely < known:
         said = f"intensities of 16 bits are divided by {known:g}, but the largest is {most:g}"
