@@ -171,7 +171,7 @@ def test_no_scale_is_guessed(folder: Path, capsys: pytest.CaptureFixture[str], e
 def test_a_few_values_over_1_are_clipped_and_all_others_stay(count: int, over: float, seed: int) -> None:
     values = np.random.default_rng(seed).random(2000, np.float32)
     values[:count] = over
-    arguments = (values, np.ones(2000, bool), None)
+    arguments = (values, None)
     if not count:
         np.testing.assert_array_equal(unit_intensity(*arguments, of="a"), values)
     elif count <= 20:
@@ -497,9 +497,12 @@ def test_fields_without_values_and_whole_numbers_with_a_point(folder: Path) -> N
         assert list(columns) == ["x", "y", "z", "ring", "t"]
         assert columns["ring"].tolist() == [6, 65535]
         assert columns["t"].tolist() == [2**60 + 1, 0]
-    assert parse_pcd(head.encode() + b"ascii\n1 2 3 6.0 7.0\n4 5 6 65535.0 0.\n").columns["ring"].tolist() == [6, 65535]
+    assert parse_pcd(head.encode() + b"ascii\n1 2 3 6.0 7.0\n4 5 6 65535.000 0.0").columns["ring"].tolist() == [
+        6,
+        65535,
+    ]
     for word in ("6.5", "-1.0", "65536.0", "nan"):
-        with pytest.raises(FormatError, match=rf"could not convert string '{word}' to uint16"):
+        with pytest.raises(FormatError, match=rf"could not convert string '{word.removesuffix('.0')}' to uint16"):
             parse_pcd(head.encode() + f"ascii\n1 2 3 {word} 7\n4 5 6 1 0\n".encode())
     write_pcd(folder / "a.pcd", columns_of(ring=np.zeros(len(POINTS), "<f4")), text=True)
     np.testing.assert_allclose(read_points(folder / "a.pcd")[0], POINTS, atol=1e-6)

@@ -101,8 +101,8 @@ def carla_cloud(hits: Mapping[str, np.ndarray], tags: Tags, *, of: str | os.Path
     for tag, (name, material) in tags.items():
         table[tag] = BY_NAME[name].id, -1 if material is None else _INDEX[material]
     with np.errstate(invalid="ignore"):  # other tools write numbers with a point
-        tag = hits["ObjTag"].astype(np.int64)
-    label, materials = table[np.where((tag >= 0) & (tag < len(table)), tag, -1)].T
+        held = hits["ObjTag"].astype(np.int64)
+    label, materials = table[np.where((held >= 0) & (held < len(table)), held, -1)].T
     unknown = np.flatnonzero(label < 0)
     if len(unknown):
         raise FormatError(f"hit {unknown[0]} has tag {hits['ObjTag'][unknown[0]]}; CARLA has tags 0 to {max(tags)}")

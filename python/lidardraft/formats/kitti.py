@@ -52,7 +52,7 @@ def read_bin(path: str | os.PathLike[str], intensity_scale: float = 1.0) -> tupl
         scan = np.frombuffer(data, dtype="<f4").reshape(-1, 4).astype(np.float32)
         _check(name, scan, math.inf)
         with named(path):
-            return scan[:, :3].copy(), unit_intensity(scan[:, 3], np.ones(len(scan), bool), intensity_scale, of=path)
+            return scan[:, :3].copy(), unit_intensity(scan[:, 3], intensity_scale, of=path)
     except FormatError:
         if other := _other_columns(data):
             raise FormatError(f"{name} looks like {other}; a KITTI scan is float32 x y z and intensity") from None

@@ -104,10 +104,10 @@ def read_pcd_bin(path: str | os.PathLike[str], intensity_scale: float = _SCALE) 
     out of range.
     """
     name, data = os.fspath(path), read_bytes(path)
-    if not data or len(data) % _POINT_BYTES:
-        raise FormatError(
-            f"{name} has {len(data)} bytes; a nuScenes sweep has {_POINT_BYTES} a point, and one at least"
-        )
+    if not data:
+        raise FormatError(f"{name} is empty: a scan without returns")
+    if len(data) % _POINT_BYTES:
+        raise FormatError(f"{name} has {len(data)} bytes; a nuScenes sweep has {_POINT_BYTES} a point")
     sweep = np.frombuffer(data, dtype="<f4").reshape(-1, 5).astype(np.float32)
     _check(name, sweep, intensity_scale)
     points = np.stack([sweep[:, 1], -sweep[:, 0], sweep[:, 2]], axis=1)

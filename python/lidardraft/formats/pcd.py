@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import struct
 import warnings
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -105,26 +105,11 @@ def text_records(text: bytes, record: np.dtype, count: int) -> np.ndarray:
         raise FormatError(f"{len(text)} bytes of points as text; up to {_LONGEST_TEXT} are read")
     with warnings.catch_warnings(), expecting("a table of numbers"):
         warnings.simplefilter("ignore")  # numpy's, of a text without numbers
-        table = _table(text, record, count)
+        lines = io.BytesIO(re.sub(rb"\.0+(?!\S)", b"", text))  # whole numbers may be written as 6.0
+        table: np.ndarray = np.loadtxt(lines, record, comments=None, max_rows=count, ndmin=1, encoding="latin-1")
     if len(table) < count:
         raise FormatError(f"{count} points are announced, and {len(table)} lines of numbers are there")
     return table
-
-
-def _table(text: bytes, record: np.dtype, count: int) -> np.ndarray:
-    def loaded(kind: np.dtype) -> np.ndarray:
-        return np.loadtxt(io.BytesIO(text), kind, comments=None, max_rows=count, ndmin=1, encoding="latin-1")
-
-    names = record.names or ()
-    try:
-        return loaded(record)
-    except ValueError as error:
-        with suppress(ValueError):  # whole numbers may be written as 6.0
-            numbers = loaded(np.dtype([(name, "<f8", record[name].shape) for name in names]))
-            table = numbers.astype(record)
-            if all(record[name].base.kind == "f" or np.array_equal(table[name], numbers[name]) for name in names):
-                return table
-        raise error
 
 
 def binary_records(body: bytes, record: np.dtype, count: int) -> np.ndarray:

@@ -33,13 +33,12 @@ def named_fields(names: list[str]) -> dict[str, str]:
 
 
 def unit_intensity(
-    values: np.ndarray, returned: np.ndarray, scale: float | None, *, of: str | os.PathLike[str]
+    values: np.ndarray, scale: float | None, *, of: str | os.PathLike[str], returned: np.ndarray | slice = slice(None)
 ) -> np.ndarray:
-    """Intensities f32 [N] in 0 to 1, of `values` [N], where points `returned` bool [N].
+    """Intensities f32 [N] in 0 to 1, of `values` [N], those of returns where `returned` bool [N]; `of` names the scan.
 
     Without a `scale` it is that of whole numbers, or 1. Of values over it, 1 % or less are clipped, which is a
-    `UserWarning`. Raises `FormatError` where there are more: nothing says their scale. `of` is what messages call the
-    scan.
+    `UserWarning`. Raises `FormatError` where there are more: nothing says their scale.
     """
     known = scale or SCALES.get(values.dtype.name) or 1.0
     seen = values[returned].astype(np.float64)

@@ -116,7 +116,7 @@ def read_points(
         given = fields.pop("intensity")
         try:
             with named(path):
-                fields["intensity"] = unit_intensity(given, ranges > 0, scale, of=path)
+                fields["intensity"] = unit_intensity(given, scale, of=path, returned=ranges > 0)
         except FormatError as error:
             if needs_intensity:
                 raise

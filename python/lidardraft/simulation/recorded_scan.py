@@ -84,8 +84,7 @@ class RecordedScan:
         given = {"intensity": intensity, "label": label, "instance": instance, "made_up": made_up, "ring": ring}
         known = {name: np.asarray(values) for name, values in given.items() if values is not None}
         if "intensity" in known:
-            there = np.ones(known["intensity"].shape, bool)
-            known["intensity"] = unit_intensity(known["intensity"], there, intensity_scale, of="the scan")
+            known["intensity"] = unit_intensity(known["intensity"], intensity_scale, of="the scan")
         points, known = returns(points, known | {"source": np.arange(len(points))})
         count = len(points)
         label = known.get("label", np.zeros(count)).astype(np.uint8)
