@@ -350,6 +350,27 @@ def test_clouds_of_maps_are_refused_by_every_command(
         assert "m from the origin, where the sensor should be; of a cloud in the frame of a map, subtract" in said
 
 
+def test_coarse_coordinates_of_maps_are_told(folder: Path) -> None:
+    place = np.array([431200, 5822000, 61])
+    for kind, steps in (("<f8", ""), ("<f4", ", where coordinates of float32 are in steps of 0.5 m")):
+        write_pcd(folder / "a.pcd", columns_of((POINTS + place).astype(kind)), "431200 5822000 61 1 0 0 0")
+        with pytest.warns(UserWarning, match=r"VIEWPOINT \[.*\] is applied: .* into the sensor's" + steps + "$"):
+            points, _ = read_points(folder / "a.pcd")
+        np.testing.assert_allclose(points, POINTS, atol=0.26 if steps else 1e-6)
+
+
+@pytest.mark.parametrize("jobs", ["1", "2"])
+def test_pairs_say_what_is_applied_in_other_processes_too(capfd: pytest.CaptureFixture[str], jobs: str) -> None:
+    for name, intensity in (("a", DIM), ("b", 1 - DIM)):
+        write_pcd(Path(f"{name}.pcd"), columns_of(POINTS + np.float32([5, 0, 0]), intensity=intensity), "5 0 0 1 0 0 0")
+        write_label(f"{name}.label", LABEL, np.zeros(len(LABEL), np.uint32))
+    command = ["pairs", "a.pcd", "b.pcd", "--labels", ".", "--sensor", "few.json", "--jobs", jobs, "-o", "p"]
+    assert cli.main(command) == 0
+    said = capfd.readouterr().err
+    for name in "ab":
+        assert f"lidardraft: {name}.pcd: VIEWPOINT [5.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0] is applied" in said
+
+
 def test_clouds_that_are_not_around_the_sensor_are_told(folder: Path) -> None:
     write_ply(folder / "a.ply", columns_of(POINTS + np.float32([200, 0, 0])))
     with pytest.warns(

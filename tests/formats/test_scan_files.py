@@ -205,7 +205,7 @@ def test_axes_intensities_and_rings(tmp_path: Path) -> None:
         ([[1, 0, 0, 0, 0.5]], "the ring, must be a whole number from 0 to 511"),
         ([[1, 0, 0, 0, -1]], "the ring, must be a whole number from 0 to 511"),
         ([[1, 0, 0, 0]], "a.pcd.bin has 16 bytes; a nuScenes sweep has 20 a point"),
-        ([[]], "a.pcd.bin has 0 bytes"),
+        ([[]], "a.pcd.bin is empty: a scan without returns"),
     ],
 )
 def test_what_is_no_sweep(tmp_path: Path, sweep: list[list[float]], said: str) -> None:

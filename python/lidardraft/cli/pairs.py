@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import warnings
 import zlib
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -153,7 +154,10 @@ def _noted(
     if isinstance(checksum, LidarDraftError):
         return checksum
     try:
-        pair = _pair(arguments, file, sensor, arguments.seed + number, first=not number)
+        with warnings.catch_warnings():  # in a process of its own, nobody has heard them
+            warnings.simplefilter("default", UserWarning)
+            warnings.showwarning = lambda message, *_, **__: say(message)
+            pair = _pair(arguments, file, sensor, arguments.seed + number, first=not number)
     except LidarDraftError as error:
         return error
     return pair, {"scan": str(file.scan), "checksum": checksum}

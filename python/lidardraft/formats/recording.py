@@ -43,6 +43,7 @@ _FIELDS = ("label", "instance", "column", "made_up")  # of an .npz file, beside 
 _OFF, _FURTHEST = 50.0, 1000.0  # m from the sensor: its nearest return is hardly so far off, and no return further
 _MAP = "the nearest return is {:.0f} m from the origin, where the sensor should be; of a cloud in the frame of a map, "
 _MAP += "subtract the sensor's place"
+_COARSE = 0.01  # m: coarser steps of coordinates show
 _NO_LASERS = "nothing says which laser took a point: no field ring, no rows, not laser by laser as KITTI's files are"
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
 _SMALL_STEP = np.deg2rad(5.0)
@@ -343,6 +344,8 @@ def _from_pcd(path: str | os.PathLike[str], tags: Tags) -> tuple[np.ndarray, dic
         turned = (points - file.viewpoint[:3]) @ Rotation.from_quat(np.roll(file.viewpoint[3:], -1)).as_matrix()
         seen = np.where(points.any(axis=1, keepdims=True), turned, 0.0)  # zeros stand for missing returns
         said = "is applied: points are taken from its frame into the sensor's"
+        if (step := float(np.spacing(np.abs(points).max()))) > _COARSE:
+            said += f", where coordinates of {points.dtype} are in steps of {step:.2g} m"
         if _nearest(_ranges(seen)) > max(_OFF, _nearest(_ranges(points))):
             seen, said = points, "is not applied: the points lie around their origin, and far from it"
         warnings.warn(f"{os.fspath(path)}: VIEWPOINT {file.viewpoint.round(3).tolist()} {said}", stacklevel=2)
