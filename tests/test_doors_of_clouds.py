@@ -199,7 +199,7 @@ def test_scales_of_formats(folder: Path) -> None:
     np.testing.assert_allclose(read_points("b.las", intensity_scale=4095)[1]["intensity"], DIM, atol=2e-4)
     np.column_stack([POINTS, DIM * 255]).tofile("a.bin")
     with pytest.raises(
-        FormatError, match=r"a\.bin: intensities have a median of 12\d and a maximum of 255, over 1; give"
+        FormatError, match=r"a\.bin: intensities have a median of 12.* and a maximum of 255, over 1; give"
     ):
         read_points("a.bin")
     np.testing.assert_allclose(read_points("a.bin", intensity_scale=255)[1]["intensity"], DIM, rtol=1e-6)
