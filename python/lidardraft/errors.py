@@ -52,8 +52,11 @@ def check_number(name: str, value: Any, *, least: int = 0) -> int:
 
 
 def check_seed(seed: Any) -> int:
-    """The seed as an int; raises `LayoutError` where it is no integer >= 0."""
-    return check_number("seed", seed)
+    """The seed as an int; raises `LayoutError` unless it is an integer of 0 to 2^63 - 1, which the core can count."""
+    number = as_int(seed)
+    if number is None or not 0 <= number < 2**63:
+        raise LayoutError(f"seed is {seed!r:.80}; it must be an integer of 0 to 2^63 - 1")
+    return number
 
 
 _LONGEST = 2000  # characters of a message
@@ -77,6 +80,12 @@ class LidarDraftError(ValueError):
 
 class LayoutError(LidarDraftError):
     """A primitive, a layout or a pose that cannot be."""
+
+
+class UnknownNameError(LayoutError, KeyError):
+    """A name or pattern that nothing in a layout or scan has; the message names the one that was probably meant."""
+
+    __str__ = Exception.__str__  # a KeyError shows its message in quotes
 
 
 class SensorError(LidarDraftError):

@@ -16,7 +16,7 @@ from lidardraft.diffusion.denoiser_config import GUIDANCE, STEPS
 from lidardraft.diffusion.sampler import sample
 from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.drafting.text.layout import layout_from_text
-from lidardraft.errors import CheckpointError, LidarDraftError, check_number, check_type
+from lidardraft.errors import CheckpointError, LidarDraftError, check_number, check_seed, check_type
 from lidardraft.json_fields import is_number
 from lidardraft.networks import weight_file
 from lidardraft.scan import Scan
@@ -31,6 +31,7 @@ from lidardraft.scene.visibility import open_pixels
 from lidardraft.simulation.sequence import SequenceSimulator
 from lidardraft.simulation.simulate import simulate
 
+_NOTHING_OPEN = "the layout leaves nothing open: the scan is the simulated one"
 _ONE_WORLD = "only weights that complete, such as street, go on from an earlier scan, and only of the same sensor"
 
 
@@ -128,8 +129,8 @@ class Pipeline:
         completes, poses = self.denoiser.config.completes, simulated.poses()
         cast, is_open = _cast_and_open(simulated)
         if completes and not is_open.any():
-            warnings.warn("the layout leaves nothing open: the scan is the simulated one", stacklevel=3)
-            return simulated
+            warnings.warn(_NOTHING_OPEN, stacklevel=3)
+            return dataclasses.replace(simulated, assumed=(*simulated.assumed, _NOTHING_OPEN))
         given = simulated.image
         if after is not None:
             if not completes or after.image.sensor != given.sensor:
@@ -178,7 +179,7 @@ class Pipeline:
 
         Of weights that complete it is the simulated scan but where `is_open`, bool [H, W]: None is everywhere.
         """
-        sensor, config = condition_image.sensor, self.denoiser.config
+        sensor, config, seed = condition_image.sensor, self.denoiser.config, check_seed(seed)
         difference = self.trained and self.trained.difference(sensor)
         if difference:
             warnings.warn(f"these weights were trained on {difference}; its scans may be poor", stacklevel=2)

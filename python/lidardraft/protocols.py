@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lidardraft.errors import LidarDraftError
+from lidardraft.errors import LidarDraftError, check_seed
 from lidardraft.files import named
 from lidardraft.formats.recording import read_points, returns
 from lidardraft.metrics.bev import bev_histogram
@@ -236,7 +236,7 @@ def compare(
     `networks` is the folder of the public weights; without it, metrics that need some are left out. Raises
     `LidarDraftError` where a file is none of a scan, or has nothing to measure.
     """
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(check_seed(seed))
     files, counts = [], protocol.drawn(len(recorded), len(generated))
     for side, count in zip((recorded, generated), counts, strict=True):
         files += [side[number] for number in random.permutation(len(side))[:count]]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft import array_files, view
+from lidardraft.errors import LayoutError, check_type
 from lidardraft.files import written_together
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
@@ -24,6 +26,7 @@ from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import finite_array
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
+from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.visibility import occluded_shares
 
 _MOST_IN_NOTEBOOKS = 40_000  # points of an output, which is kept in the file of the notebook: half a megabyte
@@ -40,6 +43,8 @@ class Scan:
 
     In a frame of a sequence, `time` is that of the middle of the sweep since the start [s], the layout is as it stands
     then, and `velocities` are those [m/s] of the objects that move, by their names, in the world.
+
+    `assumed` are lines on this scan alone, which files do not keep; `notes` are these and those of its layout.
     """
 
     image: RangeImage
@@ -50,6 +55,46 @@ class Scan:
     turn: float = 0.0
     time: float | None = None
     velocities: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    assumed: tuple[str, ...] = ()
+
+    @classmethod
+    def from_points(
+        cls,
+        points: np.ndarray,
+        sensor: Sensor,
+        *,
+        label: np.ndarray | None = None,
+        instance: np.ndarray | None = None,
+        intensity: np.ndarray | None = None,
+        layout: Layout | None = None,
+        pose: np.ndarray | None = None,
+    ) -> Scan:
+        """The scan of points of your own, [N, 3] [m] in the frame of `sensor`, with one value a point [N] of what else
+        is known: class ids, numbers of objects as in `layout`, which is by default empty, and intensities in [0, 1].
+
+        Each point becomes the return of the pixel that it lies in: it keeps its range, and lies in the middle of its
+        beam and column. Of several the nearest stays; how many are left out is a `UserWarning`, and one of `notes`.
+        `pose` is world_from_sensor [4, 4], by default that of the sensor on its mount. Raises `LayoutError` naming the
+        first invalid value.
+        """
+        check_type("sensor", sensor, Sensor)
+        image = RangeImage.project(points, sensor, label=label, instance=instance, intensity=intensity)
+        if image.intensity is not None and not 0 <= image.intensity.min() <= image.intensity.max() <= 1:
+            low, high = image.intensity.min(), image.intensity.max()
+            raise LayoutError(f"intensity holds {low:g} to {high:g}; it must be 0 to 1, as by a division by 255")
+        pose = sensor.pose() if pose is None else finite_array("pose", pose, 4, 4)
+        count, returns = len(points), int(np.count_nonzero(image.depth))
+        in_view = np.count_nonzero(sensor.pattern.project(np.ascontiguousarray(points, np.float64))[0] >= 0)
+        lost = f"{in_view - returns} share a pixel of {sensor.name} with a nearer one, {count - in_view} out of sight"
+        lines = () if returns == count else (f"{count - returns} of {count} points are left out: {lost}",)
+        for line in lines:
+            warnings.warn(line, stacklevel=2)
+        return cls(image=image, layout=layout or Layout(), pose=pose, seed=0, assumed=lines)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The notes of the layout, and what was assumed or left out in this scan (`assumed`): a line each."""
+        return (*self.layout.notes, *self.assumed)
 
     @cached_property
     def condition_image(self) -> RangeImage:

@@ -72,7 +72,7 @@ wetness = 1.0
 @cache
 def truck() -> str:
     """A layout of a text."""
-    return surround(layout_from_text("a truck ahead"), 0).to_json()
+    return surround(layout_from_text("a truck ahead"), seed=0).to_json()
 
 
 @pytest.fixture(autouse=True)

@@ -98,7 +98,7 @@ def test_streets_are_scanned(capsys: pytest.CaptureFixture[str]) -> None:
     shares = {name: float(name == "residential") for name in DISTRICTS}
     config = StreetConfig(sensor=Sensor.load("small.json"), poses_per_street=2, mix=StreetMix(**shares))
     for number in (0, 3):
-        scan, layout = street_scan(7, number, config), Layout.load(f"out/00000{number}.layout.json")
+        scan, layout = street_scan(number, seed=7, config=config), Layout.load(f"out/00000{number}.layout.json")
         points, _ = kitti.read_bin(f"out/00000{number}.bin")
         np.testing.assert_array_equal(points, scan.points())
         assert layout == scan.layout
@@ -128,7 +128,7 @@ def test_every_sentence_of_a_file_becomes_a_scan(refused: Callable[..., str]) ->
     assert cli.main(["simulate", "--text-file", "lines.txt", "--seed", "4", "-o", "out", *SMALL]) == 0
     layouts = [Layout.load(f"out/00000{k}.layout.json") for k in range(2)]
     bare = [layout_from_text("a car ahead", seed=4), layout_from_text("two cars behind", seed=5)]
-    assert layouts == [surround(layout, seed) for seed, layout in enumerate(bare, start=4)]
+    assert layouts == [surround(layout, seed=seed) for seed, layout in enumerate(bare, start=4)]
     assert not Path("out/000002.bin").exists()
     Path("bad.txt").write_text("\nxyzzy\n")
     assert "bad.txt, line 2: " in refused("simulate", "--text-file", "bad.txt", "-o", "new", *SMALL)

@@ -86,7 +86,8 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     one.add_argument("--obj", metavar="FILE.obj", help="a 3D model: Wavefront OBJ with the ego vehicle at its origin")
     one.add_argument("--glb", metavar="FILE.glb", help="a 3D model: binary glTF, as Blender exports it")
     one.add_argument("--blender", metavar="FILE.py", help="a Blender Python script; it is read as data, never run")
-    one.add_argument("--layout", metavar="LAYOUT.json", help="a layout, as `lidardraft draft` writes it")
+    text = "a layout, as `lidardraft draft` writes it; by itself it gets no street (see --surroundings)"
+    one.add_argument("--layout", metavar="LAYOUT.json", help=text)
     for option in many:
         value, text = _MANY[option]
         choices = (*DISTRICTS, "any") if option == "street" else None
@@ -163,7 +164,7 @@ def _surrounded(arguments: argparse.Namespace, layout: Layout, seed: int, *, usu
         return layout
     from lidardraft.simulation.surround import surround
 
-    return surround(layout, seed)
+    return surround(layout, seed=seed)
 
 
 def around_it(layout: Layout) -> str:

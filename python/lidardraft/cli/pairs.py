@@ -50,7 +50,8 @@ def streets(arguments: argparse.Namespace) -> None:
         return
     if start:
         print(f"{folder}: goes on after the {start} pairs that are there", flush=True)
-    pairs = pairs_of_streets(seed, config, start=start, workers=min(arguments.workers, -(-(num - start) // poses)))
+    workers = min(arguments.workers, -(-(num - start) // poses))
+    pairs = pairs_of_streets(seed=seed, config=config, start=start, workers=workers)
     with progress(num, "pair", "streets", initial=start) as bar:
 
         def noted(pair: StreetPair) -> NotedPair:

@@ -200,7 +200,7 @@ def simulate(arguments: argparse.Namespace) -> None:
         num, poses = arguments.num or 1, arguments.poses or _POSES
         jobs = jobs_of(arguments, num, poses)
         config = _street_config(arguments, sensor, weather, poses)
-        make, notes = partial(street_scan, arguments.seed, config=config, threads=1 if jobs > 1 else None), None
+        make, notes = partial(street_scan, seed=arguments.seed, config=config, threads=1 if jobs > 1 else None), None
     with progress(num, "scan") as bar:
         for _ in ScanFolder(output, pictures, make, Scan.save, notes).write(num, jobs=jobs, run=poses):
             bar.update()

@@ -136,7 +136,7 @@ class Recipe:
         district, more = drawn(scene.values, rng), all_drawn(scene.numbers, rng)
         mix = StreetMix(**{name: float(name == district) for name in DISTRICTS}, **more)
         config = StreetConfig(sensor=sensor, poses_per_street=self.poses, mix=mix, weather=weather)
-        return street_scan(self.seed, number, config, threads=1)
+        return street_scan(number, seed=self.seed, config=config, threads=1)
 
     def _of_layout(self, scene: Scene, number: int, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> Scan:
         seed, more = self.seed + number, all_drawn(scene.numbers, rng)
@@ -174,7 +174,7 @@ def _layout(scene: Scene, seed: int, rng: np.random.Generator) -> Layout:
     from lidardraft.simulation.surround import surround
 
     layout = layout_from_text(_filled(drawn(scene.values, rng), all_drawn(scene.words, rng)), seed=seed)
-    return surround(layout, seed) if scene.surroundings else layout
+    return surround(layout, seed=seed) if scene.surroundings else layout
 
 
 def _filled(sentence: str, words: dict[str, Any]) -> str:

@@ -12,7 +12,7 @@ from zlib import crc32
 import numpy as np
 
 from lidardraft import _core
-from lidardraft.errors import LayoutError, SensorError, check_type
+from lidardraft.errors import LayoutError, SensorError, check_seed, check_type
 from lidardraft.scene.layout import SHAPES, Layout, Primitive, box_around, object_of
 from lidardraft.scene.pose import as_array, finite_array, inverse, upright
 from lidardraft.scene.range_image import RangeImage, RangeImageBatch, blank_pixels, images_of, new_images
@@ -154,8 +154,7 @@ class Raycaster:
             origins = as_array("origins", origins, "R", 3)
         if len(origins) != len(directions):
             raise LayoutError(f"{len(origins)} origins and {len(directions)} directions; a ray has one of each")
-        _check_seed(seed)
-        found = self._scene.cast(origins, directions, max_range=max_range, seed=seed, threads=threads or 0)
+        found = self._scene.cast(origins, directions, max_range=max_range, seed=check_seed(seed), threads=threads or 0)
         return Hits(origins, directions, *found)
 
     def move(self, id: str, pose: np.ndarray) -> None:
@@ -259,7 +258,7 @@ def cast_scans(
     and normal.
     """
     count = len(world_from_sensor)
-    _check_seed(seed)
+    seed = check_seed(seed)
     if out is None:
         out = RangeImageBatch.unchecked(sensor, **new_images((count, *sensor.shape), *optional))
     else:
@@ -272,11 +271,6 @@ def cast_scans(
     if sensor.blocked:
         blank_pixels(images, sensor.blocked_pixels)
     return out
-
-
-def _check_seed(seed: int) -> None:
-    if seed >= 2**63:
-        raise SensorError(f"seed is {seed}; it must be less than 2^63")
 
 
 def _pose_of_scan(sensor: Sensor, pose: np.ndarray | None, poses: np.ndarray | None) -> np.ndarray:

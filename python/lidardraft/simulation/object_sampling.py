@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import LayoutError, check_type
+from lidardraft.errors import LayoutError, check_seed, check_type
 from lidardraft.scene.box import Box
 from lidardraft.scene.check import VEHICLE_LABELS
 from lidardraft.scene.pose import point_at
@@ -70,7 +70,7 @@ class ObjectSampling:
         self.counts, self.sensor, self.distances = dict(counts), sensor, distances
         self.intensity_scale = intensity_scale
         self.names = dict(_NAME_OF_KIND if names is None else names)
-        self._rng = np.random.default_rng(seed)
+        self._rng = np.random.default_rng(check_seed(seed))
         self._models = {
             kind: [SolidObject.of_kind(kind, name=f"{kind}_{number}", seed=seed) for number in range(models)]
             for kind in counts

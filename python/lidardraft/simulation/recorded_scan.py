@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.drafting.cloud.layout import layout_from_cloud
-from lidardraft.errors import FormatError, LayoutError, check_type
+from lidardraft.errors import FormatError, UnknownNameError, check_type
 from lidardraft.files import written_together
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.formats.kitti import write_bin
@@ -152,12 +152,12 @@ class RecordedScan:
         return -self.sensor.mount_height
 
     def box(self, id: str) -> Box:
-        """The box of that id; raises `LayoutError` where there is none."""
+        """The box of that id; raises `UnknownNameError` where there is none."""
         for box in self.boxes:
             if box.id == id:
                 return box
         known = ", ".join(box.id for box in self.boxes[:8]) + (", ..." if len(self.boxes) > 8 else "")
-        raise LayoutError(f"no object has the id {id!r}; the scan has {known or 'none'}")
+        raise UnknownNameError(f"no object has the id {id!r}; the scan has {known or 'none'}")
 
     def returns_per_box(self) -> list[int]:
         """How many returns lie in each of `boxes`."""

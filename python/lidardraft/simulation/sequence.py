@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.errors import SensorError, as_int
+from lidardraft.errors import SensorError, as_int, check_seed
 from lidardraft.files import write_text
 from lidardraft.json_fields import is_number
 from lidardraft.scan import TRACK_FILES, Scan
@@ -80,8 +80,8 @@ class SequenceSimulator:
         threads: int | None = None,
     ) -> None:
         _check_rate(sensor, frames, hz)
-        self.frames, self.hz, self.seed = frames, hz, seed
-        self.layout, scene = prepared(layout, seed, detail)
+        self.frames, self.hz, self.seed = frames, hz, check_seed(seed)
+        self.layout, scene, self._assumed = prepared(layout, seed, detail)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
         still = list[Primitive]()
         parts: dict[str, list[Primitive]] = {name: [] for name in self.tracks.actors}
@@ -128,6 +128,7 @@ class SequenceSimulator:
             turn=turn,
             time=self.time(number),
             velocities={mover.name: tuple(rate[:3].tolist()) for mover, _, rate in moved},
+            assumed=self._assumed,
         )
 
     def cast(self, number: int) -> RangeImage:

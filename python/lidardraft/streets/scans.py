@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from lidardraft.scan import Scan
 
 
-def street_scan(seed: int, index: int, config: StreetConfig | None = None, *, threads: int | None = None) -> Scan:
-    """The scan of pair `index` of `streets(seed, config)`, with everything that stands there as its layout.
+def street_scan(index: int, *, seed: int = 0, config: StreetConfig | None = None, threads: int | None = None) -> Scan:
+    """The scan of pair `index` of `streets(seed=seed, config=config)`, with everything that stands there as its layout.
 
     `config.poses_per_street` scans in a row are of one street, which is built once. The layout holds simple shapes on
     the ground as it rises and falls; what is scanned is the street in detail. Same arguments, same scan, for any number

@@ -21,7 +21,7 @@ from lidardraft.drafting.blender.bpy.meshes import Mesh, MeshShape
 from lidardraft.drafting.blender.bpy.objects import SceneObject
 from lidardraft.drafting.blender.bpy.operators import Operators
 from lidardraft.drafting.blender.bpy.scene import Scene
-from lidardraft.drafting.blender.script.limits import Limits, RefusalError, Script
+from lidardraft.drafting.blender.script.limits import RefusalError, Script, ScriptLimits
 from lidardraft.drafting.blender.script.modules import modules
 from lidardraft.drafting.blender.script.reading import read
 from lidardraft.drafting.blender.script.values import Namespace
@@ -35,7 +35,7 @@ from lidardraft.scene.placed_mesh import in_unit_box, placed_mesh
 from lidardraft.scene.pose import point_at
 from lidardraft.semantics import BY_NAME
 
-_DEFAULT_LIMITS = Limits()
+_DEFAULT_LIMITS = ScriptLimits()
 PROVENANCE = "lidardraft"  # the property of the scene in which a layout's provenance and coverage travel
 _MOST_NAMES = 50  # in one message
 _DEEPEST = 100  # parents of an object
@@ -47,7 +47,7 @@ def layout_from_blender(
     *,
     classes: Mapping[str, str] | None = None,
     strict: bool = False,
-    limits: Limits = _DEFAULT_LIMITS,
+    limits: ScriptLimits = _DEFAULT_LIMITS,
 ) -> Layout:
     """The layout of the scene that a Blender Python script makes: its text, or the path of its file, NAME.py.
 
@@ -79,7 +79,9 @@ def _decoded(data: bytes) -> str:
         raise ScriptError(f"line {line}: no text in UTF-8: byte {error.start} of the file is wrong") from None
 
 
-def _layout(text: str, classes: Mapping[str, str], strict: bool, limits: Limits, source: dict[str, Any]) -> Layout:
+def _layout(
+    text: str, classes: Mapping[str, str], strict: bool, limits: ScriptLimits, source: dict[str, Any]
+) -> Layout:
     check_classes(classes)
     script = Script(limits)
     scene = Scene(script)

@@ -10,7 +10,7 @@ import warnings
 
 from lidardraft.drafting.blender.script.builtin_functions import builtin_functions
 from lidardraft.drafting.blender.script.definitions import Frame
-from lidardraft.drafting.blender.script.limits import Limits, RaisedError, RefusalError, Script
+from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script, ScriptLimits
 from lidardraft.drafting.blender.script.modules import SCRIPT_FILE
 from lidardraft.drafting.blender.script.statements import result_of
 from lidardraft.drafting.blender.script.values import lone_surrogate
@@ -26,7 +26,7 @@ _PART = re.compile(
 _IS_FORMATTED = re.compile(r"[fF][rR]?\Z")  # what stands before an f-string
 
 
-def parse(text: str, limits: Limits) -> ast.Module:
+def parse(text: str, limits: ScriptLimits) -> ast.Module:
     """The syntax tree of a script. Raises `RefusalError` naming the line where it is too long or no Python."""
     if len(text) > limits.file:
         line = text.count("\n", 0, limits.file) + 1
@@ -48,7 +48,7 @@ def parse(text: str, limits: Limits) -> ast.Module:
         raise RefusalError("nested too deeply to be read", longest + 1) from None
 
 
-def _check_code(text: str, limits: Limits) -> None:
+def _check_code(text: str, limits: ScriptLimits) -> None:
     """Refuse more code than a syntax tree of bounded size can be made from; a text or a comment counts as one sign."""
     size = 0
     for part in _PART.finditer(text):
