@@ -213,6 +213,9 @@ def test_scales_of_formats(folder: Path) -> None:
 def test_scales_in_python() -> None:
     with pytest.raises(FormatError, match=r"--intensity-scale \(intensity_scale\), likely 255"):
         RecordedScan.from_points(POINTS, SENSOR, intensity=DIM * 255)
+    for wrong in (0, -1.0, float("nan"), "255"):
+        with pytest.raises(FormatError, match=f"intensity_scale is {wrong!r}; it must be a number over 0"):
+            RecordedScan.from_points(POINTS, SENSOR, intensity=DIM, intensity_scale=wrong)
     scan = RecordedScan.from_points(POINTS, SENSOR, intensity=DIM * 255, intensity_scale=255)
     np.testing.assert_allclose(scan.intensity[scan.returned], DIM, rtol=1e-6)
     sample = {

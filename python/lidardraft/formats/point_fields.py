@@ -12,6 +12,7 @@ import warnings
 import numpy as np
 
 from lidardraft.errors import FormatError
+from lidardraft.json_fields import is_number
 
 # The names of a field, in lower case; the first that a file has counts. CloudCompare puts `scalar_` before each.
 NAMES = {
@@ -40,6 +41,8 @@ def unit_intensity(
     Without a `scale` it is that of whole numbers, or 1. Of values over it, 1 % or less are clipped, which is a
     `UserWarning`. Raises `FormatError` where there are more: nothing says their scale.
     """
+    if scale is not None and not (is_number(scale) and scale > 0):
+        raise FormatError(f"intensity_scale is {scale!r}; it must be a number over 0")
     known = scale or SCALES.get(values.dtype.name) or 1.0
     seen = values[returned].astype(np.float64)
     most, over = seen.max(initial=0.0), int((seen > known).sum())

@@ -108,8 +108,8 @@ def read_points(
     are a `FormatError`; if `needs_intensity` is False they are left out, which is a `UserWarning`, if None in silence.
     """
     stated = next((scale for ending, scale in SCALES.items() if os.fspath(path).endswith(ending)), None)
-    scale = intensity_scale or stated
-    points, fields = _read(path, scale or 1.0, carla_tags)
+    scale = stated if intensity_scale is None else intensity_scale
+    points, fields = _read(path, 1.0 if scale is None else scale, carla_tags)
     if points.ndim != 2 or any(values.shape != points.shape[:1] for values in fields.values()):
         return points, fields  # which `returns` refuses
     ranges = _ranges(points)
