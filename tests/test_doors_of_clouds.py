@@ -282,7 +282,8 @@ def test_what_is_missing_is_said_with_what_is_there(
     write_label(folder / "a.label", LABEL, np.zeros(len(LABEL), np.uint32))
     said = run(capsys, "pairs", path.name, "--labels", "a.label", "--sensor", "few.json", "-o", "p", status=2)
     assert f"there are no intensities, which the generator learns too; its fields are {there}" in said
-    said = run(capsys, "edit", path.name, "--sensor", "few.json")
+    assert "there are no intensities" not in run(capsys, "edit", path.name, "--sensor", "few.json")
+    said = run(capsys, "edit", path.name, "--sensor", "few.json", "--insert", "car at 9,-5", "-o", "edited")
     assert f"there are no intensities; its fields are {there}: recorded returns read 0" in said
 
 

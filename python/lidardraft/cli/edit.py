@@ -63,7 +63,7 @@ def _read(arguments: argparse.Namespace) -> RecordedScan:
 
     path = arguments.scan
     points, fields = read_points(path, **reading(arguments))
-    if "intensity" not in fields:
+    if arguments.edits and "intensity" not in fields:
         say(f"{path}: there are no intensities{with_fields(path)}: recorded returns read 0")
     if arguments.labels is not None:
         fields |= read_labels(arguments.labels, len(points), of=path)
