@@ -34,16 +34,18 @@ ALLOWED = {
     "training": BASE
     | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"}
     | {"simulation"},
-    "dataset": BASE | {"scene", "formats", "drafting", "arranging", "streets", "simulation", "scan", "pipeline"},
+    "dataset": BASE
+    | {"scene", "formats", "drafting", "arranging", "networks", "streets", "simulation", "scan", "pipeline"},
     "drawing": BASE | {"scene"},
     "view": BASE | {"scene", "drawing"},
     "scan": BASE | {"scene", "formats", "view"},
+    "exports": BASE | {"formats", "scan"},
     "pipeline": BASE | {"scene", "drafting", "networks", "diffusion", "simulation", "scan"},
     "evaluation": BASE | {"scene", "streets", "networks", "diffusion", "metrics", "simulation", "pipeline"},
     "protocols": BASE | {"formats", "metrics", "perception"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}
-    | {"scan", "simulation", "training", "calibration", "perception", "arranging", "protocols", "dataset"},
+    | {"scan", "simulation", "training", "calibration", "perception", "arranging", "protocols", "dataset", "exports"},
     "__main__": {"cli"},
 }
 # The rooms and modules of streets, and which others each may use.

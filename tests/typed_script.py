@@ -126,7 +126,8 @@ def casts(layout: Layout, sensor: Sensor, points: np.ndarray) -> tuple[RangeImag
 
 def augmented(scan: Scan) -> RecordedScan:
     """A recorded scan with other objects, and what data sets are written from."""
-    frame: Frame = scan.frame()
+    frame: Frame = scan.frame(as_seen=True)
+    lidardraft.export([scan], "nuscenes", "nuscenes", box_margin=0.02)
     annotations: list[Annotation] = list(frame.annotations)
     notes: tuple[str, ...] = scan.notes + scan.layout.notes
     assert annotations, notes

@@ -27,6 +27,7 @@ _PUBLIC = {
         "CheckpointError FormatError LanguageModelError LayoutError LidarDraftError MissingExtraError "
         "ScriptError SensorError TextError TrainingError UnknownNameError"
     ),
+    "lidardraft.exports": "export",
     "lidardraft.formats.frame": "Annotation Frame",
     "lidardraft.pipeline": "Pipeline",
     "lidardraft.scan": "Scan",
@@ -75,6 +76,7 @@ if TYPE_CHECKING:
         ScriptError as ScriptError, SensorError as SensorError, TextError as TextError, TrainingError as TrainingError,
         UnknownNameError as UnknownNameError,
     )
+    from lidardraft.exports import export as export
     from lidardraft.formats.frame import Annotation as Annotation, Frame as Frame
     from lidardraft.pipeline import Pipeline as Pipeline
     from lidardraft.scan import Scan as Scan
@@ -113,7 +115,7 @@ else:
     def __getattr__(name):
         if name not in _MODULE_OF:
             raise AttributeError(f"module 'lidardraft' has no attribute {name!r}")
-        with _extra("generate"):
+        with _extra():
             module = importlib.import_module(_MODULE_OF[name])
             value = module if name in ("edit", "streets") else getattr(module, name)  # modules are public whole
             return globals().setdefault(name, value)

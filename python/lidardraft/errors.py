@@ -120,12 +120,22 @@ class MissingExtraError(LidarDraftError, ImportError):
     """A library that an extra of lidardraft brings is not installed; the message names the extra."""
 
 
+# The libraries that only extras bring, each with those extras; the first one is the smallest.
+EXTRAS = {
+    "torch": ("generate", "train", "image"), "transformers": ("image",), "huggingface_hub": ("image",),
+    "laspy": ("export",), "foxglove": ("export",), "av": ("video",), "ray": ("cluster",), "ouster": ("ouster",),
+}  # fmt: skip
+
+
 @contextmanager
-def extra(name: str) -> Iterator[None]:
-    """Raise `MissingExtraError` where the block imports a library that only the extra of that name brings."""
+def extra(preferred: str = "") -> Iterator[None]:
+    """Raise `MissingExtraError` if the block imports a missing library of `EXTRAS`. It names the extra that brings the
+    library: `preferred`, if that is one of them."""
     try:
         yield
     except ModuleNotFoundError as error:
-        if error.name not in ("torch", "transformers", "laspy", "foxglove", "ray", "ouster", "av"):
+        names = EXTRAS.get(str(error.name))
+        if names is None:
             raise
+        name = preferred if preferred in names else names[0]
         raise MissingExtraError(f"{error.name} is not installed; run: pip install 'lidardraft[{name}]'") from None

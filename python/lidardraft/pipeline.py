@@ -18,7 +18,7 @@ from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.drafting.text.layout import layout_from_text
 from lidardraft.errors import CheckpointError, LidarDraftError, check_number, check_seed, check_type
 from lidardraft.json_fields import is_number
-from lidardraft.networks import weight_file
+from lidardraft.networks import weight_file, weight_header
 from lidardraft.scan import Scan
 from lidardraft.scene.labelling import label_by_agreement
 from lidardraft.scene.layout import Layout
@@ -79,7 +79,7 @@ class Pipeline:
         `threads` is how many torch may use in this process from now on; scans differ a little with their number.
         """
         check_type("name", name, str, os.PathLike)
-        path = weight_file.find(name)
+        path = weight_header.find(name)
         denoiser, trained = weight_file.load(path, Denoiser), weight_file.read_card(path).get("sensors")
         try:
             denoiser = denoiser.to(device)
@@ -208,8 +208,9 @@ class Pipeline:
 
 def _cast_and_open(scan: Scan) -> tuple[RangeImage, np.ndarray]:
     """The cast of the layout of a scan, and what it leaves open, bool [H, W]."""
-    cast = raycast(scan.layout, scan.image.sensor, poses=scan.poses(), primitive=True)
-    return cast, open_pixels(scan.layout, cast, scan.pose)
+    poses = scan.poses()
+    cast = raycast(scan.layout, scan.image.sensor, poses=poses, primitive=True)
+    return cast, open_pixels(scan.layout, cast, poses)
 
 
 def merged(given: RangeImage, made: RangeImage, is_open: np.ndarray) -> RangeImage:

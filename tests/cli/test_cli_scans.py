@@ -33,7 +33,6 @@ from lidardraft.streets import StreetConfig, StreetMix, street_scan
 
 SMALL = ["--sensor", "small.json"]
 QUICK = ["--sensor", "small.json", "--steps", "2"]
-OBSERVED = (".bin", ".label", ".npz", ".sensor.json", ".png")
 SIMULATE = ["simulate", "--text", "a car ahead", "-o", "out", "--sensor", "small.json"]
 
 
@@ -260,8 +259,10 @@ def cast() -> RangeImage:
 def test_casts_are_observed_in_their_order(cast: RangeImage, capsys: pytest.CaptureFixture[str]) -> None:
     options = ["--material", "car=dark-paint", "--weather", "wet:1", "--seed", "5"]
     assert cli.main(["observe", "cast.npz", "cast.npz", "-o", "out", *options]) == 0
-    assert {path.name for path in Path("out").iterdir()} == {f"00000{k}{end}" for k in range(2) for end in OBSERVED}
-    assert "out: 2 scans, 000000.bin to 000001.bin, each with .label and .png" in capsys.readouterr().out
+    names = {f"00000{k}{end}" for k in range(2) for end in SCAN_ENDINGS}
+    assert {path.name for path in Path("out").iterdir()} == {*names, "casts.json"}
+    said = "out: 2 scans, 000000.bin to 000001.bin, each with .label, .boxes.json and .png; casts.json"
+    assert said in capsys.readouterr().out
     points, intensity = kitti.read_bin("out/000000.bin")
     label, instance = semantickitti.read_label("out/000000.label", len(points))
     assert 0 < len(points) <= cast.valid.sum()
@@ -270,7 +271,8 @@ def test_casts_are_observed_in_their_order(cast: RangeImage, capsys: pytest.Capt
     assert set(instance) <= set(np.unique(cast.instance))
     assert Path("out/000001.bin").read_bytes() != Path("out/000000.bin").read_bytes()
     assert cli.main(["observe", "cast.npz", "-o", "out", "--overwrite"]) == 0
-    assert {path.name for path in Path("out").iterdir()} == {f"000000{end}" for end in OBSERVED}
+    names = {f"000000{end}" for end in SCAN_ENDINGS}
+    assert {path.name for path in Path("out").iterdir()} == {*names, "casts.json"}
 
 
 def test_a_cast_without_a_sensor_is_of_the_one_given(cast: RangeImage, refused: Callable[..., str]) -> None:

@@ -122,6 +122,19 @@ def test_edits_are_values_and_touch_no_other_return(scan: RecordedScan) -> None:
     assert first.source.max() < scan.returned.sum()
 
 
+@pytest.mark.parametrize("yaw", [None, 1.2])
+def test_what_is_moved_keeps_its_heading_where_no_other_is_given(scan: RecordedScan, yaw: float | None) -> None:
+    moved = edit_scan(scan, [Move("car_1", (10, -6), yaw)])
+    box, heading = moved.box("car_1"), CAR.yaw if yaw is None else yaw
+    assert (box.yaw, box.size) == (pytest.approx(heading), pytest.approx(CAR.size))
+    new = moved.points[moved.made_up == INSERTED]
+    stands = Box("car_1", "car", 1, (10, -6, 0.75 - SENSOR.mount_height), CAR.size, heading)
+    assert len(new) > 300
+    assert stands.contains(new, 0.2).mean() > 0.99  # mirrors, and noise of its ranges
+    across = Box("car_1", "car", 1, stands.center, CAR.size, heading + 0.4)
+    assert across.contains(new, 0.2).mean() < 0.9
+
+
 def test_rays_that_had_no_return_meet_what_stands_in_the_sky() -> None:
     """The upper lasers look over the road: what is high enough returns them."""
     bare = recorded()

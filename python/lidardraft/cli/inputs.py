@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,10 @@ _GOES_WITH = {
     "classes": ("obj", "glb", "blender"),
     "strict": ("blender",),
     "up": ("obj", "glb"),
-    "scale": ("obj",),
+    "scale": ("obj", "glb", "blender"),
+    "recentre": ("obj", "glb", "blender"),
+    "as_is": ("obj", "glb", "blender", "boxes"),
+    "frame": ("boxes",),
     **dict.fromkeys(("depth", "semantics", "masks", "intrinsics", "hfov", "camera_height", "metric_depth"), ("image",)),
 }
 _GOES_WITH |= {f"llm_{name}": ("text", "text_file") for name in ("url", "model", "blender", "cache", "timeout")}
@@ -104,18 +108,7 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     text = "length of a pixel of --sketch, in metres"
     group.add_argument("--metres-per-pixel", type=number, metavar="M", help=text)
     group.add_argument("--scale-bar", type=number, metavar="M", help="length of the black bar in a painted --sketch")
-    group.add_argument(
-        "--class",
-        dest="classes",
-        action="append",
-        metavar="NAME=CLASS",
-        help="class of the objects, materials or collections of that name in --obj, --glb or --blender, where their "
-        "names say none or another; repeatable",
-    )
-    text = "refuse a --blender script in which the names of an object say no class, in place of a note"
-    group.add_argument("--strict", action="store_true", default=None, help=text)
-    group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
-    group.add_argument("--scale", type=number, metavar="M", help="length of a unit of --obj, in metres (default 1)")
+    _add_model_options(group)
     text = "say what each word of --text became, and which were not understood"
     group.add_argument("--explain", action="store_true", default=None, help=text)
     _add_image_options(group)
@@ -152,7 +145,8 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
         raise type(error)(f"{error}{_other_option(name, getattr(arguments, name))}") from None
     # The notes on a layout that was saved, also as a model or a script, were printed when it was made.
     file = getattr(arguments, name)
-    if name != "layout" and (name not in ("glb", "blender") or layout.provenance.get("source") == Path(file).name):
+    is_new = name not in ("glb", "blender") or layout.provenance.get("source") == Path(file).name
+    if name != "layout" and (is_new or arguments.recentre):
         for note in notes_on(layout):
             say(note if name == "text" else f"{file}: {note}")
     return layout
@@ -333,7 +327,7 @@ def _predicted(
 
         read_metadata(weights)  # a broken file is reported before torch is loaded
     try:
-        with extra("generate"):
+        with extra():
             from lidardraft.perception.segmenter import SURE, Segmenter
     except MissingExtraError as error:
         raise FormatError(f"{path} has no labels: give --labels, or let a segmenter predict them ({error})") from None
@@ -355,34 +349,63 @@ def _from_boxes(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.boxes import layout_from_boxes
     from lidardraft.formats.box_files import read_box_file
 
-    boxes = read_box_file(arguments.boxes)
+    boxes = read_box_file(arguments.boxes, frame=arguments.frame)
     height = _sensor_height(arguments, arguments.boxes)
     with named(arguments.boxes):
-        return layout_from_boxes(boxes, sensor_height=height)
+        return layout_from_boxes(boxes, sensor_height=height, as_is=bool(arguments.as_is))
+
+
+def _placing(arguments: argparse.Namespace) -> dict[str, Any]:
+    """What the options say of the unit and the place of a model."""
+    scale = 1.0 if arguments.scale is None else arguments.scale
+    return {"scale": scale, "recentre": bool(arguments.recentre), "as_is": bool(arguments.as_is)}
 
 
 def _from_obj(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.models import layout_from_obj
 
-    scale = 1.0 if arguments.scale is None else arguments.scale
-    return layout_from_obj(arguments.obj, classes=_classes(arguments), up=arguments.up or "z", scale=scale)
+    up = arguments.up or "z"
+    return layout_from_obj(arguments.obj, classes=_classes(arguments), up=up, **_placing(arguments))
 
 
 def _from_glb(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.models import layout_from_glb
 
-    return layout_from_glb(arguments.glb, classes=_classes(arguments), up=arguments.up or "y")
+    up = arguments.up or "y"
+    return layout_from_glb(arguments.glb, classes=_classes(arguments), up=up, **_placing(arguments))
 
 
 def _from_blender(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.blender.layout import layout_from_blender
 
-    path = Path(arguments.blender)
-    return layout_from_blender(path, classes=_classes(arguments), strict=bool(arguments.strict))
+    path, strict = Path(arguments.blender), bool(arguments.strict)
+    return layout_from_blender(path, classes=_classes(arguments), strict=strict, **_placing(arguments))
 
 
 def _from_layout(arguments: argparse.Namespace) -> Layout:
     return Layout.load(arguments.layout)
+
+
+def _add_model_options(group: argparse._ArgumentGroup) -> None:
+    """What says more about --obj, --glb, --blender and --boxes."""
+    group.add_argument(
+        "--class",
+        dest="classes",
+        action="append",
+        metavar="NAME=CLASS",
+        help="class of the objects, materials or collections of that name in --obj, --glb or --blender, where their "
+        "names say none or another; repeatable",
+    )
+    text = "refuse a --blender script in which the names of an object say no class, in place of a note"
+    group.add_argument("--strict", action="store_true", default=None, help=text)
+    group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
+    text = "length of a unit of --obj, --glb or --blender, in metres (default 1; 0.01 for centimetres)"
+    group.add_argument("--scale", type=number, metavar="M", help=text)
+    text = "move --obj, --glb or --blender: the middle of its ground becomes the origin, where the sensor stands"
+    group.add_argument("--recentre", action="store_true", default=None, help=text)
+    text = "read --obj, --glb, --blender or --boxes whatever the sizes of vehicles and people in it say of its unit"
+    group.add_argument("--as-is", action="store_true", default=None, help=text)
+    group.add_argument("--frame", type=int, metavar="N", help="frame of KITTI's tracking labels in --boxes (default 0)")
 
 
 def _add_image_options(group: argparse._ArgumentGroup) -> None:

@@ -11,7 +11,6 @@ import numpy as np
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_sensor, read_sensor, reading
 from lidardraft.cli.command import progress, say
 from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
-from lidardraft.cli.scan_folder import scans_in
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named, write_text
 from lidardraft.scene.box import Box
@@ -47,6 +46,7 @@ def view(arguments: argparse.Namespace) -> None:
 
 def _film(folder: Path, arguments: argparse.Namespace) -> None:
     """A film of the scans of a folder, from above and from the driver's seat, as fast as they were taken."""
+    from lidardraft.exports import scans_in
     from lidardraft.scan import Scan
     from lidardraft.view import save_gif, save_mp4
 

@@ -76,9 +76,9 @@ def _other_columns(data: bytes) -> str:
 
 
 def calibration_of(text: str) -> dict[str, list[str]]:
-    """The words of each line `name: words` of a calibration."""
-    lines = (line.partition(":") for line in text.splitlines())
-    return {name: words.split() for name, colon, words in lines if colon}
+    """The words of each line `name: words` of a calibration, in some files without the colon."""
+    lines = (line.replace(":", " ", 1).split() for line in text.splitlines())
+    return {words[0]: words[1:] for words in lines if words}
 
 
 def numbers_of(words: Sequence[str], *counts: int) -> list[float]:

@@ -36,7 +36,7 @@ def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nda
 
     Raises `FormatError` where the file is broken, packed or has more than 4,194,304 points, `MissingExtraError`
     where laspy is not installed."""
-    with extra("export"):
+    with extra():
         import laspy
     size = regular_size(path)
     with named(path), expecting("a whole LAS file"), Path(path).open("rb") as stream:
@@ -62,13 +62,13 @@ def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nda
         return np.array(points.xyz), fields
 
 
-def write_las(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_las(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """Write a .las file for each frame. Raises `FormatError` where `output` is there already or cannot be written,
     `MissingExtraError` where laspy is not installed."""
-    with extra("export"):
+    with extra():
         import laspy
     with new_folder(output) as folder:
-        for name, frame in numbered(drives):
+        for name, frame in numbered(drives, first):
             header = laspy.LasHeader(point_format=6, version="1.4")
             header.scales = np.full(3, _MILLIMETRE)
             header.add_extra_dims([laspy.ExtraBytesParams(field, kind) for field, kind in _EXTRA.items()])
@@ -87,8 +87,7 @@ def _columns(frame: Frame) -> dict[str, np.ndarray]:
         **dict(zip("xyz", frame.points.T.astype(np.float64), strict=True)),
         "intensity": np.round(frame.intensity * 65535).astype(np.uint16),
         "classification": CLASSIFICATION[frame.label],
-        "gps_time": frame.time.astype(np.float64),
         "return_number": np.ones(len(frame.points), np.uint8),
         "number_of_returns": np.ones(len(frame.points), np.uint8),
-        **{field: getattr(frame, field) for field in _EXTRA},
+        **{{"time": "gps_time"}.get(field, field): values for field, values in frame.fields().items()},
     }

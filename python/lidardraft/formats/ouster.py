@@ -86,7 +86,7 @@ def read_ouster_capture(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[
     regular_size(path)
     metadata = metadata_beside(path)
     sensor = read_ouster_metadata(metadata)  # it says clearly what is wrong with one, where the SDK does not
-    with extra("ouster"):
+    with extra():
         from ouster.sdk.core import SensorInfo, XYZLut
     text = read_text(metadata)
     with named(metadata), expecting("metadata that Ouster's SDK reads"):

@@ -94,9 +94,9 @@ def write_pcd(path: str | os.PathLike[str], records: np.ndarray) -> None:
         temporary.write_bytes(text.encode() + records.tobytes())
 
 
-def write_pcd_folder(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_pcd_folder(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """As `write_each`."""
-    write_each(output, drives, ".pcd", write_pcd)
+    write_each(output, drives, first, ".pcd", write_pcd)
 
 
 def text_records(text: bytes, record: np.dtype, count: int) -> np.ndarray:

@@ -372,7 +372,7 @@ def _from_columns(
     if missing := [axis for axis in "xyz" if axis not in names]:
         raise FormatError(f"{os.fspath(path)}: there is no field {missing[0]} of one value a point")
     # labels of others count classes of their own; `lidardraft export` writes all four fields
-    ours = ("label", "instance") if {"ring", "time", "label", "instance"} <= columns.keys() else ()
+    ours = ("label", "instance") if {"ring", "label", "instance"} <= columns.keys() else ()
     found = {field: columns[name] for field, name in names.items() if field not in "xyz"}
     found |= {field: columns[field] for field in ours}
     return np.stack([columns[names[axis]] for axis in "xyz"], axis=1), found

@@ -63,7 +63,8 @@ class Hits:
 class Raycaster:
     """A layout compiled once, to be scanned from many poses.
 
-    `layout` is the layout as it was compiled: `move` changes what is cast, and leaves `layout` as it is.
+    `layout` is the layout as it was compiled: `move` changes what is cast, and leaves `layout` as it is. Copies, also
+    those in other processes, are compiled again, with all that was moved.
 
     `seed` decides how far rays travel in media (`Primitive.extinction`): a pure function of seed, primitive, row and
     column of a scan, or number of a ray. The primitive counts by its number in the layout or, with `by_id`, by its id:
@@ -78,7 +79,8 @@ class Raycaster:
     def __init__(self, layout: Layout, *, by_id: bool = False) -> None:
         check_type("layout", layout, Layout)
         primitives = layout.primitives
-        self.layout = layout
+        self.layout, self._by_id = layout, by_id
+        self._places: dict[int, np.ndarray] = {}  # world_from_primitive of those that `move` has moved
         self._scene = _core.Scene(
             **columns_of(primitives),
             meshes=[(p.mesh.vertices, p.mesh.faces) for p in primitives if p.mesh is not None],
@@ -170,6 +172,18 @@ class Raycaster:
         parts = [self.layout.primitives[i] for i in indices]
         poses = pose[None] if len(parts) == 1 else pose @ _parts_in_object(parts)
         self._scene = self._scene.moved(np.array(indices, dtype=np.uint32), poses)
+        self._places.update(zip(indices, poses, strict=True))
+
+    def __getstate__(self) -> dict[str, Any]:
+        # the core's scene cannot go to another process; it is compiled again there
+        return {"layout": self.layout, "by_id": self._by_id, "places": self._places}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__(state["layout"], by_id=state["by_id"])  # type: ignore[misc]
+        self._places = dict(state["places"])
+        if self._places:
+            indices, poses = np.array(list(self._places), dtype=np.uint32), np.array(list(self._places.values()))
+            self._scene = self._scene.moved(indices, poses)
 
     def _indices(self, id: str) -> list[int]:
         found = self._parts.get(id) or [i for i, p in enumerate(self.layout) if p.id == id]

@@ -17,7 +17,7 @@ from lidardraft.formats.boxes import write_boxes
 from lidardraft.formats.kitti import write_bin
 from lidardraft.formats.point_fields import unit_intensity
 from lidardraft.formats.recording import returns, rings_of_order
-from lidardraft.formats.semantickitti import write_label
+from lidardraft.formats.semantickitti import OUTLIER, write_label
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
@@ -180,13 +180,16 @@ class RecordedScan:
         """Write the returns as `NAME.bin`, `.label`, `.npz`, `.boxes.json` and `.sensor.json`.
 
         The `.npz` has `xyz`, `intensity`, `label`, `instance`, `made_up` and `source`; in the `.label`, filled returns
-        are SemanticKITTI's outliers. Raises `FormatError` where one cannot be written; then none is.
+        are SemanticKITTI's outliers. An earlier scan of that name is replaced whole. Raises `FormatError` where one
+        cannot be written; then none is.
         """
+        from lidardraft.scan import SCAN_ENDINGS  # pictures come with it, which edits do not need
+
         kept = {field: getattr(self, field)[self.returned] for field in RAY_FIELDS if field != "distance"}
-        with written_together(name) as stem:
+        with written_together(name, SCAN_ENDINGS) as stem:
             write_bin(f"{stem}.bin", kept["points"], kept["intensity"])
             filled = kept["made_up"] == FILLED
-            write_label(f"{stem}.label", kept["label"], kept["instance"], outlier=filled)
+            write_label(f"{stem}.label", kept["label"], kept["instance"] * ~filled, raw=OUTLIER * filled)
             write_boxes(f"{stem}.boxes.json", self.boxes, self.returns_per_box())
             np.savez_compressed(f"{stem}.npz", xyz=kept.pop("points"), **kept)
             Path(f"{stem}.sensor.json").write_text(self.sensor.to_json())

@@ -29,4 +29,6 @@ def street_scan(index: int, *, seed: int = 0, config: StreetConfig | None = None
     ego, visible, _ = scan_street(street, scanner, index)
     provenance = {"source": "streets", "seed": seed, "index": index, "district": street.district}
     layout = as_boxes(street.coarse, BoxStyle(relief=True), ego.pose).layout(provenance)
-    return Scan(image=as_sent(visible.scan), layout=layout, pose=visible.pose, seed=seed, speed=ego.speed)
+    ahead = (1.0, 0.0, 0.0)  # in the layout's frame, which is fixed to the road; the sensor leans with the car's body
+    image, pose = as_sent(visible.scan), visible.pose
+    return Scan(image=image, layout=layout, pose=pose, seed=seed, speed=ego.speed, heading=ahead)
