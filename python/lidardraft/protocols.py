@@ -228,8 +228,10 @@ def compare(
     device: str = "cpu",
     seed: int = 0,
     on_scan: Callable[[], object] | None = None,
+    intensity_scale: float | None = None,
 ) -> list[Score]:
     """The scores of generated scans in files beside recorded ones, each file read once; `on_scan` is called after each.
+    `intensity_scale` is that of recorded intensities, as in `read_recording`.
 
     `networks` is the folder of the public weights; without it, metrics that need some are left out. Raises
     `LidarDraftError` where a file is none of a scan, or has nothing to measure.
@@ -259,8 +261,10 @@ def compare(
                 left_out=left_out,
             )
         )
-    for file in files:
-        points, fields = read_points(file)
+    needed = any(score.network for score in scores) or None  # networks look at intensities
+    for number, file in enumerate(files):
+        scale = intensity_scale if number < counts[0] else None
+        points, fields = read_points(file, intensity_scale=scale, needs_intensity=needed)
         with named(file):
             image = _projected(points, fields, protocol)
             for distance, measure in measured:

@@ -219,7 +219,7 @@ def sample(scan: RecordedScan) -> dict[str, np.ndarray]:
 
 def test_sampling_fills_up_a_sample_with_objects_that_stand_free(sample: dict[str, np.ndarray]) -> None:
     counts = {"car": 6, "person": 5, "cyclist": 3}
-    sampling = ObjectSampling(counts, SENSOR, models=3, seed=1)
+    sampling = ObjectSampling(counts, SENSOR, models=3, seed=1, intensity_scale=255)
     found = sampling(sample)
     assert found["frame_id"] == 7
     names = found["gt_names"].tolist()
@@ -237,10 +237,12 @@ def test_sampling_fills_up_a_sample_with_objects_that_stand_free(sample: dict[st
         assert not box.contains(corners, -0.35).any()
     seen = [int(box.contains(found["points"][:, :3], 0.1).sum()) for box in solids[2:]]
     assert np.mean(np.array(seen) > 5) > 0.7
-    again = ObjectSampling(counts, SENSOR, models=3, seed=1)(sample)
+    again = ObjectSampling(counts, SENSOR, models=3, seed=1, intensity_scale=255)(sample)
     assert np.array_equal(again["points"], found["points"])
     assert not np.array_equal(sampling(sample)["points"], found["points"])
-    assert not np.array_equal(ObjectSampling(counts, SENSOR, models=3, seed=2)(sample)["points"], found["points"])
+    assert not np.array_equal(
+        ObjectSampling(counts, SENSOR, models=3, seed=2, intensity_scale=255)(sample)["points"], found["points"]
+    )
 
 
 def test_sampling_takes_scans_without_boxes_and_refuses_unknown_kinds(sample: dict[str, np.ndarray]) -> None:
@@ -249,7 +251,9 @@ def test_sampling_takes_scans_without_boxes_and_refuses_unknown_kinds(sample: di
         "gt_boxes": np.zeros((0, 7), np.float32),
         "gt_names": np.array([], object),
     }
-    found = ObjectSampling({"truck": 2}, SENSOR, models=1)(bare | {"gt_boxes_mask": np.zeros(0, bool)})
+    found = ObjectSampling({"truck": 2}, SENSOR, models=1, intensity_scale=255)(
+        bare | {"gt_boxes_mask": np.zeros(0, bool)}
+    )
     assert found["gt_names"].tolist() == ["Truck", "Truck"]
     assert found["gt_boxes_mask"].tolist() == [True, True]
     for counts, models, message in (

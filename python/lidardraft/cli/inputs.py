@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft.arranging.district import DISTRICTS
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, assignments, number, read_sensor
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_seed, assignments, number, read_sensor, reading
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError, LidarDraftError, MissingExtraError, extra
 from lidardraft.files import named
@@ -25,7 +25,8 @@ from lidardraft.scene.sensor import Sensor
 # Options that say more about an input, by the option that names the input.
 _GOES_WITH = {
     "labels": ("points",),
-    "segmenter": ("points",),
+    **dict.fromkeys(("segmenter", "intensity_scale", "carla_tags"), ("points",)),
+    "sensor_height": ("points", "boxes"),
     "detail": ("points",),
     "metres_per_pixel": ("sketch",),
     "scale_bar": ("sketch",),
@@ -101,6 +102,9 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     group.add_argument("--segmenter", metavar="FILE", help=text)
     text = "fine: as near to --points as their cast can be (default); objects: few whole ones, to edit by hand"
     group.add_argument("--detail", choices=("fine", "objects"), help=text)
+    add_reading(group)
+    text = "height over the road of the sensor in whose frame --points or --boxes are (default that of its sensor)"
+    group.add_argument("--sensor-height", type=number, metavar="M", help=text)
     text = "length of a pixel of --sketch, in metres"
     group.add_argument("--metres-per-pixel", type=number, metavar="M", help=text)
     group.add_argument("--scale-bar", type=number, metavar="M", help="length of the black bar in a painted --sketch")
@@ -242,6 +246,8 @@ def scan_files(given: Sequence[str]) -> list[Path]:
 
 def _sensor_height(arguments: argparse.Namespace, file: str) -> float:
     """How high over the road the sensor stood in whose frame the file is."""
+    if arguments.sensor_height is not None:
+        return float(arguments.sensor_height)
     return (sensor_of_file(file) or read_sensor(arguments.sensor)).mount_height
 
 
@@ -294,7 +300,7 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     if arguments.labels is not None and arguments.segmenter is not None:
         raise FormatError("--labels and --segmenter both say the classes of --points; give one of them")
     path = arguments.points
-    points, fields = read_returns(path, arguments.labels)
+    points, fields = read_returns(path, arguments.labels, needs_intensity=False, **reading(arguments))
     height = _sensor_height(arguments, path)
     if arguments.segmenter is not None or "label" not in fields:
         fields = {"label": _predicted(path, arguments.segmenter, points, fields.get("intensity"), height)}

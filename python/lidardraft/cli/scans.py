@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli.arguments import (
+    add_carla_tags,
     add_seed,
     add_sensor,
     add_speed,
@@ -334,7 +335,8 @@ def observe(arguments: argparse.Namespace) -> None:
 
     def make(number: int) -> Scan:
         path, seed = arguments.casts[number], arguments.seed + number
-        return _with_its_scene(path, _observed(path, seed, sensor, materials, weather), seed)
+        image = _observed(path, seed, sensor, materials, weather, arguments.carla_tags)
+        return _with_its_scene(path, image, seed)
 
     with progress(num, "cast") as bar:
         for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save).write(num):
@@ -368,9 +370,9 @@ def _with_its_scene(path: str, image: RangeImage, seed: int) -> Scan:
 
 
 def _observed(
-    path: str, seed: int, sensor: Sensor | None, materials: dict[str, str], weather: Weather | None
+    path: str, seed: int, sensor: Sensor | None, materials: dict[str, str], weather: Weather | None, tags: str | None
 ) -> RangeImage:
-    from lidardraft.formats.carla import read_carla
+    from lidardraft.formats.carla import TAGS, VERSIONS, read_carla
     from lidardraft.formats.cast import read_cast
     from lidardraft.simulation.observe_cast import observe_cast, observe_points
 
@@ -382,7 +384,7 @@ def _observed(
             return observe_cast(depth, label, of_cast, seed=seed, weather=weather, **options)
     if sensor is None:
         raise FormatError(f"{path} does not name its sensor; give its --sensor")
-    cloud = read_carla(path)
+    cloud = read_carla(path, VERSIONS.get(tags or "", TAGS))
     with named(path):
         return observe_points(
             cloud.points,
@@ -402,14 +404,15 @@ def observe_options(parser: argparse.ArgumentParser) -> None:
         "An .npz cast holds images [H, W] of the sensor's rays: depth [m, 0 without a return] and label (our class "
         "ids), and where they are known instance, incidence (its cosine), materials and sensor (JSON); `lidardraft "
         "raycast` writes such a file. A .ply or .npy cloud holds x y z CosAngle ObjIdx ObjTag, as CARLA 0.9.14 and "
-        "later write it. Scans keep pose, speed, turn, time and velocities of an .npz, and the objects of "
-        "NAME.layout.json or, in the sensor's frame, NAME.boxes.json beside a cast."
+        "later write it; --carla-tags says if an earlier one did. Scans keep pose, speed, turn, time and velocities of "
+        "an .npz, and the objects of NAME.layout.json or, in the sensor's frame, NAME.boxes.json beside a cast."
     )
     parser.add_argument("casts", nargs="+", metavar="CAST", help="an .npz cast, or CARLA's .ply or .npy")
     add_sensor(parser, default=None, of=" whose rays they are, where an .npz does not hold it")
     text = "material of a class, in place of the usual one; repeatable"
     metavar = "CLASS=MATERIAL"
     parser.add_argument("--material", dest="materials", action="append", default=[], metavar=metavar, help=text)
+    add_carla_tags(parser)
     add_weather(parser)
     add_seed(parser)
     add_folder(parser)

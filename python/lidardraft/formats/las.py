@@ -15,6 +15,7 @@ import numpy as np
 from lidardraft.errors import FormatError, extra
 from lidardraft.files import expecting, named, new_folder, regular_size
 from lidardraft.formats.frame import Drives, Frame, numbered
+from lidardraft.formats.point_fields import named_fields
 from lidardraft.semantics import BY_NAME, CLASSES
 
 _ASPRS = {"none": 1, "terrain": 2, "vegetation": 5, "trunk": 5, "building": 6, "road": 11, "sidewalk": 11}
@@ -30,8 +31,8 @@ _CLASS_OF_ASPRS = {
 
 
 def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Points f64 [N, 3] of a .las file, and its intensity f32 [N] in 0 to 1, `label` u8 [N], and `ring` and
-    `instance` where it has such fields.
+    """Points f64 [N, 3] of a .las file, and its intensity u16 [N], `label` u8 [N], and `ring` and `instance` where it
+    has such fields.
 
     Raises `FormatError` where the file is broken, packed or has more than 4,194,304 points, `MissingExtraError`
     where laspy is not installed."""
@@ -52,11 +53,12 @@ def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nda
         names = set(points.point_format.dimension_names)
         label = np.array([BY_NAME[_CLASS_OF_ASPRS.get(k, "none")].id for k in range(256)], np.uint8)
         label[_OURS_FROM : _OURS_FROM + len(CLASSES)] = range(len(CLASSES))
-        fields = {name: np.array(points[name]) for name in ("ring", "label", "instance") if name in names}
+        fields = {name: np.array(points[name]) for name in ("label", "instance") if name in names}
+        if ring := named_fields(list(names)).get("ring"):
+            fields["ring"] = np.array(points[ring])
         if not {"ring", "label", "instance"} <= names:  # classes of others' extra bytes are not ours
             fields |= {"label": label[np.array(points.classification)]}
-        intensity = np.array(points.intensity, np.float32)
-        fields["intensity"] = intensity / np.float32(65535 if intensity.max(initial=0) > 255 else 255)
+        fields["intensity"] = np.array(points.intensity)
         return np.array(points.xyz), fields
 
 

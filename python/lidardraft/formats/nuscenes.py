@@ -23,12 +23,13 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.files import MAX_BYTES, expecting, named, new_folder, read_bytes, read_text, written_whole
 from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, timed
+from lidardraft.formats.point_fields import SCALES
 from lidardraft.json_fields import parse_list
 from lidardraft.scene.box import Box
 from lidardraft.scene.pose import inverse, upright
 from lidardraft.semantics import BY_NAME, CLASSES
 
-_POINT_BYTES = 20
+_POINT_BYTES, _SCALE = 20, SCALES[".pcd.bin"]
 _MOST_RINGS = 512
 VERSION = "v1.0-trainval"
 # The categories in the order of lidarseg's numbers, and our class of each.
@@ -98,21 +99,22 @@ _SWEEP = ("filename", "sample_token", "ego_pose_token", "calibrated_sensor_token
 Tables = dict[str, list[dict[str, Any]]]
 
 
-def read_pcd_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points f32 [N, 3] in metres in our sensor frame, intensity f32 [N] in [0, 1], and ring i64 [N] as it stands.
+def read_pcd_bin(path: str | os.PathLike[str], intensity_scale: float = _SCALE) -> tuple[np.ndarray, ...]:
+    """Points f32 [N, 3] in metres in our sensor frame, intensity f32 [N] in [0, 1], that of the file over
+    `intensity_scale`, and ring i64 [N] as it stands.
 
     Raises `FormatError` on a missing, empty or truncated file, a value that is not finite, and an intensity or a ring
     out of range.
     """
     name, data = os.fspath(path), read_bytes(path)
-    if not data or len(data) % _POINT_BYTES:
-        raise FormatError(
-            f"{name} has {len(data)} bytes; a nuScenes sweep has {_POINT_BYTES} a point, and one at least"
-        )
+    if not data:
+        raise FormatError(f"{name} is empty: a scan without returns")
+    if len(data) % _POINT_BYTES:
+        raise FormatError(f"{name} has {len(data)} bytes; a nuScenes sweep has {_POINT_BYTES} a point")
     sweep = np.frombuffer(data, dtype="<f4").reshape(-1, 5).astype(np.float32)
-    _check(name, sweep)
+    _check(name, sweep, intensity_scale)
     points = np.stack([sweep[:, 1], -sweep[:, 0], sweep[:, 2]], axis=1)
-    return points, sweep[:, 3] / np.float32(255), sweep[:, 4].astype(np.int64)
+    return points, sweep[:, 3] / np.float32(intensity_scale), sweep[:, 4].astype(np.int64)
 
 
 def write_pcd_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: np.ndarray, ring: np.ndarray) -> None:
@@ -188,12 +190,12 @@ def read_table(path: Path, fields: tuple[str, ...]) -> list[dict[str, Any]]:
         return rows
 
 
-def _check(name: str, sweep: np.ndarray) -> None:
+def _check(name: str, sweep: np.ndarray, scale: float = _SCALE) -> None:
     intensity, ring = sweep[:, 3], sweep[:, 4]
     whole = (ring == np.floor(ring)) & (ring >= 0) & (ring < _MOST_RINGS)
     for right, limit in (
         (np.isfinite(sweep).all(axis=1), "every value must be finite"),
-        ((intensity >= 0) & (intensity <= 255), "the fourth value, intensity, must be 0 to 255"),
+        ((intensity >= 0) & (intensity <= scale), f"the fourth value, intensity, must be 0 to {scale:g}"),
         (whole, f"the fifth value, the ring, must be a whole number from 0 to {_MOST_RINGS - 1}"),
     ):
         if not right.all():
