@@ -25,7 +25,7 @@ from lidardraft.diffusion.codec import encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.networks import weight_file
 from lidardraft.networks.layers import has_bfloat16
-from lidardraft.networks.weight_file import PACKAGED
+from lidardraft.networks.weight_header import PACKAGED
 
 
 class Bench:

@@ -70,7 +70,7 @@ def shares(seed: int, config: StreetConfig, num: int) -> dict[str, float]:
     """Milliseconds a pair of each stage, of all threads together."""
     with timed() as seconds:
         start = time.process_time()
-        for _ in itertools.islice(streets(seed, config), num):
+        for _ in itertools.islice(streets(seed=seed, config=config), num):
             pass
         whole = time.process_time() - start
     return {stage: 1e3 * spent / num for stage, spent in {**seconds, "whole": whole}.items()}
@@ -78,7 +78,7 @@ def shares(seed: int, config: StreetConfig, num: int) -> dict[str, float]:
 
 def rate(seed: int, config: StreetConfig, workers: int, seconds: float, memory: bool) -> float:
     """Pairs a second as a consumer gets them, after the workers have started."""
-    with closing(streets(seed, config, workers=workers)) as pairs:
+    with closing(streets(seed=seed, config=config, workers=workers)) as pairs:
         for _ in itertools.islice(pairs, 2 * workers * config.poses_per_street):
             pass
         start, count, shown = time.perf_counter(), 0, 0.0
@@ -95,7 +95,7 @@ def rate(seed: int, config: StreetConfig, workers: int, seconds: float, memory: 
 def written(seed: int, config: StreetConfig, workers: int, seconds: float, *, picture: bool) -> float:
     """Labelled scans a second in a folder, after the workers have started."""
     with TemporaryDirectory() as name:
-        make = partial(street_scan, seed, config=config, threads=1)
+        make = partial(street_scan, seed=seed, config=config, threads=1)
         folder = ScanFolder(Path(name), MANY if picture else 0, make, Scan.save)
         with closing(folder.write(MANY, jobs=workers, run=config.poses_per_street)) as scans:
             for _ in itertools.islice(scans, 2 * workers * config.poses_per_street):

@@ -60,7 +60,7 @@ def recorded_sets(folder: Path) -> Iterator[tuple[str, Callable[[], CaseSet]]]:
 
 def street_set(number: int, sensor: Sensor = PRESETS["hdl64e"]) -> CaseSet:
     """Scans of streets, and their coarse layouts."""
-    pairs = islice(streets(SEED, StreetConfig(sensor=sensor, poses_per_street=1)), number)
+    pairs = islice(streets(seed=SEED, config=StreetConfig(sensor=sensor, poses_per_street=1)), number)
     cases = [Case(Sweep.by_azimuth(pair.scan), pair.layout, sensor, pair.pose, pair.speed) for pair in pairs]
     return CaseSet(cases, Sweep.by_azimuth, np.ones(sensor.shape, dtype=bool), firings=True)
 

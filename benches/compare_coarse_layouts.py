@@ -106,7 +106,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("streets", type=int, nargs="?", default=200)
     given = parser.parse_args()
-    solved = compare_solver(make_street(number) for number in range(given.streets))
+    solved = compare_solver(make_street(seed=number) for number in range(given.streets))
     print("\n".join(rows(solved, "solver", "quick")))
     print("\n".join(["", *(f"- {text}" for text in drift(solved, "solver", "quick")), ""]))
 

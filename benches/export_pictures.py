@@ -44,7 +44,7 @@ def picture(name: str, found: Found, mount: float) -> np.ndarray:
 def main() -> None:
     """Write the picture."""
     sensor = Sensor.preset("hdl32e")
-    frame = simulate(surround(layout_from_text(SENTENCE, seed=3), 3), sensor, seed=3).frame()
+    frame = simulate(surround(layout_from_text(SENTENCE, seed=3), seed=3), sensor, seed=3).frame()
     pictures = []
     with tempfile.TemporaryDirectory() as folder:
         for name, read in READERS.items():

@@ -282,7 +282,7 @@ def scatter(sweeps: list[Sweep], groups: tuple[int, ...]) -> list[float]:
 
 def street_sweeps(sensor: Sensor) -> list[Sweep]:
     """A scan of each of STREETS streets."""
-    pairs = itertools.islice(streets(SEED, StreetConfig(sensor=sensor, poses_per_street=1)), STREETS)
+    pairs = itertools.islice(streets(seed=SEED, config=StreetConfig(sensor=sensor, poses_per_street=1)), STREETS)
     return [Sweep.by_azimuth(pair.scan) for pair in pairs]
 
 

@@ -60,7 +60,7 @@ def main() -> None:
         columns["PandaSet, Pandar64"] = steps(sweep for group in pandaset for sweep in group)
         columns["KITTI, HDL-64E"] = steps(recordings.kitti_images(arguments.data))
     for name in ("pandar64", "hdl64e"):
-        made = islice(streets(SEED, StreetConfig(sensor=PRESETS[name], poses_per_street=1)), arguments.num)
+        made = islice(streets(seed=SEED, config=StreetConfig(sensor=PRESETS[name], poses_per_street=1)), arguments.num)
         columns[f"streets, {name}"] = steps(Sweep.by_azimuth(pair.scan) for pair in made)
     rows = {
         f"{100 * EDGES[k]:.0f} to {100 * EDGES[k + 1]:.0f} cm, {name}": {

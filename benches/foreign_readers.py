@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-FIELDS = ("ring", "time", "label", "instance")
+FIELDS = ("ring", "time", "label", "instance")  # time of points as the sensor saw them
 
 
 class Box(NamedTuple):
@@ -126,9 +126,10 @@ def mmdet3d(folder: Path) -> Iterator[Found]:
         yield Found(bin_points(folder / "points" / info["lidar_points"]["lidar_path"]), boxes, {"label": mask})
 
 
-def _columns(column: Callable[[str], Any], boxes: list[Box] | None = None) -> Found:
-    points = np.stack([column(name) for name in ("x", "y", "z", "intensity")], axis=1)
-    return Found(points, boxes, {name: np.asarray(column(name)) for name in FIELDS})
+def _columns(records: np.ndarray, boxes: list[Box] | None = None) -> Found:
+    points = np.stack([records[name] for name in ("x", "y", "z", "intensity")], axis=1)
+    names = records.dtype.names or ()
+    return Found(points, boxes, {name: np.asarray(records[name]) for name in FIELDS if name in names})
 
 
 def pcd(folder: Path) -> Iterator[Found]:
@@ -136,7 +137,7 @@ def pcd(folder: Path) -> Iterator[Found]:
     from pypcd4 import PointCloud
 
     for path in sorted(folder.glob("*.pcd")):
-        yield _columns(PointCloud.from_path(path).pc_data.__getitem__)
+        yield _columns(PointCloud.from_path(path).pc_data)
 
 
 def ply(folder: Path) -> Iterator[Found]:
@@ -144,7 +145,7 @@ def ply(folder: Path) -> Iterator[Found]:
     import trimesh
 
     for path in sorted(folder.glob("*.ply")):
-        yield _columns(trimesh.load(path).metadata["_ply_raw"]["vertex"]["data"].__getitem__)
+        yield _columns(trimesh.load(path).metadata["_ply_raw"]["vertex"]["data"])
 
 
 def las(folder: Path) -> Iterator[Found]:
@@ -154,7 +155,8 @@ def las(folder: Path) -> Iterator[Found]:
     for path in sorted(folder.glob("*.las")):
         cloud = laspy.read(path)
         points = np.column_stack([cloud.xyz, np.asarray(cloud.intensity) / 65535])
-        fields = {"time": cloud.gps_time} | {name: np.asarray(cloud[name]) for name in ("ring", "label", "instance")}
+        fields = {name: np.asarray(cloud[name]) for name in ("ring", "label", "instance")}
+        fields |= {"time": np.asarray(cloud.gps_time)} if np.any(cloud.gps_time) else {}  # LAS has the field always
         yield Found(points, None, fields | {"classification": np.asarray(cloud.classification)})
 
 
@@ -182,7 +184,7 @@ def mcap(folder: Path) -> Iterator[Found]:
                 pose = mcap_pose(cube.pose.position, cube.pose.orientation)
                 size = np.array([cube.size.x, cube.size.y, cube.size.z])
                 boxes.append(Box(words["label"], pose[:3, 3], size, math.atan2(pose[1, 0], pose[0, 0])))
-            yield _columns(records.__getitem__, boxes)
+            yield _columns(records, boxes)
 
 
 def mcap_pose(place: Any, turn: Any) -> np.ndarray:
@@ -198,7 +200,8 @@ def webdataset(folder: Path) -> Iterator[Found]:
     for sample in library.WebDataset(shards, shardshuffle=False, empty_check=False).decode():
         rows = sample["json"]["boxes"]
         boxes = [Box(row["label"], np.array(row["center"]), np.array(row["size"]), row["yaw"]) for row in rows]
-        yield Found(sample["points.npy"], boxes, {name: sample[f"{name}.npy"] for name in FIELDS})
+        found = {name: sample[f"{name}.npy"] for name in FIELDS if f"{name}.npy" in sample}
+        yield Found(sample["points.npy"], boxes, found)
 
 
 READERS = {

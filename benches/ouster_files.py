@@ -27,12 +27,15 @@ METADATA = {
 }
 
 
-def write_capture(path: Path, millimetres: list[np.ndarray], reflectivity: int = 51) -> None:
-    """A capture of frames of ranges u32 [BEAMS, COLUMNS], the lowest beam first, and the metadata beside it."""
+def write_capture(
+    path: Path, millimetres: list[np.ndarray], reflectivity: int = 51, window: tuple[int, int] = (0, COLUMNS - 1)
+) -> None:
+    """A capture of frames of ranges u32 [BEAMS, COLUMNS], the lowest beam first, and the metadata beside it; the sensor
+    measures the columns of a `window`."""
     from ouster.sdk.core import LidarFrame, PacketFormat, SensorInfo, frame_to_packets
     from ouster.sdk.pcap import record
 
-    text = json.dumps(METADATA)
+    text = json.dumps(METADATA | {"data_format": METADATA["data_format"] | {"column_window": list(window)}})
     path.with_suffix(".json").write_text(text)
     info = SensorInfo(text)
     packets = []
@@ -41,7 +44,8 @@ def write_capture(path: Path, millimetres: list[np.ndarray], reflectivity: int =
         frame.frame_id = number + 1
         frame.field("RANGE")[:] = ranges
         frame.field("REFLECTIVITY")[:] = reflectivity
-        frame.status[:] = 1
+        turned = (np.arange(COLUMNS) - window[0]) % COLUMNS
+        frame.status[:] = turned <= (window[1] - window[0]) % COLUMNS
         frame.measurement_id[:] = np.arange(COLUMNS)
         frame.timestamp[:] = 1 + np.arange(COLUMNS) + number * COLUMNS
         packets += frame_to_packets(frame, PacketFormat(info), 0, 1)

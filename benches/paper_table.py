@@ -57,7 +57,7 @@ def main() -> None:
 def scans(pipeline: Pipeline, num: int, sensor: Sensor) -> Iterator[tuple[str, RangeImage, RangeImage]]:
     """The rows of the table, and the streets' own scans: a name, a scan and that of its street each."""
     given: dict[str, list[StreetPair]] = {name: [] for name in _SOURCES.values()}
-    for pair in streets(_SEED, StreetConfig(sensor=sensor, poses_per_street=1, simulated=True)):
+    for pair in streets(seed=_SEED, config=StreetConfig(sensor=sensor, poses_per_street=1, simulated=True)):
         pairs = given.get(_SOURCES.get(pair.style.source, ""), [])
         if len(pairs) < num:
             pairs.append(pair)

@@ -113,7 +113,9 @@ def cells(folder: Path | None) -> Iterator[np.ndarray]:
         seen = sweep.valid & (sweep.label > 0)
         layout = layout_from_cloud(sweep.points[seen], sweep.label[seen], sensor_height=sensor.mount_height)
         yield simulated(layout, sensor, 0, f"clustering of {name}")
-    pairs = [next(islice(streets(0, StreetConfig(poses_per_street=1), start=number), 1)) for number in STREETS]
+    pairs = [
+        next(islice(streets(seed=0, config=StreetConfig(poses_per_street=1), start=number), 1)) for number in STREETS
+    ]
     for pair in pairs:
         yield simulated(pair.layout, SENSOR, 0, f"layout of a street, {pair.style.source}")
     for sweep, sensor, name in sweeps[1:4:2]:

@@ -102,7 +102,7 @@ def of_sentences(counts: Counts, sentences: tuple[str, ...] = SENTENCES, seeds: 
 
 def of_streets(counts: Counts, number: int) -> None:
     """Add the coarse layouts of a street in every style, and its own detailed scene beside each."""
-    street = make_street(11, StreetConfig(sensor=SENSOR), number=number)
+    street = make_street(seed=11, config=StreetConfig(sensor=SENSOR), number=number)
     scanner = Scanner.from_layout(street.scene, SENSOR)
     for index in range(POSES):
         ego, visible, rng = scan_street(street, scanner, index)
@@ -132,7 +132,7 @@ def of_skins(data: Path | None, number: int) -> str:
     and their number: those of PandaSet, and those of streets seen by its sensor."""
     found: dict[tuple[str, str], list[np.ndarray]] = defaultdict(list)
     for index in range(number):
-        scan = street_scan(11, index, StreetConfig(sensor=PRESETS["pandar64"], poses_per_street=2))
+        scan = street_scan(index, seed=11, config=StreetConfig(sensor=PRESETS["pandar64"], poses_per_street=2))
         points, instances = scan.points()[:, :3].astype(np.float64), scan.instances()
         for box in scan.boxes():
             if box.label in VEHICLES:
@@ -156,7 +156,7 @@ def of_surroundings(sentences: tuple[str, ...] = SENTENCES, seeds: int = SEEDS) 
     for sentence, seed in itertools.product(sentences, range(seeds)):
         layout = layout_from_text(sentence, seed=seed)
         asked = np.array([BY_NAME[primitive.label].is_thing for primitive in layout])
-        for each in (layout, surround(layout, seed)):
+        for each in (layout, surround(layout, seed=seed)):
             image = raycast(each, SENSOR, primitive=True)
             seen = np.bincount(image.primitive[image.valid], minlength=len(each))
             counts.append(seen[: len(layout)][asked])

@@ -75,7 +75,7 @@ def report_solver() -> None:
             refused += 1
             continue
         held += not broken(spec, layout) and not check(layout)
-        surrounded += not faults(layout, lidardraft.surround(layout, number))
+        surrounded += not faults(layout, lidardraft.surround(layout, seed=number))
     print(f"  of {SPECS} specs every relation holds in {held}; refused: {refused}; broken: {SPECS - held - refused}")
     print(f"  in the street around it nothing is touched, hidden or counted wrong in {surrounded}")
 

@@ -221,7 +221,7 @@ def _in_units(image: RangeImage, step: float) -> RangeImage:
 def _progress(sensor: Sensor, num: int, text: str | None) -> Iterator[RangeImage]:
     start = time.monotonic()
     if text is None:
-        scans = (pair.scan for pair in streets(SEED, StreetConfig(sensor=sensor, poses_per_street=POSES)))
+        scans = (pair.scan for pair in streets(seed=SEED, config=StreetConfig(sensor=sensor, poses_per_street=POSES)))
     else:
         scans = (simulate(text, sensor, seed=seed).image for seed in itertools.count())
     for done, scan in enumerate(itertools.islice(scans, num)):

@@ -92,7 +92,7 @@ def parted(drives: Groups) -> Groups:
 
 def street_scans(sensor: Sensor, num: int) -> list[RangeImage]:
     """A scan of each of `num` streets."""
-    pairs = streets(SEED, StreetConfig(sensor=sensor, poses_per_street=1))
+    pairs = streets(seed=SEED, config=StreetConfig(sensor=sensor, poses_per_street=1))
     return [pair.scan for pair in itertools.islice(pairs, num)]
 
 

@@ -12,6 +12,7 @@ import struct
 import sys
 import tempfile
 import time
+import warnings
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator
@@ -84,6 +85,16 @@ end_header
 """
 LABEL_2 = b"Car 0.00 0 1.55 614 181 727 284 1.57 1.73 4.15 1.00 1.75 13.22 1.62\n"
 CALIB = b"R0_rect: 1 0 0 0 1 0 0 0 1\nTr_velo_to_cam: 0 -1 0 0 0 0 -1 0 1 0 0 0\n"
+CLOUD = b"""FIELDS x y z scalar_Intensity ring _
+SIZE 4 4 4 1 2 4
+TYPE F F F U U F
+COUNT 1 1 1 1 1 0
+VIEWPOINT 1 4 0 0.6 0 0 0.8
+POINTS 2
+DATA ascii
+1 2 4 14 1
+4.0 2 1 1 4.0
+"""
 PCD = b"FIELDS x y\nSIZE 4 4\nTYPE F F\nCOUNT 1 1\nWIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n1 2\n3 4\n"
 
 
@@ -101,6 +112,13 @@ def _label_2(path: Path) -> object:
         calib = Path(folder, "calib.txt")
         calib.write_bytes(CALIB)
         return read_label_2(path, calib)
+
+
+def _points(path: Path) -> object:
+    """Without the lines on what was applied."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        return read_points(path)
 
 
 def _calib(path: Path) -> object:
@@ -243,7 +261,14 @@ def readers() -> dict[str, Reader]:
         "npy": Reader(read_carla, ".npy", buffer.getvalue()),
         "ply": Reader(read_carla, ".ply", PLY),
         "ply vertices": Reader(read_ply, ".ply", PLY),
-        "ply points": Reader(read_points, ".ply", _binary_ply(points)),
+        "ply points": Reader(_points, ".ply", _binary_ply(points)),
+        "pcd points": Reader(_points, ".pcd", CLOUD),
+        "las points": Reader(_points, ".las", _written(_las, ".las")),
+        "npy points": Reader(_points, ".npy", _npy(points)),
+        "npy records": Reader(_points, ".npy", buffer.getvalue()),
+        "bin points": Reader(_points, ".bin", _written(lambda p: write_bin(p, points, np.ones(100)), ".bin")),
+        "sweep points": Reader(_points, ".pcd.bin", np.ones((4, 5), "<f4").tobytes()),
+        "carla points": Reader(_points, ".ply", PLY),
         "label_2": Reader(_label_2, ".txt", LABEL_2),
         "calib": Reader(_calib, ".txt", CALIB),
         "depth": Reader(read_npy, ".npy", _npy(points)),

@@ -1,12 +1,16 @@
+import importlib
 import pickle
+import re
+import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import lidardraft
 from lidardraft import Layout, Sensor
-from lidardraft.errors import FormatError, did_you_mean, nearest_name, one_of
+from lidardraft.errors import EXTRAS, FormatError, MissingExtraError, did_you_mean, extra, nearest_name, one_of
 
 SENSOR = Sensor(name="small", elevations=(0.0, -0.1), columns=8)
 
@@ -103,3 +107,36 @@ def test_errors_can_go_to_another_process() -> None:
 def test_an_argument_of_another_type_is_named(call: Callable[[], object], message: str) -> None:
     with pytest.raises(TypeError, match=f"^{message}"):
         call()
+
+
+@pytest.mark.parametrize(("library", "names"), EXTRAS.items())
+def test_a_missing_library_names_an_extra_that_brings_it(
+    library: str, names: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, library, None)
+    for preferred in ("", "export", "image"):
+        name = preferred if preferred in names else names[0]
+        said = re.escape(f"{library} is not installed; run: pip install 'lidardraft[{name}]'")
+        with pytest.raises(MissingExtraError, match=f"^{said}$"), extra(preferred):
+            importlib.import_module(library)
+
+
+def test_another_missing_library_is_no_extra() -> None:
+    with pytest.raises(ModuleNotFoundError, match="No module named 'llama_of_ours'") as caught, extra():
+        importlib.import_module("llama_of_ours")
+    assert not isinstance(caught.value, MissingExtraError)
+
+
+def test_the_extras_bring_what_the_table_says() -> None:
+    tomllib = pytest.importorskip("tomllib")
+    listed = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
+    modules = {"foxglove-sdk": "foxglove", "ouster-sdk": "ouster"}
+    brought: dict[str, set[str]] = {"huggingface_hub": {"image"}}  # which transformers depends on
+    for name, needed in listed["optional-dependencies"].items():
+        if name in ("dev", "bench"):
+            continue
+        for one in needed:
+            library = re.split(r"[\[>]", one)[0]
+            for module in ["torch"] if one == "lidardraft[generate]" else [modules.get(library, library)]:
+                brought.setdefault(module, set()).add(name)
+    assert {library: set(names) for library, names in EXTRAS.items()} == brought

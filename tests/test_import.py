@@ -22,10 +22,11 @@ def test_a_release_build_says_nothing():
 
 
 def test_importing_is_light_and_warns_once_if_and_only_if_the_core_is_a_debug_build():
-    code = "import sys, lidardraft; print(sorted({'torch', 'sklearn', 'scipy', 'PIL'} & set(sys.modules)))\n"
+    code = "import sys, time; start = time.process_time(); import lidardraft; took = time.process_time() - start\n"
+    code += "print(sorted({'torch', 'sklearn', 'scipy', 'PIL', 'numpy'} & set(sys.modules)), took < 0.3)\n"
     code += "import lidardraft.scene.raycast\n"
     result = subprocess.run(
         [sys.executable, "-W", "always", "-c", code], capture_output=True, text=True, check=True, timeout=60
     )
-    assert result.stdout == "[]\n"
+    assert result.stdout == "[] True\n"
     assert result.stderr.count("RuntimeWarning: lidardraft's compiled core is a debug build") == int(_core.DEBUG)

@@ -18,7 +18,7 @@ SENSOR = Sensor(name="few", elevations=(0.1, -0.1), columns=64, model=SensorMode
 def test_scans_and_layouts_of_them_are_written_and_read(tmp_path: Path) -> None:
     scan = lidardraft.simulate("a car ahead", SENSOR, seed=ONE, speed=HALF)  # type: ignore[arg-type]
     simulator = SequenceSimulator(scan.layout, SENSOR, frames=ONE, hz=HALF, seed=ONE)  # type: ignore[arg-type]
-    street = street_scan(ONE, ONE, StreetConfig(sensor=SENSOR))  # type: ignore[arg-type]
+    street = street_scan(ONE, seed=ONE, config=StreetConfig(sensor=SENSOR))  # type: ignore[arg-type]
     for number, made in enumerate((scan, simulator.frame(0), street)):
         made.save(tmp_path / str(number), picture=False)
         assert lidardraft.Scan.load(tmp_path / str(number)).layout == made.layout

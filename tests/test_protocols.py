@@ -16,7 +16,7 @@ from lidardraft.formats.kitti import write_bin
 from lidardraft.metrics import comparisons
 from lidardraft.metrics.spherical import SphericalImage, corner_points, spherical_image
 from lidardraft.perception.feature_networks import NETWORKS, FeatureNetwork
-from lidardraft.protocols import PROTOCOLS, Score, _first, compare
+from lidardraft.protocols import PROTOCOLS, Score, _first, _sides, compare
 
 POINTS = 400
 Scans = list[np.ndarray]
@@ -169,6 +169,20 @@ def test_the_floor_is_that_of_halves_of_the_recorded_scans(tmp_path: Path) -> No
     assert max(matching.floor) < matching.value
     assert scored("lidm", real, real)["MMD"].value == 0  # each finds itself
     assert scored("lidm", real[:1], made)["JSD"].floor == ()
+
+
+@pytest.mark.parametrize(
+    ("recorded", "generated", "half"),
+    [(9, 3, 3), (9, 4, 4), (9, 5, 4), (8, 20, 4), (2, 5, 1), (1, 5, 0)],  # min(recorded // 2, generated)
+)
+def test_halves_are_no_larger_than_the_generated_set(recorded: int, generated: int, half: int) -> None:
+    sides, counted = _sides(recorded, generated, np.random.default_rng(0))
+    assert counted == half
+    assert sides[0].tolist() == [0] * recorded + [1] * generated
+    assert len(sides) == (11 if half > 1 else 1)
+    for halving in sides[1:]:
+        assert [(halving[:recorded] == side).sum() for side in (0, 1)] == [half, half]
+        assert (halving[recorded:] == -1).all()  # no generated scan
 
 
 def test_frd_of_lidargen_takes_the_first_1100_scans() -> None:

@@ -44,6 +44,7 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
     monkeypatch.chdir(tmp_path)
     lines = [line for block in blocks("sh") for line in block.splitlines() if line.startswith("lidardraft ")]
     assert len(lines) >= 6
+    notes = list[str]()  # of the commands of the README
     for line in lines:
         words = shlex.split(line, comments=True)[1:]
         if words[0] in ("generate", "evaluate"):
@@ -63,7 +64,10 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
         if "scan.bin" in words:
             for end in (".bin", ".label"):
                 (tmp_path / f"scan{end}").write_bytes((tmp_path / f"crossroads/000000{end}").read_bytes())
-        assert cli.main(words) == 0, f"{line}\n{capsys.readouterr().err}"
+        code, said = cli.main(words), capsys.readouterr().err
+        assert code == 0, f"{line}\n{said}"
+        notes += said.splitlines() if line in README else []
+    assert len(notes) <= 3, notes
     assert (tmp_path / "crossroads/000003.bin").exists()
     assert (tmp_path / "crossroads/000000.view.png").exists()
     assert (tmp_path / "pairs/00000.view.png").exists()

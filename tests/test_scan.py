@@ -1,14 +1,16 @@
 """Scans, and the files that they are saved as."""
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from lidardraft import Layout, Primitive, RangeImageBatch, Scan, Sensor, raycast, simulate
-from lidardraft.errors import FormatError
+from lidardraft import Layout, Primitive, RangeImageBatch, RecordedScan, Scan, Sensor, raycast, simulate
+from lidardraft.errors import FormatError, SensorError
 from lidardraft.formats import kitti, semantickitti
-from lidardraft.scan import SCAN_ENDINGS
+from lidardraft.scan import SCAN_ENDINGS, save_observed
 from lidardraft.scene import edit
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
@@ -55,6 +57,57 @@ def test_a_scan_that_cannot_be_saved_leaves_nothing(scan: Scan, tmp_path: Path) 
     with pytest.raises(FormatError, match=r"000000\.png cannot be written: it is there, and not a regular file"):
         scan.save(tmp_path / "000000")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["000000.png", "file"]
+
+
+def test_an_earlier_scan_of_a_name_is_replaced_whole(scan: Scan, tmp_path: Path) -> None:
+    name, others = tmp_path / "000000", ("000000.txt", "000000.bin.png", "000001.png")
+    for other in others:
+        (tmp_path / other).write_text("mine")
+
+    def endings() -> set[str]:
+        return {path.name.removeprefix("000000") for path in tmp_path.iterdir() if path.name not in others}
+
+    (tmp_path / "000000.png").write_text("a picture of mine")
+    scan.save(name, picture=False)  # over no scan
+    assert (tmp_path / "000000.png").read_text() == "a picture of mine"
+    scan.save(name)
+    scan.save(name, picture=False)
+    assert endings() == set(SCAN_ENDINGS) - {".png"}
+    scan.save(name)
+    RecordedScan.from_points(scan.points(), SMALL).save(name)
+    assert endings() == set(SCAN_ENDINGS) - {".png", ".layout.json"}
+    scan.save(name)
+    save_observed(scan.image, name)
+    assert endings() == set(SCAN_ENDINGS) - {".boxes.json", ".layout.json"}
+    assert all((tmp_path / other).read_text() == "mine" for other in others)
+
+
+def test_an_image_without_intensity_is_not_saved_as_a_scan(tmp_path: Path) -> None:
+    bare = Scan(image=raycast(LAYOUT, SMALL), layout=LAYOUT, pose=SMALL.pose(), seed=0)
+    said = "no intensity in the image; `simulate` and `observe_cast` give one, `Scan.from_points` takes one"
+    for refused in (bare.intensities, bare.frame, lambda: bare.save(tmp_path / "a")):
+        with pytest.raises(SensorError, match=said):
+            refused()
+    with pytest.raises(SensorError, match=said):
+        save_observed(bare.image, tmp_path / "a")
+    assert not list(tmp_path.iterdir())
+    assert '"intensities": null' in bare.html()
+    assert bare.picture().shape == (712, 1400, 3)  # with two range images
+
+
+@pytest.mark.parametrize(
+    "motion", [{"turn": 0.5}, {"turn": 0.5, "time": 1.0}, {"speed": 9.0, "heading": (0.0, 0.6, -0.8)}, {"time": 2.0}]
+)
+def test_a_motion_goes_through_a_file(scan: Scan, motion: dict[str, Any], tmp_path: Path) -> None:
+    moving = replace(scan, **({"speed": 3.0} | motion))
+    moving.save(tmp_path / "a", picture=False)
+    loaded = Scan.load(tmp_path / "a")
+    assert {name: getattr(loaded, name) for name in motion} == motion
+    np.testing.assert_array_equal(loaded.poses(), moving.poses())
+    np.testing.assert_array_equal(loaded.points(), moving.points())
+    along = motion.get("heading", (1.0, 0.0, 0.0))
+    moved = moving.poses()[-1, :3, 3] - SMALL.pose()[:3, 3]
+    np.testing.assert_allclose(moved, np.multiply(along, moving.speed * 0.1 * (127 / 128 - 0.5)), atol=1e-12)
 
 
 def test_points_of_a_moving_sensor_lie_in_their_boxes() -> None:

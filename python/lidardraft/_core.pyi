@@ -214,12 +214,11 @@ def fit_box(points: NDArray[np.float64], outliers: float) -> list[float]:
 
 def read_obj(
     path: str | PathLike[str],
-) -> list[tuple[str, str, NDArray[np.float64], NDArray[np.uint32]]]:
-    """Object name, material name ("" if none), vertices [V, 3] and triangles [F, 3] of each object in a Wavefront OBJ
-    file.
+) -> list[tuple[str, str, NDArray[np.float64], NDArray[np.uint32], NDArray[np.uint32]]]:
+    """Object name, material name ("" if none), vertices [V, 3], the corners of all faces one after the other, and how
+    many of them each face has, of each object in a Wavefront OBJ file.
 
-    An object with several materials comes as several entries. Polygons become fans of triangles; shared positions stay
-    shared.
+    An object with several materials comes as several entries; shared positions stay shared.
     """
 
 @final

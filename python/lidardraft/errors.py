@@ -52,8 +52,11 @@ def check_number(name: str, value: Any, *, least: int = 0) -> int:
 
 
 def check_seed(seed: Any) -> int:
-    """The seed as an int; raises `LayoutError` where it is no integer >= 0."""
-    return check_number("seed", seed)
+    """The seed as an int; raises `LayoutError` unless it is an integer of 0 to 2^63 - 1, which the core can count."""
+    number = as_int(seed)
+    if number is None or not 0 <= number < 2**63:
+        raise LayoutError(f"seed is {seed!r:.80}; it must be an integer of 0 to 2^63 - 1")
+    return number
 
 
 _LONGEST = 2000  # characters of a message
@@ -77,6 +80,12 @@ class LidarDraftError(ValueError):
 
 class LayoutError(LidarDraftError):
     """A primitive, a layout or a pose that cannot be."""
+
+
+class UnknownNameError(LayoutError, KeyError):
+    """A name or pattern that nothing in a layout or scan has; the message names the one that was probably meant."""
+
+    __str__ = Exception.__str__  # a KeyError shows its message in quotes
 
 
 class SensorError(LidarDraftError):
@@ -111,12 +120,22 @@ class MissingExtraError(LidarDraftError, ImportError):
     """A library that an extra of lidardraft brings is not installed; the message names the extra."""
 
 
+# The libraries that only extras bring, each with those extras; the first one is the smallest.
+EXTRAS = {
+    "torch": ("generate", "train", "image"), "transformers": ("image",), "huggingface_hub": ("image",),
+    "laspy": ("export",), "foxglove": ("export",), "av": ("video",), "ray": ("cluster",), "ouster": ("ouster",),
+}  # fmt: skip
+
+
 @contextmanager
-def extra(name: str) -> Iterator[None]:
-    """Raise `MissingExtraError` where the block imports a library that only the extra of that name brings."""
+def extra(preferred: str = "") -> Iterator[None]:
+    """Raise `MissingExtraError` if the block imports a missing library of `EXTRAS`. It names the extra that brings the
+    library: `preferred`, if that is one of them."""
     try:
         yield
     except ModuleNotFoundError as error:
-        if error.name not in ("torch", "transformers", "laspy", "foxglove", "ray", "ouster", "av"):
+        names = EXTRAS.get(str(error.name))
+        if names is None:
             raise
+        name = preferred if preferred in names else names[0]
         raise MissingExtraError(f"{error.name} is not installed; run: pip install 'lidardraft[{name}]'") from None

@@ -67,7 +67,7 @@ def unseen_streets(
 ) -> list[StreetPair]:
     """One pair of each of `num` streets, of a seed that no training used; `on_street` is called after each."""
     config = StreetConfig(sensor=sensor, poses_per_street=1, simulated=True)
-    return list(_counted(itertools.islice(streets(seed, config), num), on_street))
+    return list(_counted(itertools.islice(streets(seed=seed, config=config), num), on_street))
 
 
 def evaluate(

@@ -9,7 +9,7 @@ import shutil
 import stat
 import sys
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 
@@ -61,9 +61,10 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 @contextmanager
-def written_together(name: str | os.PathLike[str]) -> Iterator[str]:
+def written_together(name: str | os.PathLike[str], endings: Sequence[str] = ()) -> Iterator[str]:
     """The stem of temporary files that get the stem `name` when the block ends well: all of them or none.
 
+    A set of files that has the first of `endings` is replaced whole: those of its files that are not written anew go.
     Raises `FormatError` where one cannot be written; the files that had these names are then as they were.
     """
     target = Path(name)
@@ -76,7 +77,7 @@ def written_together(name: str | os.PathLike[str]) -> Iterator[str]:
                 yield f"{new}/{target.name}"
             except FormatError as error:  # it names a temporary file
                 raise FormatError(str(error).replace(str(new), str(target.parent))) from None
-            _replace_all(new, old, target.parent)
+            _replace_all(new, old, target.parent, [f"{target.name}{ending}" for ending in endings])
     except OSError as error:
         raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
 
@@ -104,22 +105,25 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
         shutil.rmtree(temporary, ignore_errors=True)
 
 
-def _replace_all(new: Path, old: Path, folder: Path) -> None:
-    """Move the files of `new` to `folder` and those that they replace to `old`; where one move fails, undo all."""
-    names = [path.name for path in new.iterdir()]
+def _replace_all(new: Path, old: Path, folder: Path, earlier: Sequence[str]) -> None:
+    """Move the files of `new` to `folder`, and to `old` those that they replace and, where the first of them is there,
+    the `earlier` ones; where one move fails, undo all."""
+    written = {path.name for path in new.iterdir()}
+    names = sorted(written.union(earlier if earlier and os.path.lexists(folder / earlier[0]) else ()))
     for name in names:
         check_replaceable(folder / name)
     try:
         for name in names:
             if os.path.lexists(folder / name):
                 (folder / name).replace(old / name)
-            (new / name).replace(folder / name)
+            if name in written:
+                (new / name).replace(folder / name)
     except BaseException:
         for name in names:
             if os.path.lexists(old / name):
                 (old / name).replace(folder / name)
             elif not os.path.lexists(new / name):
-                (folder / name).unlink()
+                (folder / name).unlink(missing_ok=True)
         raise
 
 

@@ -16,10 +16,10 @@ from lidardraft.diffusion.denoiser_config import GUIDANCE, LAST_NOISE, STEPS
 from lidardraft.diffusion.sampler import sample
 from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.drafting.text.layout import layout_from_text
-from lidardraft.errors import CheckpointError, LidarDraftError, check_number, check_type
+from lidardraft.errors import CheckpointError, LidarDraftError, check_number, check_seed, check_type
 from lidardraft.files import named
 from lidardraft.json_fields import check_fields, check_object, is_number
-from lidardraft.networks import weight_file
+from lidardraft.networks import weight_file, weight_header
 from lidardraft.scan import Scan
 from lidardraft.scene.labelling import label_by_agreement
 from lidardraft.scene.layout import Layout
@@ -32,6 +32,7 @@ from lidardraft.scene.visibility import open_pixels
 from lidardraft.simulation.sequence import SequenceSimulator
 from lidardraft.simulation.simulate import simulate
 
+_NOTHING_OPEN = "the layout leaves nothing open: the scan is the simulated one"
 _ONE_WORLD = "only weights that complete, such as street, go on from an earlier scan, and only of the same sensor"
 
 
@@ -84,7 +85,7 @@ class Pipeline:
         `threads` is how many torch may use in this process from now on; scans differ a little with their number.
         """
         check_type("name", name, str, os.PathLike)
-        path = weight_file.find(name)
+        path = weight_header.find(name)
         denoiser, card = weight_file.load(path, Denoiser), weight_file.read_card(path)
         try:
             denoiser = denoiser.to(device)
@@ -138,8 +139,8 @@ class Pipeline:
         completes, poses = self.denoiser.config.completes, simulated.poses()
         cast, is_open = _cast_and_open(simulated)
         if completes and not is_open.any():
-            warnings.warn("the layout leaves nothing open: the scan is the simulated one", stacklevel=3)
-            return simulated
+            warnings.warn(_NOTHING_OPEN, stacklevel=3)
+            return dataclasses.replace(simulated, assumed=(*simulated.assumed, _NOTHING_OPEN))
         given = simulated.image
         if after is not None:
             if not completes or after.image.sensor != given.sensor:
@@ -188,7 +189,7 @@ class Pipeline:
 
         Of weights that complete it is the simulated scan but where `is_open`, bool [H, W]: None is everywhere.
         """
-        sensor, config = condition_image.sensor, self.denoiser.config
+        sensor, config, seed = condition_image.sensor, self.denoiser.config, check_seed(seed)
         difference = self.trained and self.trained.difference(sensor)
         if difference:
             warnings.warn(f"these weights were trained on {difference}; its scans may be poor", stacklevel=2)
@@ -218,8 +219,9 @@ class Pipeline:
 
 def _cast_and_open(scan: Scan) -> tuple[RangeImage, np.ndarray]:
     """The cast of the layout of a scan, and what it leaves open, bool [H, W]."""
-    cast = raycast(scan.layout, scan.image.sensor, poses=scan.poses(), primitive=True)
-    return cast, open_pixels(scan.layout, cast, scan.pose)
+    poses = scan.poses()
+    cast = raycast(scan.layout, scan.image.sensor, poses=poses, primitive=True)
+    return cast, open_pixels(scan.layout, cast, poses)
 
 
 def merged(given: RangeImage, made: RangeImage, is_open: np.ndarray) -> RangeImage:

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lidardraft.errors import LidarDraftError
+from lidardraft.errors import LidarDraftError, check_seed
 from lidardraft.files import named
 from lidardraft.formats.recording import read_points, returns
 from lidardraft.metrics.bev import bev_histogram
@@ -228,13 +228,15 @@ def compare(
     device: str = "cpu",
     seed: int = 0,
     on_scan: Callable[[], object] | None = None,
+    intensity_scale: float | None = None,
 ) -> list[Score]:
     """The scores of generated scans in files beside recorded ones, each file read once; `on_scan` is called after each.
+    `intensity_scale` is that of recorded intensities, as in `read_recording`.
 
     `networks` is the folder of the public weights; without it, metrics that need some are left out. Raises
     `LidarDraftError` where a file is none of a scan, or has nothing to measure.
     """
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(check_seed(seed))
     files, counts = [], protocol.drawn(len(recorded), len(generated))
     for side, count in zip((recorded, generated), counts, strict=True):
         files += [side[number] for number in random.permutation(len(side))[:count]]
@@ -259,8 +261,10 @@ def compare(
                 left_out=left_out,
             )
         )
-    for file in files:
-        points, fields = read_points(file)
+    needed = any(score.network for score in scores) or None  # networks look at intensities
+    for number, file in enumerate(files):
+        scale = intensity_scale if number < counts[0] else None
+        points, fields = read_points(file, intensity_scale=scale, needs_intensity=needed)
         with named(file):
             image = _projected(points, fields, protocol)
             for distance, measure in measured:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -14,32 +15,38 @@ from typing import Any
 import numpy as np
 
 from lidardraft import array_files, view
+from lidardraft.errors import FormatError, LayoutError, SensorError, check_type
 from lidardraft.files import written_together
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.formats.frame import Annotation, Frame, with_riders_merged
-from lidardraft.json_fields import parse_object
+from lidardraft.json_fields import is_number, parse_object
 from lidardraft.scene.box import Box, checked_vector
 from lidardraft.scene.layout import Layout
-from lidardraft.scene.pose import finite_array
+from lidardraft.scene.pose import finite_array, inverse
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
+from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.visibility import occluded_shares
 
 _MOST_IN_NOTEBOOKS = 40_000  # points of an output, which is kept in the file of the notebook: half a megabyte
-SCAN_ENDINGS = (".bin", ".label", ".npz", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan
+SCAN_ENDINGS = (".npz", ".bin", ".label", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan
 TRACK_FILES = ("poses.txt", "times.txt", "tracks.json")  # beside the saved scans of a sequence
+CASTS_FILE = "casts.json"  # beside those of `observe`: the file that each is made of, by its number
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scan:
     """A labelled scan and the layout it was made of.
 
-    `pose` is the world_from_sensor [4, 4] it was taken from; of a sensor that moves along its x axis with `speed` [m/s]
-    and turns about its z axis with `turn` [rad/s] it is the pose in the middle of the sweep.
+    `pose` is the world_from_sensor [4, 4] it was taken from; of a sensor that moves with `speed` [m/s] along `heading`,
+    by default its x axis, and turns about its z axis with `turn` [rad/s] it is the pose in the middle of the sweep.
+    `heading` [3], of length 1 in the world, is that of a vehicle that leans, as its sensor does, but not its way.
 
     In a frame of a sequence, `time` is that of the middle of the sweep since the start [s], the layout is as it stands
     then, and `velocities` are those [m/s] of the objects that move, by their names, in the world.
+
+    `assumed` are lines on this scan alone, which files do not keep; `notes` are these and those of its layout.
     """
 
     image: RangeImage
@@ -50,6 +57,47 @@ class Scan:
     turn: float = 0.0
     time: float | None = None
     velocities: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
+    heading: tuple[float, float, float] | None = None
+    assumed: tuple[str, ...] = ()
+
+    @classmethod
+    def from_points(
+        cls,
+        points: np.ndarray,
+        sensor: Sensor,
+        *,
+        label: np.ndarray | None = None,
+        instance: np.ndarray | None = None,
+        intensity: np.ndarray | None = None,
+        layout: Layout | None = None,
+        pose: np.ndarray | None = None,
+    ) -> Scan:
+        """The scan of points of your own, [N, 3] [m] in the frame of `sensor`, with one value a point [N] of what else
+        is known: class ids, numbers of objects as in `layout`, which is by default empty, and intensities in [0, 1].
+
+        Each point becomes the return of the pixel that it lies in: it keeps its range, and lies in the middle of its
+        beam and column. Of several the nearest stays; how many are left out is a `UserWarning`, and one of `notes`.
+        `pose` is world_from_sensor [4, 4], by default that of the sensor on its mount. Raises `LayoutError` naming the
+        first invalid value.
+        """
+        check_type("sensor", sensor, Sensor)
+        image = RangeImage.project(points, sensor, label=label, instance=instance, intensity=intensity)
+        if image.intensity is not None and not 0 <= image.intensity.min() <= image.intensity.max() <= 1:
+            low, high = image.intensity.min(), image.intensity.max()
+            raise LayoutError(f"intensity holds {low:g} to {high:g}; it must be 0 to 1, as by a division by 255")
+        pose = sensor.pose() if pose is None else finite_array("pose", pose, 4, 4)
+        count, returns = len(points), int(np.count_nonzero(image.depth))
+        in_view = np.count_nonzero(sensor.pattern.project(np.ascontiguousarray(points, np.float64))[0] >= 0)
+        lost = f"{in_view - returns} share a pixel of {sensor.name} with a nearer one, {count - in_view} out of sight"
+        lines = () if returns == count else (f"{count - returns} of {count} points are left out: {lost}",)
+        for line in lines:
+            warnings.warn(line, stacklevel=2)
+        return cls(image=image, layout=layout or Layout(), pose=pose, seed=0, assumed=lines)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The notes of the layout, and what was assumed or left out in this scan (`assumed`): a line each."""
+        return (*self.layout.notes, *self.assumed)
 
     @cached_property
     def condition_image(self) -> RangeImage:
@@ -60,7 +108,8 @@ class Scan:
 
     def poses(self) -> np.ndarray:
         """The pose of each column, f64 [W, 4, 4]."""
-        return self.image.sensor.poses_in_motion(self.pose, self.speed * self.pose[:3, 0], (0.0, 0.0, self.turn))
+        along = self.pose[:3, 0] if self.heading is None else np.array(self.heading)
+        return self.image.sensor.poses_in_motion(self.pose, self.speed * along, (0.0, 0.0, self.turn))
 
     def points(self) -> np.ndarray:
         """x, y, z of the returns in the sensor's frame in the middle of the sweep [m], float32 [N, 3].
@@ -74,9 +123,8 @@ class Scan:
         return (points @ self.pose[:3, :3]).astype(np.float32)
 
     def intensities(self) -> np.ndarray:
-        """Intensities in [0, 1] of `points()`, float32 [N]."""
-        assert self.image.intensity is not None
-        return self.image.intensity[self.image.valid]
+        """Intensities in [0, 1] of `points()`, float32 [N]; raises `SensorError` where the image has none."""
+        return _intensities(self.image)
 
     def labels(self) -> np.ndarray:
         """Class ids of `points()`, uint8 [N]; 0 for points of nothing in the layout."""
@@ -91,32 +139,36 @@ class Scan:
         return [box.seen_from(self.pose) for box in self._boxes()]
 
     def _boxes(self) -> list[Box]:
-        boxes = self.layout.boxes()
-        if self.time is None:
-            return boxes
-        return [replace(box, velocity=self.velocities.get(box.id.split(".", 1)[0], (0.0, 0.0, 0.0))) for box in boxes]
+        still = None if self.time is None else (0.0, 0.0, 0.0)
+        velocities = (self.velocities.get(box.id.split(".", 1)[0], still) for box in self.layout.boxes())
+        return [replace(box, velocity=each) for box, each in zip(self.layout.boxes(), velocities, strict=True)]
 
     def returns_per_box(self) -> list[int]:
         """How many points are of each of `boxes()`."""
         counts = np.bincount(self.instances(), minlength=2**16)
         return [int(counts[box.instance]) for box in self.layout.boxes()]
 
-    def frame(self) -> Frame:
-        """What data sets in other people's formats are written from."""
-        moved = (self.poses()[:, :3, 3] - self.pose[:3, 3]) @ self.pose[:3, :3]
+    def frame(self, *, as_seen: bool = False, box_margin: float = 0.0) -> Frame:
+        """What data sets in other people's formats are written from: `points()` in boxes that are larger by
+        `box_margin` [m] on each side, or with `as_seen` `image.points()`, as the sensor saw them, and their times.
+
+        Raises `FormatError` where the margin is negative or not a number.
+        """
+        if not is_number(box_margin) or box_margin < 0:
+            raise FormatError(f"box_margin is {box_margin!r}; it must be a number of metres, 0 or more")
         boxes = self.boxes()
-        shares = occluded_shares(self.image, boxes, moved)
-        annotations = list(map(Annotation, boxes, self.returns_per_box(), shares))
+        shares = occluded_shares(self.image, boxes, inverse(self.pose) @ self.poses())
+        annotations = with_riders_merged(list(map(Annotation, boxes, self.returns_per_box(), shares)))
         return Frame(
             sensor=self.image.sensor,
             pose=self.pose,
-            points=self.points(),
+            points=self.image.points() if as_seen else self.points(),
             intensity=self.intensities(),
             ring=self.image.beams(),
-            time=self.image.times(),
+            time=self.image.times() if as_seen else None,
             label=self.labels(),
             instance=self.instances(),
-            annotations=with_riders_merged(annotations),
+            annotations=tuple(each.grown(box_margin) if box_margin else each for each in annotations),
             world=json.dumps(self.layout.provenance, sort_keys=True),
             start=None if self.time is None else self.time - self.image.sensor.sweep_time / 2,
         )
@@ -134,7 +186,8 @@ class Scan:
         step = 1 if most is None else -(-len(self.labels()) // most)
         up = np.array([0.0, 0.0, self.image.sensor.mount_height])
         boxes = [box.raised(up[2]) for box in self.boxes()]
-        label, intensity = self.labels()[::step], self.intensities()[::step]
+        label = self.labels()[::step]
+        intensity = None if self.image.intensity is None else self.intensities()[::step]
         title = view.title_of(self.layout) or self.image.sensor.name
         return view.html_page(self.points()[::step] + up, label=label, intensity=intensity, boxes=boxes, title=title)
 
@@ -145,10 +198,11 @@ class Scan:
     def save(self, name: str | os.PathLike[str], *, picture: bool = True) -> None:
         """Write `NAME.bin`, `.label`, `.npz`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png`.
 
-        The `.npz` is the range image, with pose, speed and seed: `load` reads it and the layout. Files of these names
-        are replaced. Raises `FormatError` where one cannot be written; then all stay as they were.
+        The `.npz` is the range image, with pose, motion and seed: `load` reads it and the layout. An earlier scan of
+        that name is replaced whole. Raises `FormatError` where a file cannot be written and `SensorError` on an image
+        without intensity; then all stay as they were.
         """
-        with written_together(name) as stem:
+        with written_together(name, SCAN_ENDINGS) as stem:
             _save_image(self.image, self.points(), stem)
             self.image.save(f"{stem}.npz", pose=self.pose, seed=np.int64(self.seed), **self._motion())
             write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
@@ -159,9 +213,14 @@ class Scan:
     def _motion(self) -> dict[str, np.ndarray]:
         """What the .npz says of motion."""
         said = {"speed": np.array(self.speed)}
+        if self.turn or self.time is not None:
+            said["turn"] = np.array(self.turn)
         if self.time is not None:
-            velocities = np.array(json.dumps(dict(self.velocities)))
-            said |= {"turn": np.array(self.turn), "time": np.array(self.time), "velocities": velocities}
+            said["time"] = np.array(self.time)
+        if self.velocities or self.time is not None:
+            said["velocities"] = np.array(json.dumps(dict(self.velocities)))
+        if self.heading is not None:
+            said["heading"] = np.array(self.heading)
         return said
 
     @classmethod
@@ -172,34 +231,50 @@ class Scan:
         name = os.fspath(name).removesuffix(".bin").removesuffix(".npz")
         file = f"{name}.npz"
         image = RangeImage.load(file)
-        with array_files.opened(file) as archive:
-            if not array_files.holds(archive, "pose"):
-                return cls(image=image, layout=Layout(()), pose=image.sensor.pose(), seed=0)
-            pose = finite_array("pose", array_files.read_numbers(archive, "pose", (4, 4)), 4, 4)
-            names = ("speed", "turn", "time") if array_files.holds(archive, "time") else ("speed",)
-            motion: dict[str, Any] = {key: array_files.read_numbers(archive, key, ()).item() for key in names}
-            if "time" in motion:
-                velocities = parse_object(array_files.read_text(archive, "velocities"))
-                motion["velocities"] = {key: checked_vector(key, "velocity", row) for key, row in velocities.items()}
-            seed = int(array_files.read_numbers(archive, "seed", ()).item())
-        layout = Layout.load(f"{name}.layout.json")
-        return cls(image=image, layout=layout, pose=pose, seed=seed, **motion)
+        motion = read_motion(file)
+        if "pose" not in motion:
+            return cls(image=image, layout=Layout(()), pose=image.sensor.pose(), seed=0)
+        return cls(image=image, layout=Layout.load(f"{name}.layout.json"), **{"seed": 0, **motion})
 
     def __repr__(self) -> str:
         return f"Scan({self.image!r}, {self.layout!r}, seed {self.seed}, {self.speed:g} m/s)"
 
 
+def read_motion(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """What a .npz of a scan or a cast says of `pose`, `speed`, `heading`, `turn`, `time`, `velocities` and `seed`:
+    arguments of `Scan`. Raises `FormatError` naming what is broken."""
+    said: dict[str, Any] = {}
+    with array_files.opened(path) as archive:
+        names = [name for name in ("speed", "turn", "time", "seed") if array_files.holds(archive, name)]
+        said |= {name: array_files.read_numbers(archive, name, ()).item() for name in names}
+        if array_files.holds(archive, "pose"):
+            said["pose"] = finite_array("pose", array_files.read_numbers(archive, "pose", (4, 4)), 4, 4)
+        if array_files.holds(archive, "heading"):
+            said["heading"] = tuple(array_files.read_numbers(archive, "heading", (3,)).tolist())
+        if array_files.holds(archive, "velocities"):
+            velocities = parse_object(array_files.read_text(archive, "velocities"))
+            said["velocities"] = {key: checked_vector(key, "velocity", row) for key, row in velocities.items()}
+    return said
+
+
 def save_observed(image: RangeImage, name: str | os.PathLike[str], *, picture: bool = True) -> None:
     """Write an image with intensity as a `Scan` is saved, without the `.boxes.json` and `.layout.json` of a layout."""
-    with written_together(name) as stem:
+    with written_together(name, SCAN_ENDINGS) as stem:
         _save_image(image, image.points(), stem)
         image.save(f"{stem}.npz")
         if picture:
             view.save_png(f"{stem}.png", view.render_returns(image, view.points_on_road(image)))
 
 
+def _intensities(image: RangeImage) -> np.ndarray:
+    if image.intensity is None:
+        raise SensorError(
+            "no intensity in the image; `simulate` and `observe_cast` give one, `Scan.from_points` takes one"
+        )
+    return image.intensity[image.valid]
+
+
 def _save_image(image: RangeImage, points: np.ndarray, stem: str) -> None:
-    assert image.intensity is not None
-    kitti.write_bin(f"{stem}.bin", points, image.intensity[image.valid])
+    kitti.write_bin(f"{stem}.bin", points, _intensities(image))
     semantickitti.write_label(f"{stem}.label", image.label[image.valid], image.instance[image.valid])
     Path(f"{stem}.sensor.json").write_text(image.sensor.to_json())

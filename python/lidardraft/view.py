@@ -174,7 +174,7 @@ def render_returns(
 ) -> np.ndarray:
     """The returns `points` [N, 3] of a scan: by an eye that shows its boxes, from above, and as range images.
 
-    uint8 [784, 1400, 3]. The legend says what the colours are (`colour_returns`); rings are 10 m
+    uint8 [788, 1400, 3]. The legend says what the colours are (`colour_returns`); rings are 10 m
     apart.
     """
     boxes, points = _with_returns(boxes, image), points.astype(np.float32)  # half as much memory to go through
@@ -273,10 +273,11 @@ def _colour_of(number: int) -> Colour:
 def _strips(image: RangeImage) -> dict[str, np.ndarray]:
     """Range, class, and intensity where there is one, uint8 [H, W, 3] each: a column is one azimuth, also where beams
     look aside from the column that they fire in."""
-    rows, columns, _ = image.sensor.azimuth_grid() if image.sensor.wraps else (..., ..., None)
-    strips = {"range": colour_by_depth(image.depth[rows, columns]), "class": PALETTE[image.label[rows, columns]]}
+    rows, columns, inside = image.sensor.azimuth_grid()
+    depth, label = (np.where(inside, values[rows, columns], 0) for values in (image.depth, image.label))
+    strips = {"range": colour_by_depth(depth), "class": PALETTE[label]}
     if image.intensity is not None:
-        grey = (np.sqrt(np.clip(image.intensity, 0, 1)) * 255).astype(np.uint8)[rows, columns]
+        grey = (np.sqrt(np.clip(image.intensity, 0, 1)) * 255).astype(np.uint8)[rows, columns] * inside
         strips["intensity"] = np.repeat(grey[..., None], 3, axis=2)
     return strips
 
@@ -438,7 +439,7 @@ def save_gif(path: str | os.PathLike[str], pictures: Iterable[np.ndarray], secon
 def save_mp4(path: str | os.PathLike[str], pictures: Iterable[np.ndarray], seconds: float) -> None:
     """Write pictures uint8 [H, W, 3] as a film (H.264) that shows each for so many seconds; a last odd row or column is
     left out. Raises `MissingExtraError` where PyAV is not installed."""
-    with extra("video"):
+    with extra():
         import av
     frames = iter(pictures)
     first = next(frames)

@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read};
 use std::path::Path;
 
-use crate::{Error, Result, TriangleMesh};
+use crate::{Error, Result};
 
 /// A named part of an OBJ file: the faces of one object (`o` or `g`) with one material (`usemtl`).
 #[derive(Clone, Debug, PartialEq)]
@@ -14,15 +14,18 @@ pub struct ObjMesh {
     pub object: String,
     /// The name of the material as the file writes it; "" if it uses none.
     pub material: String,
-    /// Its triangles.
-    pub mesh: TriangleMesh,
+    /// The positions that the faces refer to; every coordinate is finite.
+    pub vertices: Vec<[f64; 3]>,
+    /// The vertex numbers of all faces, one face after the other.
+    pub corners: Vec<u32>,
+    /// How many of them each face has, 3 or more.
+    pub counts: Vec<u32>,
 }
 
 /// The objects of a Wavefront OBJ file, those with several materials as several entries.
 ///
-/// Polygons become fans of triangles, which is exact for convex ones. Positions shared within an entry stay shared. Points,
-/// lines, normals and texture coordinates are passed over, and material libraries are not opened: the names come from the
-/// OBJ file itself.
+/// Positions shared within an entry stay shared. Points, lines, normals and texture coordinates are passed over, and
+/// material libraries are not opened: the names come from the OBJ file itself.
 ///
 /// # Errors
 /// [`Error::ObjUnreadable`], [`Error::ObjBroken`], [`Error::ObjMesh`] or [`Error::ObjWithoutFaces`]. A face that names a
@@ -34,6 +37,7 @@ pub fn read_obj(path: &Path) -> Result<Vec<ObjMesh>> {
         .and_then(|file| file.metadata().map(|data| file.take(data.len())))
         .and_then(|mut file| file.read_to_end(&mut text))
         .map_err(|error| Error::ObjUnreadable { path: path.into(), reason: error.to_string() })?;
+    let text = plain(&text);
     let materials = material_names(&text);
     let models = parse(&text, &materials).map_err(|(line, error)| Error::ObjBroken {
         path: path.into(),
@@ -48,12 +52,31 @@ pub fn read_obj(path: &Path) -> Result<Vec<ObjMesh>> {
     Ok(meshes)
 }
 
+/// The text as `tobj` reads it, with as many lines: those that end in a backslash go on in the next one, unless they are
+/// comments, and a `usemtl` without a name, as Rhino writes it, names a material that no library has.
+fn plain(text: &[u8]) -> Vec<u8> {
+    let (mut plain, mut joined) = (Vec::with_capacity(text.len()), 0);
+    for line in text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii) {
+        let begun = line.strip_suffix(b"\\").filter(|_| !line.starts_with(b"#"));
+        plain.extend_from_slice(match line {
+            b"usemtl" => b"usemtl /",
+            b"f" => b"f nothing", // which it would take for a face
+            _ => begun.unwrap_or(line),
+        });
+        joined += 1;
+        plain.extend(std::iter::repeat_n(b'\n', if begun.is_some() { 0 } else { std::mem::take(&mut joined) }));
+        plain.extend(begun.map(|_| b' '));
+    }
+    plain.pop(); // the text ends where it ended
+    plain
+}
+
 /// The material names that the faces use, in order of their first use.
 fn material_names(text: &[u8]) -> Vec<String> {
     let mut names: Vec<String> = Vec::new();
     for line in String::from_utf8_lossy(text).lines() {
-        let name = line.trim_start().strip_prefix("usemtl ").unwrap_or_default().trim();
-        if !name.is_empty() && !names.iter().any(|known| known == name) {
+        let name = line.strip_prefix("usemtl ").unwrap_or_default().trim();
+        if !["", "/"].contains(&name) && !names.iter().any(|known| known == name) {
             names.push(name.to_owned());
         }
     }
@@ -66,8 +89,7 @@ fn material_names(text: &[u8]) -> Vec<String> {
 /// loader that answers with all materials the text uses, and with nothing for the libraries of the text.
 fn parse(text: &[u8], materials: &[String]) -> std::result::Result<Vec<tobj::Model>, (usize, tobj::LoadError)> {
     const LIBRARY: &str = "lidardraft names";
-    let options =
-        tobj::LoadOptions { triangulate: true, ignore_points: true, ignore_lines: true, ..Default::default() };
+    let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..Default::default() };
     let first_line = format!("mtllib {LIBRARY}\n");
     let mut reader = LineCounter { inner: BufReader::new(Cursor::new(first_line).chain(text)), ended: 0 };
     let library = |path: &Path| {
@@ -83,15 +105,19 @@ fn parse(text: &[u8], materials: &[String]) -> std::result::Result<Vec<tobj::Mod
 }
 
 fn named_mesh(path: &Path, model: tobj::Model, materials: &[String]) -> Result<ObjMesh> {
-    let vertices = model.mesh.positions.as_chunks().0.to_vec();
-    let faces = model.mesh.indices.as_chunks().0.to_vec();
-    let mesh = TriangleMesh::new(vertices, faces).map_err(|source| Error::ObjMesh {
-        path: path.into(),
-        object: model.name.clone(),
-        source: Box::new(source),
-    })?;
+    let (vertices, corners) = (model.mesh.positions.as_chunks().0.to_vec(), model.mesh.indices);
+    if let Some(vertex) = vertices.iter().position(|place: &[f64; 3]| !place.iter().all(|x| x.is_finite())) {
+        let source = Box::new(Error::VertexNotFinite { vertex, position: vertices[vertex] });
+        return Err(Error::ObjMesh { path: path.into(), object: model.name, source });
+    }
+    let mut counts = model.mesh.face_arities;
+    counts.retain(|&count| count > 0);
+    if counts.is_empty() {
+        counts = vec![3; corners.len() / 3];
+    }
     let material = model.mesh.material_id.and_then(|id| materials.get(id));
-    Ok(ObjMesh { object: model.name, material: material.cloned().unwrap_or_default(), mesh })
+    let material = material.cloned().unwrap_or_default();
+    Ok(ObjMesh { object: model.name, material, vertices, corners, counts })
 }
 
 /// Counts the lines that were read: the place of an error, which `tobj` does not tell.

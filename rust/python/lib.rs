@@ -226,16 +226,19 @@ fn backends() -> Vec<&'static str> {
 
 #[pyfunction]
 #[expect(clippy::type_complexity, reason = "the list of the stub file")]
-fn read_obj(py: Python<'_>, path: PathBuf) -> PyResult<Vec<(String, String, Out<'_, f64>, Out<'_, u32>)>> {
+fn read_obj(
+    py: Python<'_>,
+    path: PathBuf,
+) -> PyResult<Vec<(String, String, Out<'_, f64>, Out<'_, u32>, Out<'_, u32>)>> {
     let meshes = py.detach(|| core::read_obj(&path)).map_err(CoreError::from)?;
     let entry = |entry: core::ObjMesh| {
-        let (vertices, faces) = entry.mesh.into_parts();
-        let (v, f) = (vertices.len(), faces.len());
+        let (vertices, corners, counts) = (entry.vertices.len(), entry.corners.len(), entry.counts.len());
         Ok((
             entry.object,
             entry.material,
-            shaped(py, vertices.into_flattened(), [v, 3])?,
-            shaped(py, faces.into_flattened(), [f, 3])?,
+            shaped(py, entry.vertices.into_flattened(), [vertices, 3])?,
+            shaped(py, entry.corners, [corners])?,
+            shaped(py, entry.counts, [counts])?,
         ))
     };
     meshes.into_iter().map(entry).collect()

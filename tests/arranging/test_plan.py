@@ -12,7 +12,7 @@ from lidardraft.arranging.district import DISTRICTS, PARKING_STRIP, sample_road
 from lidardraft.arranging.lanes import MAIN_ROAD
 from lidardraft.arranging.plan import plan_street
 from lidardraft.arranging.sizes import STANDING, Extents, sample_person, sample_tree
-from lidardraft.arranging.street_mix import StreetMix
+from lidardraft.arranging.street_mix import StreetMix, applied
 from lidardraft.errors import LayoutError
 from lidardraft.scene.road import LEFT, RIGHT, Road
 from lidardraft.streets.ego import sample_ego
@@ -149,7 +149,7 @@ def kinds(mix: StreetMix) -> Counter[str]:
 
 def test_the_usual_mix_changes_no_district():
     for district in DISTRICTS.values():
-        assert StreetMix().applied(district) == district
+        assert applied(StreetMix(), district) == district
 
 
 def test_districts_have_their_shares():

@@ -15,7 +15,7 @@ OTHERWISE = {
 
 
 def test_things_are_drawn_as_the_solver_of_sentences_draws_them():
-    tallies = compare_solver(make_street(seed, CONFIG) for seed in range(8))
+    tallies = compare_solver(make_street(seed=seed, config=CONFIG) for seed in range(8))
     alike = {name: by for name, by in tallies.items() if name not in OTHERWISE}
     assert {"car: car", "van: car", "house: building", "building: building", "tree: trunk"} <= set(alike)
     assert drift(alike, "solver", "quick") == []

@@ -46,7 +46,10 @@ def test_the_geometry_is_that_of_the_sensor(fitted):
 
 def test_streets_by_the_fitted_sensor_read_and_hide_as_those_of_the_true_one(fitted):
     sensor = replace(fitted.sensor, columns=TRUTH.columns)
-    scans = [pair.scan for pair in itertools.islice(streets(3, StreetConfig(sensor=sensor, poses_per_street=1)), 6)]
+    scans = [
+        pair.scan
+        for pair in itertools.islice(streets(seed=3, config=StreetConfig(sensor=sensor, poses_per_street=1)), 6)
+    ]
     reference = sweeps(TRUTH, 6, seed=3)
     found = np.concatenate([scan.intensity[scan.valid] for scan in scans])
     wanted = np.concatenate([sweep.intensity[sweep.valid] for sweep in reference])
@@ -73,7 +76,7 @@ def test_one_scan_three_beams_and_no_intensity_are_enough():
     np.testing.assert_allclose(found.sensor.elevations, three.elevations, atol=5e-3)
     assert found.sensor.model.intensity_curve is None
     assert np.isnan(found.intensity_residual)
-    (pair,) = itertools.islice(streets(0, StreetConfig(sensor=found.sensor)), 1)
+    (pair,) = itertools.islice(streets(seed=0, config=StreetConfig(sensor=found.sensor)), 1)
     assert pair.scan.valid.any()
 
 

@@ -4,12 +4,14 @@ import contextlib
 import gc
 import hashlib
 import json
+import math
 import os
 import random
 import signal
 import subprocess
 import sys
 import time
+import zlib
 from collections import Counter
 from collections.abc import Callable, Iterator
 from functools import cache, partial
@@ -21,6 +23,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from processes import Command, wait_for
 
+import lidardraft
 from lidardraft import Scan, layout_from_text, surround
 from lidardraft.cli import main as cli
 from lidardraft.dataset import recipe as recipes
@@ -28,6 +31,7 @@ from lidardraft.dataset.recipe import Recipe
 from lidardraft.dataset.table import Table, drawn, every
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.formats.frame import FORMATS
+from lidardraft.networks.weight_header import PACKAGED
 
 RECIPE = """
 scans = 20
@@ -72,7 +76,7 @@ wetness = 1.0
 @cache
 def truck() -> str:
     """A layout of a text."""
-    return surround(layout_from_text("a truck ahead"), 0).to_json()
+    return surround(layout_from_text("a truck ahead"), seed=0).to_json()
 
 
 @pytest.fixture(autouse=True)
@@ -119,6 +123,26 @@ def test_a_scan_depends_on_the_seed_and_its_number_alone() -> None:
         assert scan.layout == scans[k].layout
         assert scan.layout.provenance == scans[k].layout.provenance
     assert not np.array_equal(scans[2].points()[:50], scans[3].points()[:50])
+
+
+def test_scenes_sensors_and_weather_come_as_often_as_their_shares_say(recipe: Path) -> None:
+    """Of n draws with probability p, n * p come, within five deviations of sqrt(n * p * (1 - p))."""
+    layout = '[[scene]]\nshare = {}\nlayout = "bare.json"\n'
+    layout_from_text("a truck ahead").save("bare.json")
+    sensor = '[[sensor]]\nshare = {}\nname = "small.json"\nmount_height = {}\n'
+    shares, num = (1, 7, 0), 64
+    text = "".join(layout.format(share) for share in shares)
+    text += "".join(sensor.format(share, height) for share, height in zip(shares, (1.5, 2.0, 2.5), strict=True))
+    recipe.write_text(f"seed = 3\n{text}[[weather]]\nshare = 1\n[[weather]]\nshare = 7\nwetness = 1.0\n")
+    loaded = Recipe.load(recipe, scans=num)
+    found: Counter[str] = Counter()
+    for scan in map(loaded.scan, range(num)):
+        told = scan.layout.provenance["recipe"]
+        found.update([f"scene {told['scene']}", f"sensor {scan.image.sensor.mount_height}", f"wet {told['weather']}"])
+    bound = 5 * math.sqrt(num * (1 / 8) * (7 / 8))  # 13.2 around 8 and 56; of equal shares 21 or 32 come
+    rare, usual = ["scene 1", "sensor 1.5", "wet {}"], ["scene 2", "sensor 2.0", "wet {'wetness': 1.0}"]
+    assert found.keys() == {*rare, *usual}
+    assert all(abs(found[name] - num / 8) < bound for name in rare), found
 
 
 def test_any_processes_make_the_same_shards(capsys: pytest.CaptureFixture[str]) -> None:
@@ -222,6 +246,42 @@ def test_a_shard_that_somebody_deletes_is_made_again() -> None:
     whole = made("-n", "5", "-o", "set", "--jobs", "1")
     Path("set/000000.tar").unlink()
     assert made("-n", "5", "-o", "set", "--jobs", "1") == whole
+
+
+def test_a_set_goes_on_with_the_version_and_the_weights_that_began_it(
+    refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch, recipe: Path
+) -> None:
+    scene = '[[scene]]\ntext = "a car ahead"\nweights = "mine.safetensors"\n'
+    recipe.write_text(f'{scene}[[sensor]]\nname = "small.json"\n')
+    street, mine = PACKAGED / "street.safetensors", Path("mine.safetensors")
+    mine.write_bytes(street.read_bytes())
+    whole = made("-n", "1", "-o", "set", "--jobs", "1")
+    assert made("-n", "1", "-o", "set", "--jobs", "1") == whole
+    kept = json.loads(Path("set/recipe.json").read_text())
+    assert kept["version"] == lidardraft.__version__
+    assert kept["weights"] == [zlib.crc32(street.read_bytes())]
+
+    mine.write_bytes((PACKAGED / "paper.safetensors").read_bytes())
+    said = refused("dataset", "recipe.toml", "-n", "2", "-o", "set")
+    now = "the folder holds scans of other weights than the recipe names now; give the former files back"
+    assert said == f"lidardraft: set/recipe.json: {now}, or use another folder\n"
+    mine.unlink()
+    assert "weights are 'mine.safetensors'; they must be a file or one of" in refused(
+        "dataset", "recipe.toml", "-o", "x"
+    )
+    mine.write_bytes(street.read_bytes())
+
+    with monkeypatch.context() as later:
+        later.setattr(lidardraft, "__version__", "9.9")
+        said = refused("dataset", "recipe.toml", "-n", "2", "-o", "set")
+        was = lidardraft.__version__
+    assert (
+        f"set/recipe.json: the folder holds scans of lidardraft {lidardraft.__version__}, and this is {was}; go" in said
+    )
+    del kept["version"], kept["weights"]
+    Path("set/recipe.json").write_text(json.dumps(kept, sort_keys=True))
+    said = refused("dataset", "recipe.toml", "-n", "2", "-o", "set")
+    assert "set/recipe.json: an earlier lidardraft wrote it and noted no version, so scans of" in said
 
 
 def test_files_of_a_recipe_lie_beside_it_or_at_their_whole_path() -> None:
@@ -388,6 +448,12 @@ print("left:", 40 - sum(name.endswith(".tar") for name in os.listdir("by_ray")),
 print("ended:", process.wait(timeout=200), flush=True)
 cluster.shutdown()
 """
+
+
+def test_without_ray_the_extra_is_named(refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "ray", None)
+    said = refused("dataset", "recipe.toml", "-o", "out", "--ray")
+    assert said == "lidardraft: ray is not installed; run: pip install 'lidardraft[cluster]'\n"
 
 
 @pytest.mark.slow

@@ -1,5 +1,6 @@
 """`lidardraft export`: folders of scans as other people's data sets."""
 
+import json
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +12,7 @@ from lidardraft import Layout, RangeImage, Scan, Sensor
 from lidardraft.cli import main as cli
 
 TEXT = "a car 10 m ahead and a bus behind"
+CAST = ["raycast", "--surroundings", "bare", "--sensor", "small.json"]
 DRAFT = ["simulate", "--surroundings", "bare", "--text", TEXT, "--sensor", "small.json", "--no-picture"]
 
 
@@ -34,11 +36,22 @@ def test_a_saved_scan_is_loaded_as_it_was() -> None:
     assert len(scan.frame().annotations) == 2
 
 
-def test_observed_scans_have_no_boxes() -> None:
-    assert cli.main(["raycast", "--text", "a car ahead", "--sensor", "small.json", "-o", "cast.npz"]) == 0
+def test_observed_scans_have_the_objects_of_their_cast(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main([*CAST, "--text", "a car ahead", "-o", "cast.npz"]) == 0
     assert cli.main(["observe", "cast.npz", "-o", "observed"]) == 0
+    assert json.loads(Path("observed/casts.json").read_text()) == {"000000": "cast.npz"}
     assert cli.main(["export", "observed", "--format", "openpcdet", "-o", "out"]) == 0
-    assert Path("out/labels/000000.txt").read_text() == ""
+    (car,) = Layout.load("cast.layout.json").boxes()
+    found = Path("out/labels/000000.txt").read_text().split()
+    seen = car.raised(-Sensor.load("small.json").mount_height)
+    np.testing.assert_allclose(list(map(float, found[:3])), seen.center, atol=1e-4)
+    assert found[7:] == ["car"]
+    Path("cast.layout.json").unlink()
+    assert cli.main(["observe", "cast.npz", "-o", "bare"]) == 0
+    capsys.readouterr()
+    assert cli.main(["export", "bare", "--format", "openpcdet", "-o", "none"]) == 0
+    assert "none: no scan has a box; `observe` takes those of NAME.boxes.json or" in capsys.readouterr().err
+    assert Path("none/labels/000000.txt").read_text() == ""
     image = RangeImage.load("observed/000000.npz")
     np.testing.assert_array_equal(np.load("out/points/000000.npy")[:, :3], image.points())
 

@@ -96,7 +96,7 @@ def test_the_file_that_is_wrong_is_named(refused: Callable[..., str]) -> None:
     scan = ["draft", "--points", "scan.bin", "-o", "layout.json"]
     Path("scan.bin").write_bytes(b"")
     Path("scan.label").write_bytes(bytes(20))
-    assert "scan.bin is empty; a scan has at least one point" in refused(*scan)
+    assert "scan.bin is empty: a scan without returns" in refused(*scan)
     kitti.write_bin("scan.bin", np.ones((5, 3)), np.zeros(5))
     assert "scan.bin: all 5 points have label 0" in refused(*scan)
     Path("far.json").write_text(

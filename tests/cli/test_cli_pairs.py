@@ -197,7 +197,7 @@ def test_npz_with_gaps_and_labels_of_a_folder(recordings: Path, capsys: pytest.C
     label, _ = semantickitti.read_label(recordings / "labels" / "000000.label", len(points))
     points[3] = np.nan  # no return, as organised clouds say
     np.savez("one.npz", xyz=points, intensity=255 * intensity, label=label)
-    assert cli.main(["pairs", "one.npz", "--sensor", "small.json", "-o", "npz"]) == 0
+    assert cli.main(["pairs", "one.npz", "--sensor", "small.json", "-o", "npz", "--intensity-scale", "255"]) == 0
     scan = recordings / "velodyne" / "000000.bin"
     scan.rename("alone.bin")
     (recordings / "labels" / "000000.label").rename(recordings / "labels" / "alone.label")

@@ -33,7 +33,6 @@ from lidardraft.streets import StreetConfig, StreetMix, street_scan
 
 SMALL = ["--sensor", "small.json"]
 QUICK = ["--sensor", "small.json", "--steps", "2"]
-OBSERVED = (".bin", ".label", ".npz", ".sensor.json", ".png")
 SIMULATE = ["simulate", "--text", "a car ahead", "-o", "out", "--sensor", "small.json"]
 
 
@@ -98,7 +97,7 @@ def test_streets_are_scanned(capsys: pytest.CaptureFixture[str]) -> None:
     shares = {name: float(name == "residential") for name in DISTRICTS}
     config = StreetConfig(sensor=Sensor.load("small.json"), poses_per_street=2, mix=StreetMix(**shares))
     for number in (0, 3):
-        scan, layout = street_scan(7, number, config), Layout.load(f"out/00000{number}.layout.json")
+        scan, layout = street_scan(number, seed=7, config=config), Layout.load(f"out/00000{number}.layout.json")
         points, _ = kitti.read_bin(f"out/00000{number}.bin")
         np.testing.assert_array_equal(points, scan.points())
         assert layout == scan.layout
@@ -128,7 +127,7 @@ def test_every_sentence_of_a_file_becomes_a_scan(refused: Callable[..., str]) ->
     assert cli.main(["simulate", "--text-file", "lines.txt", "--seed", "4", "-o", "out", *SMALL]) == 0
     layouts = [Layout.load(f"out/00000{k}.layout.json") for k in range(2)]
     bare = [layout_from_text("a car ahead", seed=4), layout_from_text("two cars behind", seed=5)]
-    assert layouts == [surround(layout, seed) for seed, layout in enumerate(bare, start=4)]
+    assert layouts == [surround(layout, seed=seed) for seed, layout in enumerate(bare, start=4)]
     assert not Path("out/000002.bin").exists()
     Path("bad.txt").write_text("\nxyzzy\n")
     assert "bad.txt, line 2: " in refused("simulate", "--text-file", "bad.txt", "-o", "new", *SMALL)
@@ -260,8 +259,10 @@ def cast() -> RangeImage:
 def test_casts_are_observed_in_their_order(cast: RangeImage, capsys: pytest.CaptureFixture[str]) -> None:
     options = ["--material", "car=dark-paint", "--weather", "wet:1", "--seed", "5"]
     assert cli.main(["observe", "cast.npz", "cast.npz", "-o", "out", *options]) == 0
-    assert {path.name for path in Path("out").iterdir()} == {f"00000{k}{end}" for k in range(2) for end in OBSERVED}
-    assert "out: 2 scans, 000000.bin to 000001.bin, each with .label and .png" in capsys.readouterr().out
+    names = {f"00000{k}{end}" for k in range(2) for end in SCAN_ENDINGS}
+    assert {path.name for path in Path("out").iterdir()} == {*names, "casts.json"}
+    said = "out: 2 scans, 000000.bin to 000001.bin, each with .label, .boxes.json and .png; casts.json"
+    assert said in capsys.readouterr().out
     points, intensity = kitti.read_bin("out/000000.bin")
     label, instance = semantickitti.read_label("out/000000.label", len(points))
     assert 0 < len(points) <= cast.valid.sum()
@@ -270,7 +271,8 @@ def test_casts_are_observed_in_their_order(cast: RangeImage, capsys: pytest.Capt
     assert set(instance) <= set(np.unique(cast.instance))
     assert Path("out/000001.bin").read_bytes() != Path("out/000000.bin").read_bytes()
     assert cli.main(["observe", "cast.npz", "-o", "out", "--overwrite"]) == 0
-    assert {path.name for path in Path("out").iterdir()} == {f"000000{end}" for end in OBSERVED}
+    names = {f"000000{end}" for end in SCAN_ENDINGS}
+    assert {path.name for path in Path("out").iterdir()} == {*names, "casts.json"}
 
 
 def test_a_cast_without_a_sensor_is_of_the_one_given(cast: RangeImage, refused: Callable[..., str]) -> None:

@@ -75,7 +75,8 @@ def test_the_model_writes_a_script(
 ) -> None:
     server.answers = [llama_cpp(SCRIPT)]
     assert cli.main([*DRAFT, *model, "--llm-blender"]) == 0
-    notes = ["line 5: bpy.ops.render.render is passed over", "car_1 floats 0.25 m over the ground"]
+    notes = ["line 5: bpy.ops.render.render is passed over", "the sentence names 'two cars'; the reply has car: 1"]
+    notes += ["car_1 floats 0.25 m over the ground"]
     assert capsys.readouterr().err.splitlines() == [f"lidardraft: {note}" for note in notes]
     assert [box.label for box in Layout.load("layout.json").boxes()] == ["car"]
 

@@ -175,7 +175,7 @@ def test_scales_that_multiply_without_end(tmp_path: Path) -> None:
 def test_a_number_that_is_none_in_a_vertex(tmp_path: Path) -> None:
     fields, binary = document({"name": "car", "mesh": 0})
     (tmp_path / "a.glb").write_bytes(glb_bytes(fields, np.float32(np.nan).tobytes() + binary[4:]))
-    with pytest.raises(LayoutError, match=r"a.glb: vertex 0 of a mesh is \[nan"):
+    with pytest.raises(LayoutError, match=r"a.glb: car: vertex 0 of a mesh is \[nan"):
         layout_from_glb(tmp_path / "a.glb")
 
 

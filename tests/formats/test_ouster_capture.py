@@ -41,7 +41,8 @@ def test_the_first_whole_frame_is_read(capture: Path) -> None:
     distance = np.linalg.norm(points, axis=1)
     assert len(points) == (BEAMS - 1) * COLUMNS
     np.testing.assert_allclose(distance, (5 + BEAMS - 1 - fields["ring"]), atol=1e-3)  # ring 0 is the highest
-    assert fields["intensity"] == pytest.approx(0.2)
+    assert (fields["intensity"] == 51).all()
+    assert read_recording(capture).intensity == pytest.approx(0.2)
     assert set(fields["column"]) == set(range(COLUMNS))
     assert (points[fields["ring"] == 0, 2] > 0).all()
 
@@ -64,6 +65,30 @@ def test_points_lie_in_the_pixels_of_the_sensor_of_the_metadata(capture: Path) -
     row, column, _ = sensor.pattern.project(recording.points.astype(np.float64))
     np.testing.assert_array_equal(row, recording.ring)
     np.testing.assert_array_equal(column, recording.column)
+
+
+@pytest.mark.usefixtures("sdk")
+@pytest.mark.parametrize("window", [(400, 100), (256, 255), (100, 400)])
+def test_points_of_a_window_lie_in_its_pixels_over_the_seam_too(tmp_path: Path, window: tuple[int, int]) -> None:
+    path = tmp_path / "drive.pcap"
+    write_capture(path, [np.full((BEAMS, COLUMNS), 9000, np.uint32)] * 2, window=window)
+    recording, sensor = read_recording(path), sensor_of_file(path)
+    assert sensor.columns == (window[1] - window[0]) % COLUMNS + 1
+    assert len(recording.points) == BEAMS * sensor.columns
+    row, column, _ = sensor.pattern.project(recording.points.astype(np.float64))
+    np.testing.assert_array_equal(row, recording.ring)
+    np.testing.assert_array_equal(column, recording.column)
+
+
+def test_the_sensor_of_a_window_over_the_seam_looks_to_its_columns(tmp_path: Path) -> None:
+    form = METADATA["data_format"] | {"column_window": [400, 100]}
+    (tmp_path / "a.json").write_text(json.dumps(METADATA | {"data_format": form, "beam_azimuth_angles": [0] * BEAMS}))
+    sensor = read_ouster_metadata(tmp_path / "a.json")
+    step = 2 * np.pi / COLUMNS
+    expected = np.pi - (400 + np.arange(COLUMNS - 400 + 101)) * step
+    assert sensor.shape == (BEAMS, COLUMNS - 400 + 101)
+    np.testing.assert_allclose(np.exp(1j * sensor.azimuths[0]), np.exp(1j * expected), atol=1e-9)
+    assert sensor.sweep_time == pytest.approx(0.1 * sensor.columns / COLUMNS)
 
 
 def test_a_capture_is_viewed_and_edited(capture: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -131,7 +156,7 @@ def test_real_captures_agree_with_a_decoder_of_our_own(name: str, count: int, tm
     np.testing.assert_array_equal(np.argwhere(sweep.depth[order] > 0), np.stack([ring, column], axis=1))
     recorded = np.linalg.norm(sweep.points[order][ring, column], axis=1)
     np.testing.assert_allclose(np.linalg.norm(points, axis=1), recorded, atol=1e-4)
-    np.testing.assert_array_equal(sweep.intensity[order][ring, column], fields["intensity"])
+    np.testing.assert_allclose(sweep.intensity[order][ring, column], read_recording(path).intensity, rtol=1e-6)
     far = recorded > 2  # m; nearer, a beam's origin on the head counts
     row, _, _ = read_ouster_metadata(tmp_path / "a.json").pattern.project(points[far].astype(np.float64))
     assert (row == ring[far]).mean() > 0.999

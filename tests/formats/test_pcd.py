@@ -103,8 +103,16 @@ def test_a_reference_far_back_uses_both_bytes() -> None:
         (header("binary").replace(b"POINTS 3", b"POINTS -3"), "POINTS is '-3'; it must be a whole number >= 0"),
         (header("binary").replace(b"POINTS 3", b"POINTS 1" + b"0" * 12), "bytes of points; 1000000000000 need"),
         (header("binary").replace(b"POINTS 3", b"POINTS 1" + b"0" * 5000), "POINTS is .*; it must be a whole number"),
-        (header("binary").replace(b"COUNT 1", b"COUNT 0"), "COUNT is 0 2 1 3; each is 1 or more"),
-        (header("binary").replace(b"COUNT 1", b"COUNT 999999999999"), "COUNT is 999999999999 2 1 3; each is 1 or more"),
+        (header("binary").replace(b"COUNT 1 2 1 3", b"COUNT 0 0 0 0"), "COUNT is 0 0 0 0; all are 1 to 65536"),
+        (header("binary").replace(b"COUNT 1", b"COUNT 999999999999"), "COUNT is 999999999999 2 1 3; all are 1 to"),
+        (
+            header("binary").replace(b"0 0 0 1 0 0 0", b"0 0 0 1 0 0") + records(),
+            "VIEWPOINT: '0 0 0 1 0 0' is not 7 finite numbers",
+        ),
+        (
+            header("binary").replace(b"0 0 0 1 0 0 0", b"0 0 0 2 0 0 0") + records(),
+            "VIEWPOINT: 0 0 0 2 0 0 0 has a quaternion of",
+        ),
         (header("binary").replace(b"ring", b"x"), "FIELDS names 'x' twice"),
         (b"# comment\n" * 20_000 + header("ascii") + text(), "no line DATA"),
         (header("binary") + records()[:-1], "59 bytes of points; 3 need 60"),

@@ -46,7 +46,6 @@ def test_the_bytes_are_kittis(tmp_path):
     [
         ([[1, 2, 3, 0.5], [1, np.nan, 3, 0.5]], r"scan.bin: point 1 is \[1.0, nan, 3.0, 0.5\]; every value must be"),
         ([[np.inf, 2, 3, 0.5]], r"scan.bin: point 0 is \[inf, 2.0, 3.0, 0.5\]; every value must be finite"),
-        ([[1, 2, 3, 255]], r"scan.bin: point 0 has intensity 255.0; KITTI has 0 to 1"),
         ([[1, 2, 3, -0.5]], r"scan.bin: point 0 has intensity -0.5; KITTI has 0 to 1"),
     ],
 )
@@ -61,6 +60,16 @@ def test_bad_values_are_neither_read_nor_written(tmp_path, values, message):
         read_bin(path)
 
 
+def test_intensities_over_1_are_neither_read_nor_written(tmp_path):
+    scan = np.array([[1, 2, 3, 255]], dtype="<f4")
+    with pytest.raises(FormatError, match=r"scan.bin: point 0 has intensity 255.0; KITTI has 0 to 1"):
+        write_bin(tmp_path / "scan.bin", scan[:, :3], scan[:, 3])
+    scan.tofile(tmp_path / "scan.bin")
+    with pytest.raises(FormatError, match=r"scan.bin: intensities have a median of 255 and a maximum of 255, over 1"):
+        read_bin(tmp_path / "scan.bin")
+    assert read_bin(tmp_path / "scan.bin", 255)[1].tolist() == [1.0]
+
+
 def test_a_truncated_file_is_named_with_its_bytes(tmp_path):
     path = tmp_path / "scan.bin"
     path.write_bytes(bytes(35))
@@ -70,7 +79,7 @@ def test_a_truncated_file_is_named_with_its_bytes(tmp_path):
 
 def test_an_empty_file_is_no_scan(tmp_path):
     write_bin(tmp_path / "scan.bin", np.zeros((0, 3)), np.zeros(0))
-    with pytest.raises(FormatError, match=r"scan.bin is empty; a scan has at least one point"):
+    with pytest.raises(FormatError, match=r"scan.bin is empty: a scan without returns"):
         read_bin(tmp_path / "scan.bin")
 
 
@@ -196,7 +205,7 @@ def test_axes_intensities_and_rings(tmp_path: Path) -> None:
         ([[1, 0, 0, 0, 0.5]], "the ring, must be a whole number from 0 to 511"),
         ([[1, 0, 0, 0, -1]], "the ring, must be a whole number from 0 to 511"),
         ([[1, 0, 0, 0]], "a.pcd.bin has 16 bytes; a nuScenes sweep has 20 a point"),
-        ([[]], "a.pcd.bin has 0 bytes"),
+        ([[]], "a.pcd.bin is empty: a scan without returns"),
     ],
 )
 def test_what_is_no_sweep(tmp_path: Path, sweep: list[list[float]], said: str) -> None:

@@ -105,7 +105,11 @@ def test_las_files_of_others(tmp_path: Path) -> None:
     points.classification = [2, 6, 9]
     points.intensity = [0, 128, 255]
     points.write(tmp_path / "city.las")
-    found, fields = read_points(tmp_path / "city.las")
+    with pytest.warns(UserWarning, match=r"by 65535, but the largest is 255: give --intensity-scale 255 if that"):
+        assert read_points(tmp_path / "city.las")[1]["intensity"].tolist() == pytest.approx(
+            [0, 128 / 65535, 255 / 65535]
+        )
+    found, fields = read_points(tmp_path / "city.las", intensity_scale=255)
     assert np.allclose(found, points.xyz)
     assert fields["label"].tolist() == [BY_NAME["terrain"].id, BY_NAME["building"].id, 0]
     assert fields["intensity"].tolist() == pytest.approx([0, 128 / 255, 1])

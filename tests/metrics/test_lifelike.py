@@ -97,5 +97,5 @@ def street_sweep() -> Sweep:
     from lidardraft.streets import StreetConfig, make_street, streets
 
     sensor = PRESETS["vlp16"]
-    assert raycast(make_street(0).scene, sensor).valid.any()
-    return Sweep.from_image(next(streets(0, StreetConfig(sensor=sensor, poses_per_street=1))).scan)
+    assert raycast(make_street(seed=0).scene, sensor).valid.any()
+    return Sweep.from_image(next(streets(seed=0, config=StreetConfig(sensor=sensor, poses_per_street=1))).scan)

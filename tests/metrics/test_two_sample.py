@@ -111,7 +111,7 @@ def test_a_narrow_sweep_and_a_wrong_mask_are_refused() -> None:
 
 @pytest.fixture(scope="module")
 def drives() -> Drives:
-    pairs = streets(5, StreetConfig(sensor=PRESETS["hdl64e"], poses_per_street=1))
+    pairs = streets(seed=5, config=StreetConfig(sensor=PRESETS["hdl64e"], poses_per_street=1))
     sweeps = [Sweep.from_image(pair.scan) for pair in islice(pairs, 16)]
     return {"a": sweeps[:4], "b": sweeps[4:8], "more": sweeps[8:]}
 

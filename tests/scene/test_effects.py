@@ -14,7 +14,7 @@ from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor_model import IntensityCurve, SensorModel
 from lidardraft.scene.surfaces import Surfaces
-from lidardraft.scene.weather import Weather
+from lidardraft.scene.weather import Weather, first_particle, particles
 from lidardraft.semantics import BY_NAME
 
 
@@ -277,6 +277,28 @@ def test_glass_is_seen_through_in_places_and_not_when_that_is_off():
     assert deeper.mean() == pytest.approx(0.3, abs=0.05)
     seen_through = behind > clean
     assert (seen_through[:, 1:] == seen_through[:, :-1]).mean() > 0.8  # in patches, not here and there
+
+
+@pytest.mark.parametrize(
+    ("weather", "fall"),
+    [(Weather(snow=rate), 1.0) for rate in (0.5, 1.0, 4.0)] + [(Weather(rain=rate), 5.0) for rate in (2.0, 5.0, 20.0)],
+)
+def test_as_much_water_is_in_the_air_as_falls(weather: Weather, fall: float):
+    """An exponential distribution N0 exp(-L D) of drops holds pi N0 / L^4 of water, which falls at about 1 m/s as snow
+    and 5 m/s as rain."""
+    density, least, larger, _ = particles(weather)
+    most = density / larger * np.exp(least / larger)
+    assert 3.6e6 * np.pi * most * larger**4 * fall == pytest.approx(max(weather.snow, weather.rain), rel=0.5)
+
+
+def test_a_beam_meets_what_its_volume_holds():
+    """A cone frustum from 0.95 to 40 m, round and as wide as the window and its divergence."""
+    weather, width = Weather(snow=1.0), 2e-4
+    radii = (0.011 + width * np.array([0.95, 40.0])) / 2
+    volume = np.pi / 3 * (40.0 - 0.95) * (radii[0] ** 2 + radii[0] * radii[1] + radii[1] ** 2)
+    range_, _ = first_particle(weather, (width, width), (200, 1000), np.random.default_rng(0))
+    held = 3.8e6 / 2550 * np.exp(-2.55)  # snowflakes over 1 mm in a cubic metre (Gunn and Marshall, 1958)
+    assert (range_ > 0).mean() == pytest.approx(1 - np.exp(-held * volume), abs=0.005)
 
 
 def test_rain_snow_and_fog_bring_echoes_of_nothing_from_near_by():

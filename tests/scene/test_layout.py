@@ -71,8 +71,15 @@ def test_the_json_names_the_class_and_has_one_primitive_a_line():
 def test_a_layout_is_a_sequence_with_names():
     layout = Layout(primitives=(CAR,))
     assert (len(layout), list(layout), layout["car_1"]) == (1, [CAR], CAR)
-    with pytest.raises(KeyError, match="car_2"):
-        layout["car_2"]
+    message = "no primitive has the id 'car_9'; did you mean 'car_1'?"
+    for family in (KeyError, LayoutError, LidarDraftError):
+        with pytest.raises(family) as caught:
+            layout["car_9"]
+        assert str(caught.value) == message
+    with pytest.raises(LayoutError, match=r"no primitive has the id 'zebra'; it has car_1$"):
+        layout["zebra"]
+    with pytest.raises(LayoutError, match=r"no primitive has the id 3; it has none$"):
+        Layout()[3]  # type: ignore[index]
 
 
 @pytest.mark.parametrize("unused", [0, 1, 3])

@@ -103,7 +103,7 @@ def test_no_points_make_an_empty_image():
 def test_points_that_cannot_be_projected(points, label, message):
     with pytest.raises(LayoutError, match=message):
         RangeImage.project(points, SMALL, label=label)
-    with pytest.raises(LayoutError, match="instance holds -1 to 2; it must be 0 to 4294967295"):
+    with pytest.raises(LayoutError, match="instance holds -1; it must be whole numbers of 0 to 4294967295"):
         RangeImage.project(np.ones((2, 3)), SMALL, instance=np.array([-1, 2]))
 
 

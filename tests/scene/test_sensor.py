@@ -32,6 +32,7 @@ def test_columns_wrap_where_they_make_a_full_turn():
 
 @pytest.mark.parametrize("name", sorted(PRESETS))
 def test_presets_have_their_name_and_a_file(name):
+    assert name in Sensor.presets()
     sensor = Sensor.preset(name)
     assert sensor.name == name
     assert sensor.shape == (len(sensor.elevations), sensor.columns)

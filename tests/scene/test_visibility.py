@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
+from lidardraft import Box, Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.errors import LayoutError
+from lidardraft.scene.pose import inverse
 from lidardraft.scene.visibility import occluded_shares, open_pixels
 
 SENSOR = Sensor(name="small", elevations=tuple(np.deg2rad([10.0, -5.0, -20.0])), columns=72)
@@ -39,21 +40,23 @@ def test_a_layout_without_an_open_shape_leaves_nothing_open_not_even_the_sky(lay
 
 
 @pytest.mark.parametrize("layout", [OPEN, CLOSED])
-@pytest.mark.parametrize("yaw", [0.0, 1.0])
-def test_what_is_outside_the_coverage_is_open(layout: Layout, yaw: float) -> None:
+@pytest.mark.parametrize(("yaw", "turn"), [(0.0, 0.0), (1.0, 0.0), (1.0, 3.0)])
+def test_what_is_outside_the_coverage_is_open(layout: Layout, yaw: float, turn: float) -> None:
     seen = dataclasses.replace(layout, coverage=(-0.5, 1.5))
     sensor = dataclasses.replace(SENSOR, azimuth_offsets=(0.0, 0.2, -0.2))
-    pose = sensor.pose(yaw=yaw)
-    image = raycast(seen, sensor, pose=pose, primitive=True)
+    poses = sensor.poses_in_motion(sensor.pose(yaw=yaw), angular_velocity=(0.0, 0.0, turn))
+    image = raycast(seen, sensor, poses=poses, primitive=True)
     # the azimuth in the world of each ray
     all_around = Layout((Primitive(shape="cylinder", center=(0, 0, 0), size=(40, 40, 40), label="wall", id="w"),))
-    points = raycast(all_around, sensor, pose=pose).points(np.broadcast_to(pose, (72, 4, 4))).reshape(3, 72, 3)
+    points = raycast(all_around, sensor, poses=poses).points(poses).reshape(3, 72, 3)
     azimuth = np.arctan2(points[..., 1], points[..., 0])
     inside = (azimuth > -0.5) & (azimuth < 1.5)
     assert 0.25 < inside.mean() < 0.4
-    found = open_pixels(seen, image, pose)
+    found = open_pixels(seen, image, poses)
     assert found[~inside].all()
-    np.testing.assert_array_equal(found[inside], open_pixels(layout, image, pose)[inside])
+    np.testing.assert_array_equal(found[inside], open_pixels(layout, image, poses)[inside])
+    if not turn:
+        np.testing.assert_array_equal(found, open_pixels(seen, image, poses[0]))
 
 
 def test_a_coverage_may_lie_across_the_back() -> None:
@@ -85,7 +88,8 @@ FEW = Sensor(
 )
 
 
-def test_hidden_shares_are_those_of_casts_of_each_object_alone() -> None:
+@pytest.mark.parametrize("turn", [0.0, 0.9, -0.9])
+def test_hidden_shares_are_those_of_casts_of_each_object_alone(turn: float) -> None:
     rng = np.random.default_rng(3)
     standing = []
     for number in range(1, 25):
@@ -95,8 +99,7 @@ def test_hidden_shares_are_those_of_casts_of_each_object_alone() -> None:
         place = {"center": center, "size": size, "yaw": rng.uniform(-3, 3)}
         standing.append(Primitive(shape="box", label="car", id=f"car_{number}", instance=number, **place))
     layout, pose = Layout(tuple(standing)), FEW.pose(yaw=0.4)
-    poses = FEW.poses_in_motion(pose, 15.0 * pose[:3, 0])
-    moved = (poses[:, :3, 3] - pose[:3, 3]) @ pose[:3, :3]
+    poses = FEW.poses_in_motion(pose, 15.0 * pose[:3, 0], (0.0, 0.0, turn))
     image = raycast(layout, FEW, poses=poses)
     boxes = [box.seen_from(pose) for box in layout.boxes()]
     expected = []
@@ -104,6 +107,16 @@ def test_hidden_shares_are_those_of_casts_of_each_object_alone() -> None:
         alone = raycast(dataclasses.replace(layout, primitives=(one,)), FEW, poses=poses)
         hidden = (image.depth[alone.valid] < alone.depth[alone.valid] - 0.1) & image.valid[alone.valid]
         expected.append(hidden.mean() if len(hidden) else 1.0)
-    np.testing.assert_allclose(occluded_shares(image, boxes, moved), expected, atol=0.02)
+    np.testing.assert_allclose(occluded_shares(image, boxes, inverse(pose) @ poses), expected, atol=0.02)
     assert min(expected) < 0.01
     assert max(expected) > 0.5
+
+
+def test_a_box_that_no_ray_looks_at_is_hidden() -> None:
+    ahead, above, behind = (
+        Box(id, "car", number, center, (4.0, 2.0, 1.5), 0.0)
+        for number, (id, center) in enumerate((("ahead", (9, 0, -1)), ("above", (9, 0, 9)), ("behind", (-9, 0, -1))), 1)
+    )
+    sector = dataclasses.replace(FEW, azimuth_start=0.5, azimuth_span=1.0, columns=100)
+    image = raycast(Layout(), sector)
+    assert occluded_shares(image, [ahead, above, behind]) == [0.0, 1.0, 1.0]

@@ -131,7 +131,7 @@ def test_ids_that_look_like_new_ones_are_no_trouble() -> None:
 
 @pytest.mark.parametrize("seed", [-1, 1.5, True, "1"])
 def test_a_seed_is_an_integer(seed: object) -> None:
-    with pytest.raises(LayoutError, match=r"seed is .*; it must be an integer >= 0"):
+    with pytest.raises(LayoutError, match=r"seed is .*; it must be an integer of 0 to 2"):
         detail(Layout(), seed=seed)  # type: ignore[arg-type]
 
 

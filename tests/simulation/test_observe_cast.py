@@ -181,7 +181,7 @@ def at(image: np.ndarray, value: float) -> np.ndarray:
         ({"materials": {"car": "cheese"}}, "the material of car is 'cheese'; it must be one of asphalt, "),
         ({"materials": np.full(SENSOR.shape, 99)}, "materials is 99 in row 0, column 0; it must be -1 to 29"),
         ({"depth": [[1.0, 2.0], [3.0]]}, "depth is no array; the sensor's images have"),
-        ({"seed": -1}, "seed is -1; it must be 0 or more"),
+        ({"seed": -1}, "seed is -1; it must be an integer of 0 to 2"),
     ],
 )
 def test_bad_input_is_one_line(changes: dict[str, Any], message: str) -> None:

@@ -122,6 +122,19 @@ def test_edits_are_values_and_touch_no_other_return(scan: RecordedScan) -> None:
     assert first.source.max() < scan.returned.sum()
 
 
+@pytest.mark.parametrize("yaw", [None, 1.2])
+def test_what_is_moved_keeps_its_heading_where_no_other_is_given(scan: RecordedScan, yaw: float | None) -> None:
+    moved = edit_scan(scan, [Move("car_1", (10, -6), yaw)])
+    box, heading = moved.box("car_1"), CAR.yaw if yaw is None else yaw
+    assert (box.yaw, box.size) == (pytest.approx(heading), pytest.approx(CAR.size))
+    new = moved.points[moved.made_up == INSERTED]
+    stands = Box("car_1", "car", 1, (10, -6, 0.75 - SENSOR.mount_height), CAR.size, heading)
+    assert len(new) > 300
+    assert stands.contains(new, 0.2).mean() > 0.99  # mirrors, and noise of its ranges
+    across = Box("car_1", "car", 1, stands.center, CAR.size, heading + 0.4)
+    assert across.contains(new, 0.2).mean() < 0.9
+
+
 def test_rays_that_had_no_return_meet_what_stands_in_the_sky() -> None:
     """The upper lasers look over the road: what is high enough returns them."""
     bare = recorded()
@@ -206,7 +219,7 @@ def sample(scan: RecordedScan) -> dict[str, np.ndarray]:
 
 def test_sampling_fills_up_a_sample_with_objects_that_stand_free(sample: dict[str, np.ndarray]) -> None:
     counts = {"car": 6, "person": 5, "cyclist": 3}
-    sampling = ObjectSampling(counts, SENSOR, models=3, seed=1)
+    sampling = ObjectSampling(counts, SENSOR, models=3, seed=1, intensity_scale=255)
     found = sampling(sample)
     assert found["frame_id"] == 7
     names = found["gt_names"].tolist()
@@ -224,10 +237,12 @@ def test_sampling_fills_up_a_sample_with_objects_that_stand_free(sample: dict[st
         assert not box.contains(corners, -0.35).any()
     seen = [int(box.contains(found["points"][:, :3], 0.1).sum()) for box in solids[2:]]
     assert np.mean(np.array(seen) > 5) > 0.7
-    again = ObjectSampling(counts, SENSOR, models=3, seed=1)(sample)
+    again = ObjectSampling(counts, SENSOR, models=3, seed=1, intensity_scale=255)(sample)
     assert np.array_equal(again["points"], found["points"])
     assert not np.array_equal(sampling(sample)["points"], found["points"])
-    assert not np.array_equal(ObjectSampling(counts, SENSOR, models=3, seed=2)(sample)["points"], found["points"])
+    assert not np.array_equal(
+        ObjectSampling(counts, SENSOR, models=3, seed=2, intensity_scale=255)(sample)["points"], found["points"]
+    )
 
 
 def test_sampling_takes_scans_without_boxes_and_refuses_unknown_kinds(sample: dict[str, np.ndarray]) -> None:
@@ -236,7 +251,9 @@ def test_sampling_takes_scans_without_boxes_and_refuses_unknown_kinds(sample: di
         "gt_boxes": np.zeros((0, 7), np.float32),
         "gt_names": np.array([], object),
     }
-    found = ObjectSampling({"truck": 2}, SENSOR, models=1)(bare | {"gt_boxes_mask": np.zeros(0, bool)})
+    found = ObjectSampling({"truck": 2}, SENSOR, models=1, intensity_scale=255)(
+        bare | {"gt_boxes_mask": np.zeros(0, bool)}
+    )
     assert found["gt_names"].tolist() == ["Truck", "Truck"]
     assert found["gt_boxes_mask"].tolist() == [True, True]
     for counts, models, message in (

@@ -78,6 +78,40 @@ def test_each_column_sees_what_moves_where_it_is_then(azimuth_offsets: tuple[flo
         assert seen == {0, 1, 2, 3}
 
 
+@pytest.mark.parametrize(("speed", "turn"), [(0.0, 2.0), (0.0, -2.0), (2.0, -2.0)])
+def test_a_sequence_is_cast_by_an_ego_vehicle_that_turns(speed: float, turn: float) -> None:
+    """As another caster sees it from where the track has the vehicle at the time of each column."""
+    far = [car(-42, y, number=number, yaw=1.57) for number, y in enumerate(range(-30, 31, 6), start=4)]
+    field = dataclasses.replace(ROAD, size=(200, 200, 0))
+    layout = Layout((field, car(-9, 0.5), car(-7, -3, number=2), car(3, -6, number=3, yaw=1.0), *far))
+    times = np.linspace(0.0, 0.6, 61)
+    yaw = turn * times
+    bend = np.stack([times, speed / turn * np.sin(yaw), speed / turn * (1 - np.cos(yaw)), yaw], axis=1)
+    ego = Waypoints(tuple(map(tuple, bend.tolist())))
+    actors = {"car_1": Straight(3.0), "car_2": Straight(-4.0), "car_3": Straight(2.0)}
+    actors |= {f"car_{number}": Straight(0.1) for number in range(4, 15)}
+    made = simulator(layout, Scenario(ego, actors), hz=10.0)
+    rays, cast = sub_rays(SMALL, SMALL.assumed_model), made.cast(3)
+    off, truths = np.zeros(cast.depth.shape), np.zeros(cast.depth.shape, int)
+    for column, since in enumerate(SMALL.column_times()):
+        time, caster = np.array([0.3 + since]), Raycaster(layout)
+        for name, track in made.tracks.actors.items():
+            x, y, z, looks = track.at(time)[0].tolist()
+            caster.move(name, upright((x, y, z), looks))
+        x, y, _, looks = made.tracks.ego.at(time)[0].tolist()
+        truth = caster.scan(rays, upright((x, y, SMALL.mount_height), looks))
+        off[:, column] = np.abs(cast.depth[:, column] - truth.depth[:, column]) / np.maximum(truth.depth[:, column], 1)
+        truths[:, column] = truth.instance[:, column]
+    assert (off < 2e-3).mean() > 0.995  # but for edges: in a sweep it drives straight on, 5 mm beside the bend
+    assert len(np.unique(cast.instance)) >= 12  # of 15: a turn against the head's leaves a gap behind
+    assert ((truths > 3) & (cast.instance == 0)).sum() <= 20 * (speed > 0)
+    scan = made.frame(3)
+    assert scan.turn == pytest.approx(turn)
+    for box in scan.boxes():  # and the turn is taken out of its points
+        mine = scan.points()[scan.instances() == box.instance]
+        assert box.contains(mine, 0.3).all()  # the cars drive up to 0.2 m meanwhile
+
+
 def test_a_car_is_sheared_as_fast_as_it_drives_while_it_is_swept() -> None:
     """On the left its front is swept after its rear: without rolling shutter it would be 4.2 m long."""
     sensor = dataclasses.replace(SMALL, columns=2048, range_sigma=0.0)
@@ -186,6 +220,9 @@ def test_the_ego_vehicle_lets_who_crosses_pass() -> None:
     crossing = np.abs(tracks.actors["person_1"].places[:, 1]) < 1.0
     assert (tracks.ego.places[crossing, 0] < 35 - 2.25).all()
     assert tracks.ego.places[-1, 0] > 37  # and goes on
+    # two seconds before somebody is in the way, 25 m away, 81 / 50 m/s2 are enough; when he is, 8 m away, 5 m/s2
+    braking = np.gradient(np.gradient(tracks.ego.places[:, 0], tracks.ego.times), tracks.ego.times)
+    assert braking.min() > -3.0
 
 
 @settings(max_examples=15, deadline=None)

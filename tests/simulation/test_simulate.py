@@ -75,7 +75,7 @@ def test_an_edit_changes_what_it_hides_and_shows_and_nothing_else() -> None:
 
 def test_a_sentence_is_laid_out_by_the_seed() -> None:
     scan = simulate(SENTENCE, SMALL, seed=5)
-    assert scan.layout == surround(layout_from_text(SENTENCE, seed=5), 5)
+    assert scan.layout == surround(layout_from_text(SENTENCE, seed=5), seed=5)
     assert same(scan.image, simulate(scan.layout, SMALL, seed=5).image)
     with pytest.raises(TextError, match="xyzzy"):
         simulate("xyzzy", SMALL)

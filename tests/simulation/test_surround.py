@@ -135,7 +135,7 @@ def check_sentences(sentences: list[str]) -> None:
             bare = layout_from_text(sentence, seed=seed)
         except LidarDraftError:
             continue
-        whole = surround(bare, seed)
+        whole = surround(bare, seed=seed)
         notes += "note" in whole.provenance["surroundings"]
         if found := faults(bare, whole):
             wrong[sentence] = found[:3]
@@ -180,7 +180,7 @@ def test_any_spec_keeps_what_it_asks_for(road, kinds, counts, places, absent, di
         bare = layout_from_spec(spec, seed=seed)
     except LayoutError:
         return  # no room
-    whole = surround(bare, seed)
+    whole = surround(bare, seed=seed)
     assert broken(spec, edit.remove(whole, "around/*")) == []
     assert faults(bare, whole) == []
 
@@ -200,7 +200,7 @@ def test_random_specs_keep_what_they_ask_for(numbers: Iterable[int]) -> None:
             bare = layout_from_spec(spec, seed=number)
         except LayoutError:
             continue
-        whole = surround(bare, number)
+        whole = surround(bare, seed=number)
         assert broken(spec, edit.remove(whole, "around/*")) == [], number
         assert faults(bare, whole) == [], number
 
@@ -210,7 +210,7 @@ def test_it_is_said_what_cannot_be_seen_for_something_else_that_was_asked_for() 
         ("a truck 8 m ahead, a motorcycle in front of it", {"motorcycle_1": "truck_1"}),
         ("a truck 8 m ahead, a motorcycle behind it", None),
     ):
-        said = surround(layout_from_text(sentence, seed=1), 1).provenance["surroundings"]
+        said = surround(layout_from_text(sentence, seed=1), seed=1).provenance["surroundings"]
         assert (said["in_sight"], said.get("hidden")) == (1.0, hidden)
 
 
@@ -219,7 +219,7 @@ def test_what_lies_along_the_road_is_not_fenced_off(kind: str) -> None:
     spec = SceneSpec(groups=(ObjectGroup(kind=kind, places=("left",)),))
     for seed in range(4):
         bare = layout_from_spec(spec, seed=seed)
-        assert faults(bare, surround(bare, seed)) == []
+        assert faults(bare, surround(bare, seed=seed)) == []
 
 
 def test_the_street_is_a_function_of_layout_and_seed_and_goes_in_one_line() -> None:
@@ -241,7 +241,7 @@ GROUNDS = {f"around/{name}" for name in ("land", "yards", "drives", "sidewalks",
 def test_a_street_has_what_recordings_have(sentence: str, green: float) -> None:
     shares = np.zeros(len(BY_NAME))
     for seed in range(6):
-        whole = surround(layout_from_text(sentence, seed=seed), seed)
+        whole = surround(layout_from_text(sentence, seed=seed), seed=seed)
         label = simulate(whole, SENSOR, seed=seed).labels()
         shares += np.bincount(label, minlength=len(BY_NAME)) / len(label) / 6
     at = {name: shares[row.id] for name, row in BY_NAME.items()}
@@ -285,7 +285,7 @@ def test_words_choose_the_district(sentence: str, district: str) -> None:
 
 def test_words_move_traffic_and_people() -> None:
     def vehicles(sentence: str) -> float:
-        layouts = [surround(layout_from_text(sentence, seed=seed), seed) for seed in range(12)]
+        layouts = [surround(layout_from_text(sentence, seed=seed), seed=seed) for seed in range(12)]
         return float(np.mean([sum(p.label in THINGS for p in layout) for layout in layouts]))
 
     empty, quiet, usual = (vehicles(f"{how} city street with no pedestrians") for how in ("an empty", "a quiet", "a"))
@@ -296,7 +296,7 @@ def test_words_move_traffic_and_people() -> None:
 @pytest.mark.parametrize("sentence", ["an alley", "an alley between tall buildings"])
 def test_an_alley_has_closed_fronts_at_its_narrow_road(sentence: str) -> None:
     for seed in range(3):
-        whole = surround(layout_from_text(sentence, seed=seed), seed)
+        whole = surround(layout_from_text(sentence, seed=seed), seed=seed)
         walls = [p for p in whole if p.label == "building"]
         front = sum(p.size[0] for p in walls if abs(p.center[1]) - p.size[1] / 2 < 6.0)
         assert front > 0.55 * 2 * 160.0
@@ -306,7 +306,7 @@ def test_an_alley_has_closed_fronts_at_its_narrow_road(sentence: str) -> None:
 @pytest.mark.parametrize("sentence", ["a forest road", "a motorway"])
 def test_where_nobody_lives_there_are_no_bins_bicycles_and_sidewalks(sentence: str) -> None:
     for seed in range(4):
-        whole = surround(layout_from_text(sentence, seed=seed), seed)
+        whole = surround(layout_from_text(sentence, seed=seed), seed=seed)
         names = {primitive.id.partition("_")[0].removeprefix("around/") for primitive in whole}
         assert not names & {"bicycle", "bin", "letterbox", "sidewalk"}
 
@@ -335,7 +335,7 @@ def test_boxes_get_a_road_that_their_vehicles_drive_on() -> None:
 def test_a_sketch_gets_a_street_along_its_road(name: str, options: dict[str, float]) -> None:
     bare = layout_from_sketch(ROOT / "examples/sketches" / name, seed=0, **options)
     for seed in range(3):
-        whole = surround(bare, seed)
+        whole = surround(bare, seed=seed)
         assert faults(bare, whole) == []
         assert len(whole) > len(bare) + 30
 
@@ -374,7 +374,7 @@ def test_where_there_is_no_room_the_layout_stays_bare_and_says_why(layout: Layou
 
 def test_what_cannot_be_surrounded_is_refused() -> None:
     layout = layout_from_text("a car ahead")
-    with pytest.raises(LayoutError, match="seed is -1; it must be an integer >= 0"):
-        surround(layout, -1)
+    with pytest.raises(LayoutError, match="seed is -1; it must be an integer of 0 to 2"):
+        surround(layout, seed=-1)
     with pytest.raises(LayoutError, match="the layout has surroundings already"):
         surround(surround(layout))

@@ -22,7 +22,7 @@ from lidardraft.streets.ego import EGO_SPACE, Ego, mount, sample_ego
 from lidardraft.streets.street import Street
 from planned import overlap, plans
 
-STREETS = [make_street(seed) for seed in range(20)]
+STREETS = [make_street(seed=seed) for seed in range(20)]
 
 
 def object_spaces(placed: PlacedObject) -> np.ndarray:
@@ -31,9 +31,9 @@ def object_spaces(placed: PlacedObject) -> np.ndarray:
 
 
 def test_a_street_is_a_function_of_its_seed():
-    assert make_street(5).scene == make_street(5).scene
-    assert make_street(5).layout == make_street(5).layout
-    assert make_street(5).scene != make_street(6).scene
+    assert make_street(seed=5).scene == make_street(seed=5).scene
+    assert make_street(seed=5).layout == make_street(seed=5).layout
+    assert make_street(seed=5).scene != make_street(seed=6).scene
 
 
 @pytest.mark.parametrize("street", STREETS, ids=lambda street: f"{street.district}-{street.seed}")
@@ -49,7 +49,7 @@ def test_nothing_goes_through_another(street: Street):
 def test_classes_and_instances_of_the_coarse_layout_are_those_of_the_scene():
     objects = {row.name for row in CLASSES if row.is_thing}
     for seed in range(5):
-        street = make_street(seed)
+        street = make_street(seed=seed)
         detailed = {(p.label, p.instance) for p in street.scene.primitives if p.label in objects}
         coarse = {(p.label, p.instance) for p in street.layout.primitives if p.label in objects}
         assert coarse == detailed
@@ -58,14 +58,14 @@ def test_classes_and_instances_of_the_coarse_layout_are_those_of_the_scene():
 
 
 def test_every_class_occurs():
-    seen = {primitive.label for seed in range(30) for primitive in make_street(seed).scene.primitives}
+    seen = {primitive.label for seed in range(30) for primitive in make_street(seed=seed).scene.primitives}
     assert seen >= {row.name for row in CLASSES} - {"none", "train"}
 
 
 @pytest.mark.slow
 @pytest.mark.timeout(1200)
 def test_every_class_and_district_occurs_in_a_thousand_streets():
-    places = [make_street(seed) for seed in range(1000)]
+    places = [make_street(seed=seed) for seed in range(1000)]
     assert {p.label for place in places for p in place.scene.primitives} == {row.name for row in CLASSES} - {"none"}
     count = Counter(place.district for place in places)
     for name, district in DISTRICTS.items():

@@ -108,7 +108,9 @@ HEEDS = 1.01  # of the loss by other layouts over that by their own
 
 
 def test_a_minute_of_training_is_enough_to_heed_layouts_of_unseen_streets(tmp_path: Path) -> None:
-    found = itertools.islice(streets(7, StreetConfig(sensor=SENSOR, poses_per_street=1, simulated=True)), 24)
+    found = itertools.islice(
+        streets(seed=7, config=StreetConfig(sensor=SENSOR, poses_per_street=1, simulated=True)), 24
+    )
     pairs = ((Pair(pair.scan, pair.condition_image, pair.simulated), {}) for pair in found if pair.simulated)
     list(write_pairs(tmp_path / "pairs", pairs))
     list(train_denoiser(CONFIG, PairFolder(tmp_path / "pairs"), tmp_path / "run"))

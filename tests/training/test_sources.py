@@ -10,7 +10,7 @@ from box_pairs import SENSOR
 
 from lidardraft.errors import TrainingError
 from lidardraft.scene.effects import sub_rays
-from lidardraft.training.sampled_sensor import LIMITS, sample_sensor
+from lidardraft.training.sampled_sensor import ELEVATIONS, LIMITS, ROWS, _sample_elevations, sample_sensor
 from lidardraft.training.sources import MixedSource, PairFolder, StreetSource
 
 SOURCE = StreetSource(seed=3, sensor=SENSOR)
@@ -78,3 +78,16 @@ def test_sensors_differ_and_can_all_be_cast_and_learned_from() -> None:
     assert 0 < sum(not sensor.wraps for sensor in sensors) < 20
     steps = [np.diff(sensor.elevations) for sensor in sensors if len(sensor.elevations) > 16]
     assert any(step.min() < 3 * step.max() for step in steps)  # beams are bunched, in some
+
+
+@pytest.mark.parametrize("count", [10_000, pytest.param(100_000, marks=pytest.mark.slow)])
+def test_every_table_of_beams_is_strictly_decreasing(count: int) -> None:
+    rng, closest, lowest = np.random.default_rng(0), np.inf, np.inf
+    for _ in range(count):
+        elevations = _sample_elevations(rng)
+        assert len(elevations) in ROWS
+        closest = min(closest, -np.diff(elevations).max())
+        lowest = min(lowest, elevations[-1])
+        assert elevations[0] <= ELEVATIONS[1]
+    assert closest > np.deg2rad(0.04)
+    assert lowest == ELEVATIONS[0]  # some need all the room that there is

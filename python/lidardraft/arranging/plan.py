@@ -29,7 +29,7 @@ from lidardraft.arranging.roadside import (
     place_street_trees,
 )
 from lidardraft.arranging.side_roads import place_beside_side_roads, place_side_road_buildings
-from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix
+from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix, applied
 from lidardraft.arranging.traffic import place_parked_vehicles, place_traffic
 from lidardraft.arranging.walkers import place_people
 from lidardraft.scene.road import Road
@@ -73,7 +73,7 @@ def plan_street(
 def sample_frame(rng: np.random.Generator, half_length: float, mix: StreetMix) -> tuple[Frame, str]:
     """The frame of a street that nothing is said of, and the name of its district."""
     name = mix.sample_district(rng)
-    district = mix.applied(greened(DISTRICTS[name], rng))
+    district = applied(mix, greened(DISTRICTS[name], rng))
     parking = tuple(side for side in SIDES if rng.random() < district.parked)
     oneway, wants_car_park = bool(rng.random() < district.oneway), bool(rng.random() < district.car_park)
     road = sample_road(district, parking, half_length, rng, oneway=oneway, car_park=wants_car_park)

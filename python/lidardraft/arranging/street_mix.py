@@ -49,19 +49,20 @@ class StreetMix:
         shares = np.cumsum([getattr(self, name) for name in DISTRICTS])
         return list(DISTRICTS)[int(np.searchsorted(shares / shares[-1], rng.random(), side="right"))]
 
-    def applied(self, district: District) -> District:
-        """The district with as much more or less in it."""
-        return replace(
-            district,
-            parked=min(district.parked * self.parked_cars, 1.0),
-            traffic_gap=district.traffic_gap / self.traffic if self.traffic > 0 else math.inf,
-            people=district.people * self.people,
-            built=min(district.built * self.buildings, 1.0),
-            front_fences=min(district.front_fences * self.fences, 1.0),
-            street_trees=min(district.street_trees * self.plants, 1.0),
-            thickets=district.thickets * self.plants,
-            wild_trees=round(district.wild_trees * self.plants),
-        )
-
 
 USUAL_MIX = StreetMix()
+
+
+def applied(mix: StreetMix, district: District) -> District:
+    """The district with as much more or less in it as the mix says."""
+    return replace(
+        district,
+        parked=min(district.parked * mix.parked_cars, 1.0),
+        traffic_gap=district.traffic_gap / mix.traffic if mix.traffic > 0 else math.inf,
+        people=district.people * mix.people,
+        built=min(district.built * mix.buildings, 1.0),
+        front_fences=min(district.front_fences * mix.fences, 1.0),
+        street_trees=min(district.street_trees * mix.plants, 1.0),
+        thickets=district.thickets * mix.plants,
+        wild_trees=round(district.wild_trees * mix.plants),
+    )

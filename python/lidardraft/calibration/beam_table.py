@@ -268,7 +268,8 @@ def fit_blocked(sweeps: Sequence[Sweep], elevations: np.ndarray) -> Blocked:
     columns = rate.shape[1]
     around = np.pad(rate, ((0, 0), (_ASIDE, _ASIDE)), mode="wrap")
     windows = np.lib.stride_tricks.sliding_window_view(around, 2 * _ASIDE + 1, axis=1)
-    hidden = (np.median(windows, axis=2) < _SELDOM) & (elevations[:, None] < _DOWN)
+    hidden = np.median(windows, axis=2) < _SELDOM
+    hidden &= (elevations[:, None] < _DOWN) | hidden.all(axis=0)  # of all beams: the sensor does not look there
     found = tuple(tuple(_intervals(row, columns)) if row.any() else () for row in hidden)
     return found if any(found) else ()
 

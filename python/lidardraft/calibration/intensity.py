@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.calibration.surface_groups import groups_of
+from lidardraft.errors import FormatError
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor_model import IntensityCurve
 
@@ -106,6 +107,8 @@ def fit_intensity(recorded: Readings, simulated: Sequence[Sweep]) -> IntensityFi
     Returns are grouped by class if all recorded sweeps have labels, else by place and shape (`surface_groups.py`).
     """
     cells, cutoffs = _cells(recorded, simulated), recorded.cutoffs
+    if not len(cells.row):
+        raise FormatError(f"no laser has {_FEWEST} returns of one kind at one distance; intensities need more scans")
     least, beams = cutoffs[cells.row][:, None], len(cutoffs)
     gains, offsets, focus = np.zeros(beams), np.zeros(beams), np.zeros(len(_DISTANCES))
     known = cells.reading

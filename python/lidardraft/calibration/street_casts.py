@@ -33,7 +33,7 @@ class StreetCasts:
         scanners, casts = [], []
         config = StreetConfig(sensor=sensor, poses_per_street=1)
         for number in range(num):
-            street = make_street(seed, config, number=number)
+            street = make_street(seed=seed, config=config, number=number)
             ego, pose, _ = sample_viewpoint(street, sensor, number)
             in_motion = sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
             scanners.append(Scanner.from_layout(street.scene, sensor, model=model))

@@ -7,11 +7,12 @@ import math
 import re
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lidardraft.diffusion.denoiser_config import GUIDANCE, STEPS
 from lidardraft.errors import FormatError, SensorError, one_of
 from lidardraft.files import read_text
+from lidardraft.formats.carla import TAGS, VERSIONS
 from lidardraft.formats.ouster import is_ouster_metadata, read_ouster_metadata
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import Weather
@@ -83,6 +84,25 @@ def add_sensor(parser: Options, *, default: str | None = DEFAULT_SENSOR, of: str
     text = f"sensor{of}: {', '.join(PRESETS)}, or a .json file, Ouster's metadata too"
     text += f" (default {default})" if default else ""
     parser.add_argument("--sensor", default=default, metavar="NAME", help=text)
+
+
+def add_reading(parser: Options) -> None:
+    """What says more about how a scan is read: --intensity-scale and --carla-tags, which `reading` reads."""
+    text = "number that stands for an intensity of 1 in the scan, as 255 (default: that of its format, or of whole "
+    text += "numbers by their type; else 1)"
+    parser.add_argument("--intensity-scale", type=positive, metavar="X", help=text)
+    add_carla_tags(parser)
+
+
+def add_carla_tags(parser: Options) -> None:
+    """--carla-tags."""
+    text = "tags in a cloud of CARLA's semantic LiDAR: of 0.9.13 and before, or of 0.9.14 and later (default)"
+    parser.add_argument("--carla-tags", choices=VERSIONS, help=text)
+
+
+def reading(arguments: argparse.Namespace) -> dict[str, Any]:
+    """The arguments of `read_points` that options of `add_reading` give."""
+    return {"intensity_scale": arguments.intensity_scale, "carla_tags": VERSIONS.get(arguments.carla_tags, TAGS)}
 
 
 def read_sensor(name: str) -> Sensor:

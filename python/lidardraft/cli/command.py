@@ -71,10 +71,10 @@ def commands_of(parser: Parser) -> Callable[[str, Command], Parser]:
     return command
 
 
-def run(parser: Parser, argv: Sequence[str] | None, *, needs: str = "generate") -> int:
+def run(parser: Parser, argv: Sequence[str] | None, *, needs: str = "") -> int:
     """Run the command that the arguments name, and give its exit status.
 
-    `needs` names the extra with the libraries that commands import only when they need them.
+    `needs` is the extra to name for a missing library that several extras bring.
     """
     words = sys.argv[1:] if argv is None else argv
     if not words:

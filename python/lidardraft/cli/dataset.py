@@ -9,10 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from lidardraft.cli.arguments import whole_number
+from lidardraft.cli.arguments import number, whole_number
 from lidardraft.cli.command import progress
-from lidardraft.cli.scan_folder import add_jobs, jobs_of, scans_in
-from lidardraft.formats.frame import FORMATS, Frame, writer_of
+from lidardraft.cli.scan_folder import add_jobs, jobs_of
+from lidardraft.errors import extra
+from lidardraft.formats.frame import FORMATS
 
 
 def dataset(arguments: argparse.Namespace) -> None:
@@ -38,6 +39,9 @@ def _workers(arguments: argparse.Namespace, num: int, run: int) -> Callable[...,
     """What makes shards: the machines of a cluster, worker processes, or this process."""
     if arguments.ray is not None:
         from lidardraft.dataset.shards import on_cluster
+
+        with extra():
+            import ray  # noqa: F401  # a missing library is reported before anything is written
 
         return partial(on_cluster, address=arguments.ray)
     jobs = jobs_of(arguments, num, run)
@@ -74,11 +78,13 @@ def _share(text: str) -> tuple[int, int]:
 
 def export(arguments: argparse.Namespace) -> None:
     """Write folders of scans as one data set in a format that other people's readers open."""
-    write = writer_of(arguments.format)
+    from lidardraft.exports import export as write
+    from lidardraft.exports import scans_in
+
     drives = [scans_in(Path(folder)) for folder in arguments.folders]
-    count = sum(map(len, drives))
+    count, more = sum(map(len, drives)), {"as_seen": arguments.as_seen, "box_margin": arguments.box_margin}
     with progress(count, "scan") as bar:
-        write(arguments.output, (_frames(drive, bar) for drive in drives))
+        write((_counted(drive, bar) for drive in drives), arguments.format, arguments.output, **more)
     print(f"{arguments.output}: {count} scan{'s' * (count > 1)} as {arguments.format}")
 
 
@@ -93,11 +99,13 @@ def export_options(parser: argparse.ArgumentParser) -> None:
     text = "; ".join(f"{name}: {what}" for name, (_, _, what) in FORMATS.items())
     parser.add_argument("--format", required=True, choices=FORMATS, metavar="NAME", help=text)
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where it goes: new or empty")
+    text = "points as the sensor saw them while it moved, and their times where the format has any; always of mcap"
+    parser.add_argument("--as-seen", action="store_true", default=None, help=text)
+    text = "make boxes larger by M metres on each side, against the noise of points (0.05 holds nearly all; default 0)"
+    parser.add_argument("--box-margin", type=number, default=0.0, metavar="M", help=text)
 
 
-def _frames(scans: list[Path], bar: Any) -> Iterator[Frame]:
-    from lidardraft.scan import Scan
-
+def _counted(scans: list[Path], bar: Any) -> Iterator[Path]:
     for name in scans:
-        yield Scan.load(name).frame()
+        yield name
         bar.update()

@@ -9,7 +9,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, add_sensor
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_seed, add_sensor, reading
+from lidardraft.cli.command import say
 from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named
@@ -57,17 +58,19 @@ def edit(arguments: argparse.Namespace) -> None:
 
 
 def _read(arguments: argparse.Namespace) -> RecordedScan:
-    from lidardraft.formats.recording import read_labels, read_points
+    from lidardraft.formats.recording import read_labels, read_points, with_fields
     from lidardraft.simulation.recorded_scan import RecordedScan
 
     path = arguments.scan
-    points, fields = read_points(path)
+    points, fields = read_points(path, **reading(arguments))
+    if arguments.edits and "intensity" not in fields:
+        say(f"{path}: there are no intensities{with_fields(path)}: recorded returns read 0")
     if arguments.labels is not None:
         fields |= read_labels(arguments.labels, len(points), of=path)
     sensor, boxes = sensor_of_scan(path, arguments.sensor), boxes_of_scan(path, arguments.boxes)
     with named(path):
-        fields.pop("column", None)
-        return RecordedScan.from_points(points, sensor, boxes=boxes, **fields)
+        known: dict[str, Any] = {name: values for name, values in fields.items() if name != "column"}
+        return RecordedScan.from_points(points, sensor, boxes=boxes, **known)
 
 
 def _list(scan: RecordedScan) -> None:
@@ -130,6 +133,7 @@ def edit_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--boxes", metavar="FILE", help=text)
     text = f" that took the scan (default that beside it, hdl32e of nuScenes, or {DEFAULT_SENSOR})"
     add_sensor(parser, default=None, of=text)
+    add_reading(parser)
     for option, names, text in (
         ("insert", ("TEXT",), "an object: 'car at 12,3 yaw 90', 'truck at 30,-2 size 8,2.5,3'; repeatable"),
         ("remove", ("ID",), "take an object away; repeatable"),

@@ -16,6 +16,7 @@ from lidardraft.cli.arguments import (
     add_sensor,
     add_weights,
     assignments,
+    positive,
     read_pipeline,
     read_sensor,
     whole_number,
@@ -114,6 +115,8 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
     text = "recorded scans: files, or folders, of .bin, .pcd.bin, .pcd, .ply, .npz, .las, .pkl.gz or .pcap"
     folders.add_argument("--real", nargs="+", metavar="SCANS", help=text)
     folders.add_argument("--generated", nargs="+", metavar="SCANS", help="generated scans, likewise")
+    text = "number that stands for an intensity of 1 in the scans of --real, where their format does not say it"
+    folders.add_argument("--intensity-scale", type=positive, metavar="X", help=text)
     text = "folder of the public weights for FRD, FRID and FPD; without it, the command says where to get them"
     folders.add_argument("--networks", metavar="FOLDER", help=text)
     text = "write values, floors and definitions as JSON too"
@@ -159,6 +162,7 @@ def _compared(
             device=arguments.device,
             seed=arguments.seed,
             on_scan=bar.update,
+            intensity_scale=arguments.intensity_scale,
         )
 
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lidardraft.cli.arguments import read_sensor, whole_number
+from lidardraft.cli.arguments import add_reading, read_sensor, reading, whole_number
 from lidardraft.cli.command import say
 from lidardraft.cli.inputs import scan_files
 from lidardraft.errors import FormatError, LidarDraftError
@@ -36,7 +36,7 @@ def fit(arguments: argparse.Namespace) -> None:
     if output.suffix != ".json":
         raise FormatError(f"{output}: a sensor file ends in .json")
     like = None if arguments.like is None else read_sensor(arguments.like)
-    recordings, held = _sound_recordings(scan_files(arguments.scans), scan_files(arguments.judge))
+    recordings, held = _sound_recordings(arguments, scan_files(arguments.scans), scan_files(arguments.judge))
     if not held and len(recordings) > 1:
         count = max(1, round(_HELD_BACK * len(recordings)))
         recordings, held = recordings[:-count], recordings[-count:]
@@ -51,15 +51,15 @@ def fit(arguments: argparse.Namespace) -> None:
     print(f"{output}: fitted to {len(recordings)} scan{'s' * (len(recordings) > 1)}")
 
 
-def _sound_recordings(*paths: list[Path]) -> tuple[list[Recording], ...]:
+def _sound_recordings(arguments: argparse.Namespace, *paths: list[Path]) -> tuple[list[Recording], ...]:
     """The scans of lists of files, without those that are odd; each of these is named."""
     from lidardraft.calibration.beam_table import FEWEST_POINTS
     from lidardraft.calibration.odd_scans import odd_scans, without_rare_lasers
-    from lidardraft.formats.recording import Recording, read_recording
+    from lidardraft.formats.recording import Recording, read_recording, with_fields
 
     def tried(path: Path) -> Recording | LidarDraftError:
         try:
-            return read_recording(path)
+            return read_recording(path, **reading(arguments))
         except LidarDraftError as error:
             return error
 
@@ -73,6 +73,8 @@ def _sound_recordings(*paths: list[Path]) -> tuple[list[Recording], ...]:
         raise refused[0]
     for error in refused:
         say(f"left out: {error}")
+    if all(read[path].intensity is None for path in sound):
+        say(f"{sound[0]}: there are no intensities{with_fields(sound[0])}: none are fitted")
     kept, rare = without_rare_lasers([read[path] for path in sound])
     if rare:
         rings = ", ".join(map(str, rare))
@@ -156,6 +158,7 @@ def fit_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--judge", nargs="+", default=[], metavar="SCAN", help=text)
     text = "preset or sensor file for constants that no scan shows, such as the divergence (default: typical values)"
     parser.add_argument("--like", metavar="SENSOR", help=text)
+    add_reading(parser)
     text = "firings in a turn of the sensor that is written (default: those of the scans, in fours)"
     parser.add_argument("--columns", type=whole_number(8), metavar="N", help=text)
     text = "streets to compare the scans with (default 32)"

@@ -9,11 +9,12 @@ import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from lidardraft.arranging.district import DISTRICTS
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_seed, assignments, number, read_sensor
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_seed, assignments, number, read_sensor, reading
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError, LidarDraftError, MissingExtraError, extra
 from lidardraft.files import named
@@ -24,14 +25,18 @@ from lidardraft.scene.sensor import Sensor
 # Options that say more about an input, by the option that names the input.
 _GOES_WITH = {
     "labels": ("points",),
-    "segmenter": ("points",),
+    **dict.fromkeys(("segmenter", "intensity_scale", "carla_tags"), ("points",)),
+    "sensor_height": ("points", "boxes"),
     "detail": ("points",),
     "metres_per_pixel": ("sketch",),
     "scale_bar": ("sketch",),
     "classes": ("obj", "glb", "blender"),
     "strict": ("blender",),
     "up": ("obj", "glb"),
-    "scale": ("obj",),
+    "scale": ("obj", "glb", "blender"),
+    "recentre": ("obj", "glb", "blender"),
+    "as_is": ("obj", "glb", "blender", "boxes"),
+    "frame": ("boxes",),
     **dict.fromkeys(("depth", "semantics", "masks", "intrinsics", "hfov", "camera_height", "metric_depth"), ("image",)),
 }
 _GOES_WITH |= {f"llm_{name}": ("text", "text_file") for name in ("url", "model", "blender", "cache", "timeout")}
@@ -85,7 +90,8 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     one.add_argument("--obj", metavar="FILE.obj", help="a 3D model: Wavefront OBJ with the ego vehicle at its origin")
     one.add_argument("--glb", metavar="FILE.glb", help="a 3D model: binary glTF, as Blender exports it")
     one.add_argument("--blender", metavar="FILE.py", help="a Blender Python script; it is read as data, never run")
-    one.add_argument("--layout", metavar="LAYOUT.json", help="a layout, as `lidardraft draft` writes it")
+    text = "a layout, as `lidardraft draft` writes it; by itself it gets no street (see --surroundings)"
+    one.add_argument("--layout", metavar="LAYOUT.json", help=text)
     for option in many:
         value, text = _MANY[option]
         choices = (*DISTRICTS, "any") if option == "street" else None
@@ -96,21 +102,13 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     group.add_argument("--segmenter", metavar="FILE", help=text)
     text = "fine: as near to --points as their cast can be (default); objects: few whole ones, to edit by hand"
     group.add_argument("--detail", choices=("fine", "objects"), help=text)
+    add_reading(group)
+    text = "height over the road of the sensor in whose frame --points or --boxes are (default that of its sensor)"
+    group.add_argument("--sensor-height", type=number, metavar="M", help=text)
     text = "length of a pixel of --sketch, in metres"
     group.add_argument("--metres-per-pixel", type=number, metavar="M", help=text)
     group.add_argument("--scale-bar", type=number, metavar="M", help="length of the black bar in a painted --sketch")
-    group.add_argument(
-        "--class",
-        dest="classes",
-        action="append",
-        metavar="NAME=CLASS",
-        help="class of the objects, materials or collections of that name in --obj, --glb or --blender, where their "
-        "names say none or another; repeatable",
-    )
-    text = "refuse a --blender script in which the names of an object say no class, in place of a note"
-    group.add_argument("--strict", action="store_true", default=None, help=text)
-    group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
-    group.add_argument("--scale", type=number, metavar="M", help="length of a unit of --obj, in metres (default 1)")
+    _add_model_options(group)
     text = "say what each word of --text became, and which were not understood"
     group.add_argument("--explain", action="store_true", default=None, help=text)
     _add_image_options(group)
@@ -147,7 +145,8 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
         raise type(error)(f"{error}{_other_option(name, getattr(arguments, name))}") from None
     # The notes on a layout that was saved, also as a model or a script, were printed when it was made.
     file = getattr(arguments, name)
-    if name != "layout" and (name not in ("glb", "blender") or layout.provenance.get("source") == Path(file).name):
+    is_new = name not in ("glb", "blender") or layout.provenance.get("source") == Path(file).name
+    if name != "layout" and (is_new or arguments.recentre):
         for note in notes_on(layout):
             say(note if name == "text" else f"{file}: {note}")
     return layout
@@ -159,7 +158,7 @@ def _surrounded(arguments: argparse.Namespace, layout: Layout, seed: int, *, usu
         return layout
     from lidardraft.simulation.surround import surround
 
-    return surround(layout, seed)
+    return surround(layout, seed=seed)
 
 
 def around_it(layout: Layout) -> str:
@@ -247,6 +246,8 @@ def scan_files(given: Sequence[str]) -> list[Path]:
 
 def _sensor_height(arguments: argparse.Namespace, file: str) -> float:
     """How high over the road the sensor stood in whose frame the file is."""
+    if arguments.sensor_height is not None:
+        return float(arguments.sensor_height)
     return (sensor_of_file(file) or read_sensor(arguments.sensor)).mount_height
 
 
@@ -299,7 +300,7 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     if arguments.labels is not None and arguments.segmenter is not None:
         raise FormatError("--labels and --segmenter both say the classes of --points; give one of them")
     path = arguments.points
-    points, fields = read_returns(path, arguments.labels)
+    points, fields = read_returns(path, arguments.labels, needs_intensity=False, **reading(arguments))
     height = _sensor_height(arguments, path)
     if arguments.segmenter is not None or "label" not in fields:
         fields = {"label": _predicted(path, arguments.segmenter, points, fields.get("intensity"), height)}
@@ -326,7 +327,7 @@ def _predicted(
 
         read_metadata(weights)  # a broken file is reported before torch is loaded
     try:
-        with extra("generate"):
+        with extra():
             from lidardraft.perception.segmenter import SURE, Segmenter
     except MissingExtraError as error:
         raise FormatError(f"{path} has no labels: give --labels, or let a segmenter predict them ({error})") from None
@@ -348,34 +349,63 @@ def _from_boxes(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.boxes import layout_from_boxes
     from lidardraft.formats.box_files import read_box_file
 
-    boxes = read_box_file(arguments.boxes)
+    boxes = read_box_file(arguments.boxes, frame=arguments.frame)
     height = _sensor_height(arguments, arguments.boxes)
     with named(arguments.boxes):
-        return layout_from_boxes(boxes, sensor_height=height)
+        return layout_from_boxes(boxes, sensor_height=height, as_is=bool(arguments.as_is))
+
+
+def _placing(arguments: argparse.Namespace) -> dict[str, Any]:
+    """What the options say of the unit and the place of a model."""
+    scale = 1.0 if arguments.scale is None else arguments.scale
+    return {"scale": scale, "recentre": bool(arguments.recentre), "as_is": bool(arguments.as_is)}
 
 
 def _from_obj(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.models import layout_from_obj
 
-    scale = 1.0 if arguments.scale is None else arguments.scale
-    return layout_from_obj(arguments.obj, classes=_classes(arguments), up=arguments.up or "z", scale=scale)
+    up = arguments.up or "z"
+    return layout_from_obj(arguments.obj, classes=_classes(arguments), up=up, **_placing(arguments))
 
 
 def _from_glb(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.models import layout_from_glb
 
-    return layout_from_glb(arguments.glb, classes=_classes(arguments), up=arguments.up or "y")
+    up = arguments.up or "y"
+    return layout_from_glb(arguments.glb, classes=_classes(arguments), up=up, **_placing(arguments))
 
 
 def _from_blender(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.blender.layout import layout_from_blender
 
-    path = Path(arguments.blender)
-    return layout_from_blender(path, classes=_classes(arguments), strict=bool(arguments.strict))
+    path, strict = Path(arguments.blender), bool(arguments.strict)
+    return layout_from_blender(path, classes=_classes(arguments), strict=strict, **_placing(arguments))
 
 
 def _from_layout(arguments: argparse.Namespace) -> Layout:
     return Layout.load(arguments.layout)
+
+
+def _add_model_options(group: argparse._ArgumentGroup) -> None:
+    """What says more about --obj, --glb, --blender and --boxes."""
+    group.add_argument(
+        "--class",
+        dest="classes",
+        action="append",
+        metavar="NAME=CLASS",
+        help="class of the objects, materials or collections of that name in --obj, --glb or --blender, where their "
+        "names say none or another; repeatable",
+    )
+    text = "refuse a --blender script in which the names of an object say no class, in place of a note"
+    group.add_argument("--strict", action="store_true", default=None, help=text)
+    group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
+    text = "length of a unit of --obj, --glb or --blender, in metres (default 1; 0.01 for centimetres)"
+    group.add_argument("--scale", type=number, metavar="M", help=text)
+    text = "move --obj, --glb or --blender: the middle of its ground becomes the origin, where the sensor stands"
+    group.add_argument("--recentre", action="store_true", default=None, help=text)
+    text = "read --obj, --glb, --blender or --boxes whatever the sizes of vehicles and people in it say of its unit"
+    group.add_argument("--as-is", action="store_true", default=None, help=text)
+    group.add_argument("--frame", type=int, metavar="N", help="frame of KITTI's tracking labels in --boxes (default 0)")
 
 
 def _add_image_options(group: argparse._ArgumentGroup) -> None:

@@ -88,11 +88,16 @@ def draft_options(parser: argparse.ArgumentParser) -> None:
 
 
 def raycast(arguments: argparse.Namespace) -> None:
-    """Get the depth, class and instance images of a layout as a sensor's rays meet it, in an .npz file: the condition
-    image of the diffusion model."""
+    """Get the depth, class and instance images of a layout as a sensor's rays meet it, in an .npz file, the condition
+    image of the diffusion model; and the layout beside it, from which `observe` has the objects."""
     sensor = read_sensor(arguments.sensor)
-    image = cast(read_layout(arguments), sensor)
+    layout, beside = read_layout(arguments), Path(arguments.output).with_suffix(".layout.json")
+    if not (given := beside.exists() and Layout.load(beside) == layout):
+        check_other_file(beside, input_of(arguments))
+    image = cast(layout, sensor)
     image.save(arguments.output)
+    if not given:
+        layout.save(beside)
     print(f"{arguments.output}: {sensor.name}, {image.valid.mean():.0%} of the rays hit")
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import warnings
 import zlib
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lidardraft.cli.arguments import add_seed, add_sensor, check_empty, read_sensor, whole_number
+from lidardraft.cli.arguments import add_reading, add_seed, add_sensor, check_empty, read_sensor, reading, whole_number
 from lidardraft.cli.command import progress, say
 from lidardraft.cli.inputs import scan_files, sensor_of_file
 from lidardraft.cli.scan_folder import add_jobs, cores, jobs_of
@@ -49,7 +50,8 @@ def streets(arguments: argparse.Namespace) -> None:
         return
     if start:
         print(f"{folder}: goes on after the {start} pairs that are there", flush=True)
-    pairs = pairs_of_streets(seed, config, start=start, workers=min(arguments.workers, -(-(num - start) // poses)))
+    workers = min(arguments.workers, -(-(num - start) // poses))
+    pairs = pairs_of_streets(seed=seed, config=config, start=start, workers=workers)
     with progress(num, "pair", "streets", initial=start) as bar:
 
         def noted(pair: StreetPair) -> NotedPair:
@@ -153,7 +155,10 @@ def _noted(
     if isinstance(checksum, LidarDraftError):
         return checksum
     try:
-        pair = _pair(arguments, file, sensor, arguments.seed + number, first=not number)
+        with warnings.catch_warnings():  # in a process of its own, nobody has heard them
+            warnings.simplefilter("default", UserWarning)
+            warnings.showwarning = lambda message, *_, **__: say(message)
+            pair = _pair(arguments, file, sensor, arguments.seed + number, first=not number)
     except LidarDraftError as error:
         return error
     return pair, {"scan": str(file.scan), "checksum": checksum}
@@ -202,16 +207,16 @@ def _segmenter(weights: str | None) -> Segmenter:
 def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> LabelledCloud:
     """A scan with its classes: those of --labels, of the file, of one beside it or of the data set, or those of the
     segmenter; what is in boxes has theirs."""
-    from lidardraft.formats.recording import read_returns
+    from lidardraft.formats.recording import read_returns, with_fields
     from lidardraft.training.recorded_pairs import LabelledCloud
 
     scan, labels = file.scan, arguments.labels
     if labels is not None and Path(labels).is_dir():
         labels = Path(labels, f"{scan.stem}.label")
-    points, fields = read_returns(scan, labels)
+    points, fields = read_returns(scan, labels, **reading(arguments))
     with named(scan):
         if "intensity" not in fields:
-            raise FormatError("there are no intensities, which the generator learns too")
+            raise FormatError(f"there are no intensities, which the generator learns too{with_fields(scan)}")
         if "label" not in fields:
             from lidardraft.perception.segmenter import SURE
 
@@ -238,6 +243,7 @@ def pairs_options(parser: argparse.ArgumentParser) -> None:
     text = "weights of `lidardraft-train segmenter` for scans that have no labels (default: the packaged ones)"
     parser.add_argument("--segmenter", metavar="WEIGHTS", help=text)
     add_sensor(parser, default=None, of=" that recorded them (default: the .sensor.json beside the first scan)")
+    add_reading(parser)
     add_seed(parser)
     add_jobs(parser)
     text = "where the pairs go; a second call goes on"

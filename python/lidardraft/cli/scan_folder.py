@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 from lidardraft.cli.arguments import check_empty, whole_number
 from lidardraft.cli.command import say
-from lidardraft.errors import FormatError
 from lidardraft.files import locked_folder
 
 if TYPE_CHECKING:
@@ -53,16 +52,6 @@ def check_output(arguments: argparse.Namespace) -> None:
     """Raises `FormatError` where the folder holds anything and --overwrite is not given."""
     otherwise = ", or --overwrite to replace its scans"
     check_empty(Path(arguments.output), otherwise, but=".*" if arguments.overwrite else "")
-
-
-def scans_in(folder: Path) -> list[Path]:
-    """The scans of a folder in order, without their endings."""
-    if not folder.is_dir():
-        raise FormatError(f"{folder} is not a folder of scans")
-    endings = sorted(path.name for path in folder.glob("*.sensor.json"))
-    if not endings:
-        raise FormatError(f"{folder} holds no scans of `simulate`, `generate` or `observe`: there is no .sensor.json")
-    return [folder / name.removesuffix(".sensor.json") for name in endings]
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,10 +102,10 @@ class ScanFolder(Generic[T]):
 
 def _clear(folder: Path) -> None:
     """Remove the scans of an earlier call, numbers with a sensor beside them, and their tracks. The rest stays."""
-    from lidardraft.scan import SCAN_ENDINGS, TRACK_FILES
+    from lidardraft.scan import CASTS_FILE, SCAN_ENDINGS, TRACK_FILES
 
     names = [path.name.removesuffix(".sensor.json") for path in folder.glob("*.sensor.json")]
     numbers = [name for name in names if name.isdigit()]
     files = [f"{name}{ending}" for name in numbers for ending in SCAN_ENDINGS]
-    for file in [*files, *(TRACK_FILES if numbers else ())]:
+    for file in [*files, *((*TRACK_FILES, CASTS_FILE) if numbers else ())]:
         (folder / file).unlink(missing_ok=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import json
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli.arguments import (
+    add_carla_tags,
     add_seed,
     add_sensor,
     add_speed,
@@ -35,8 +37,9 @@ from lidardraft.cli.inputs import (
 )
 from lidardraft.cli.scan_folder import ScanFolder, add_folder, add_jobs, check_output, jobs_of
 from lidardraft.errors import FormatError
-from lidardraft.files import named, read_sentences
+from lidardraft.files import named, read_sentences, write_text
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.pose import inverse
 from lidardraft.scene.scenario import Scenario
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.weather import Weather
@@ -199,7 +202,7 @@ def simulate(arguments: argparse.Namespace) -> None:
         num, poses = arguments.num or 1, arguments.poses or _POSES
         jobs = jobs_of(arguments, num, poses)
         config = _street_config(arguments, sensor, weather, poses)
-        make, notes = partial(street_scan, arguments.seed, config=config, threads=1 if jobs > 1 else None), None
+        make, notes = partial(street_scan, seed=arguments.seed, config=config, threads=1 if jobs > 1 else None), None
     with progress(num, "scan") as bar:
         for _ in ScanFolder(output, pictures, make, Scan.save, notes).write(num, jobs=jobs, run=poses):
             bar.update()
@@ -322,27 +325,54 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
 
 def observe(arguments: argparse.Namespace) -> None:
     """Add ray drop, noise and intensity to the casts of another renderer, which keep their labels: range and class
-    images, or clouds of CARLA's semantic LiDAR."""
-    from lidardraft.scan import save_observed
+    images, or clouds of CARLA's semantic LiDAR; with the boxes, poses and times that come with them."""
+    from lidardraft.scan import CASTS_FILE, Scan
 
     check_output(arguments)
     sensor = None if arguments.sensor is None else read_sensor(arguments.sensor)
     materials = assignments(arguments.materials, "--material", "CLASS=MATERIAL, as in car=dark-paint")
     weather, num = read_weather(arguments.weather), len(arguments.casts)
 
-    def make(number: int) -> RangeImage:
-        return _observed(arguments.casts[number], arguments.seed + number, sensor, materials, weather)
+    def make(number: int) -> Scan:
+        path, seed = arguments.casts[number], arguments.seed + number
+        image = _observed(path, seed, sensor, materials, weather, arguments.carla_tags)
+        return _with_its_scene(path, image, seed)
 
     with progress(num, "cast") as bar:
-        for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, save_observed).write(num):
+        for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save).write(num):
             bar.update()
-    _report(arguments, num, (".label",))
+    names = {f"{number:06d}": path for number, path in enumerate(arguments.casts)}
+    write_text(Path(arguments.output, CASTS_FILE), json.dumps(names, indent=1) + "\n")
+    _report(arguments, num, (".label", ".boxes.json"), f"; {CASTS_FILE}")
+
+
+def _with_its_scene(path: str, image: RangeImage, seed: int) -> Scan:
+    """The image of a cast, with what came with it: pose, motion and time in its .npz, and NAME.layout.json or
+    NAME.boxes.json beside it."""
+    from lidardraft.drafting.boxes import layout_from_boxes
+    from lidardraft.formats.boxes import read_boxes
+    from lidardraft.scan import Scan, read_motion
+
+    stem = Path(path).with_suffix("")
+    told: dict[str, Any] = {"pose": image.sensor.pose(), "layout": Layout(())}
+    if Path(path).suffix == ".npz":
+        told |= read_motion(path)
+    if (beside := Path(f"{stem}.layout.json")).exists():
+        told["layout"] = Layout.load(beside)
+    elif (beside := Path(f"{stem}.boxes.json")).exists():
+        if boxes := [box.seen_from(inverse(told["pose"])) for box in read_boxes(beside)[0]]:
+            told["layout"] = layout_from_boxes(boxes)
+        told["velocities"] = {box.id.split(".", 1)[0]: box.velocity for box in boxes if box.velocity is not None}
+    scan = Scan(image=image, **{**told, "seed": seed})
+    if image.instance.any() and scan.boxes() and not any(scan.returns_per_box()):
+        say(f"{path}: no point is of an object of {beside}; the cast's instances must be those of the boxes")
+    return scan
 
 
 def _observed(
-    path: str, seed: int, sensor: Sensor | None, materials: dict[str, str], weather: Weather | None
+    path: str, seed: int, sensor: Sensor | None, materials: dict[str, str], weather: Weather | None, tags: str | None
 ) -> RangeImage:
-    from lidardraft.formats.carla import read_carla
+    from lidardraft.formats.carla import TAGS, VERSIONS, read_carla
     from lidardraft.formats.cast import read_cast
     from lidardraft.simulation.observe_cast import observe_cast, observe_points
 
@@ -354,7 +384,7 @@ def _observed(
             return observe_cast(depth, label, of_cast, seed=seed, weather=weather, **options)
     if sensor is None:
         raise FormatError(f"{path} does not name its sensor; give its --sensor")
-    cloud = read_carla(path)
+    cloud = read_carla(path, VERSIONS.get(tags or "", TAGS))
     with named(path):
         return observe_points(
             cloud.points,
@@ -374,13 +404,15 @@ def observe_options(parser: argparse.ArgumentParser) -> None:
         "An .npz cast holds images [H, W] of the sensor's rays: depth [m, 0 without a return] and label (our class "
         "ids), and where they are known instance, incidence (its cosine), materials and sensor (JSON); `lidardraft "
         "raycast` writes such a file. A .ply or .npy cloud holds x y z CosAngle ObjIdx ObjTag, as CARLA 0.9.14 and "
-        "later write it."
+        "later write it; --carla-tags says if an earlier one did. Scans keep pose, speed, turn, time and velocities of "
+        "an .npz, and the objects of NAME.layout.json or, in the sensor's frame, NAME.boxes.json beside a cast."
     )
     parser.add_argument("casts", nargs="+", metavar="CAST", help="an .npz cast, or CARLA's .ply or .npy")
     add_sensor(parser, default=None, of=" whose rays they are, where an .npz does not hold it")
     text = "material of a class, in place of the usual one; repeatable"
     metavar = "CLASS=MATERIAL"
     parser.add_argument("--material", dest="materials", action="append", default=[], metavar=metavar, help=text)
+    add_carla_tags(parser)
     add_weather(parser)
     add_seed(parser)
     add_folder(parser)

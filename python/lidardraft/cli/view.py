@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_sensor, read_sensor
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_sensor, read_sensor, reading
 from lidardraft.cli.command import progress, say
 from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
-from lidardraft.cli.scan_folder import scans_in
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named, write_text
 from lidardraft.scene.box import Box
@@ -47,6 +46,7 @@ def view(arguments: argparse.Namespace) -> None:
 
 def _film(folder: Path, arguments: argparse.Namespace) -> None:
     """A film of the scans of a folder, from above and from the driver's seat, as fast as they were taken."""
+    from lidardraft.exports import scans_in
     from lidardraft.scan import Scan
     from lidardraft.view import save_gif, save_mp4
 
@@ -82,6 +82,7 @@ def view_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("path", metavar="FILE", help=text)
     text = f" that took a scan or sees a layout (default the scan's own, or {DEFAULT_SENSOR})"
     add_sensor(parser, default=None, of=text)
+    add_reading(parser)
     text = "colour the points by class, in place of height; objects always have the colours of their classes"
     parser.add_argument("--classes", action="store_true", help=text)
     parser.add_argument("--large", action="store_true", help="one large and smooth view of a scan alone")
@@ -125,7 +126,7 @@ def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
     if path.suffix == ".json" or (not _holds_points(path) and is_shard(path)):
         raise FormatError(f"{path} is not a scan; a page of HTML shows scans alone")
     if _holds_points(path):
-        points, fields, sensor = _read_points(path, arguments.sensor)
+        points, fields, sensor = _read_points(path, arguments)
         points = np.add(points, (0.0, 0.0, sensor.mount_height))
         boxes = _boxes(path, arguments, sensor)
     else:
@@ -164,17 +165,18 @@ def _read_scan(path: Path, arguments: argparse.Namespace) -> tuple[RangeImage, l
         _check_no_sensor(path, arguments.sensor)
         image = RangeImage.load(path)
         return image, _boxes(path, arguments, image.sensor)
-    points, fields, sensor = _read_points(path, arguments.sensor)
+    points, fields, sensor = _read_points(path, arguments)
     with named(path):
         known = {field: fields[field] for field in ("label", "instance", "intensity") if field in fields}
         image = RangeImage.project(points, sensor, **known)
     return image, _boxes(path, arguments, sensor)
 
 
-def _read_points(path: Path, name: str | None) -> tuple[np.ndarray, dict[str, np.ndarray], Sensor]:
+def _read_points(path: Path, arguments: argparse.Namespace) -> tuple[np.ndarray, dict[str, np.ndarray], Sensor]:
     from lidardraft.formats.recording import read_returns
 
-    return (*read_returns(path), sensor_of_scan(path, name))
+    points, fields = read_returns(path, needs_intensity=False, **reading(arguments))
+    return points, fields, sensor_of_scan(path, arguments.sensor)
 
 
 def _boxes(path: Path, arguments: argparse.Namespace, sensor: Sensor) -> list[Box]:

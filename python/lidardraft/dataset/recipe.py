@@ -18,12 +18,14 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import numpy as np
 
+import lidardraft
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.arranging.street_mix import StreetMix
 from lidardraft.dataset.table import Table, Values, all_drawn, drawn, every
 from lidardraft.errors import FormatError
-from lidardraft.files import expecting, named, read_bytes, read_sentences, read_text
+from lidardraft.files import MAX_BYTES, expecting, named, read_bytes, read_sentences, read_text
 from lidardraft.formats.frame import FORMATS
+from lidardraft.networks.weight_header import find
 from lidardraft.scan import Scan
 from lidardraft.scene import edit
 from lidardraft.scene.layout import Layout
@@ -136,7 +138,7 @@ class Recipe:
         district, more = drawn(scene.values, rng), all_drawn(scene.numbers, rng)
         mix = StreetMix(**{name: float(name == district) for name in DISTRICTS}, **more)
         config = StreetConfig(sensor=sensor, poses_per_street=self.poses, mix=mix, weather=weather)
-        return street_scan(self.seed, number, config, threads=1)
+        return street_scan(number, seed=self.seed, config=config, threads=1)
 
     def _of_layout(self, scene: Scene, number: int, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> Scan:
         seed, more = self.seed + number, all_drawn(scene.numbers, rng)
@@ -174,7 +176,7 @@ def _layout(scene: Scene, seed: int, rng: np.random.Generator) -> Layout:
     from lidardraft.simulation.surround import surround
 
     layout = layout_from_text(_filled(drawn(scene.values, rng), all_drawn(scene.words, rng)), seed=seed)
-    return surround(layout, seed) if scene.surroundings else layout
+    return surround(layout, seed=seed) if scene.surroundings else layout
 
 
 def _filled(sentence: str, words: dict[str, Any]) -> str:
@@ -242,12 +244,15 @@ def _recipe(path: Path, fields: dict[str, Any]) -> Recipe:
 
 
 def _text(fields: dict[str, Any], scenes: list[Scene], sensors: list[Sensor]) -> str:
-    """What decides each scan, in a line: the recipe but for their number, with checksums of the files in it."""
+    """What decides each scan, in a line: the recipe but for their number, with checksums of the files in it and of the
+    weights, and the version of lidardraft."""
     files = [read_bytes(file) for scene in scenes if scene.source == "layout" for file in scene.values]
     files += ["\n".join(every(scene.values)).encode() for scene in scenes if scene.source == "text"]
     files += [sensor.to_json().encode() for sensor in sensors]
     said = {name: value for name, value in fields.items() if name != "scans"}
-    return json.dumps(said | {"checksums": list(map(zlib.crc32, files))}, sort_keys=True, default=str)
+    said |= {"checksums": list(map(zlib.crc32, files)), "version": lidardraft.__version__}
+    weights = [read_bytes(find(scene.weights), MAX_BYTES) for scene in scenes if scene.weights]
+    return json.dumps(said | {"weights": list(map(zlib.crc32, weights))}, sort_keys=True, default=str)
 
 
 def _scene(table: Table, folder: Path) -> Scene:

@@ -1,7 +1,8 @@
 """A data set on disk: shards that are there whole or not at all, with what they hold counted beside each.
 
 Shard NNNNNN is NNNNNN.tar or a folder of that name, and is done when NNNNNN.json is there. So whatever a crash left
-behind is known, and made again, to the same bytes.
+behind is known, and made again, to the same bytes. When all are done, they are merged into a folder named as the
+format; it is whole when summary.json, which is written after it, is there.
 """
 
 from __future__ import annotations
@@ -13,23 +14,25 @@ import shutil
 import time
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 
+from lidardraft.dataset.merge import merge
 from lidardraft.dataset.recipe import SCANS, Recipe
-from lidardraft.errors import FormatError
-from lidardraft.files import locked_folder, new_folder, read_text, write_text
-from lidardraft.formats.frame import writer_of
+from lidardraft.errors import FormatError, extra
+from lidardraft.files import locked_folder, named, new_folder, read_text, write_text
+from lidardraft.formats.frame import AS_SEEN, writer_of
 from lidardraft.formats.webdataset import write_shard
 from lidardraft.json_fields import parse_object
 from lidardraft.scan import Scan
 from lidardraft.semantics import CLASSES
 
 _LOOKS = 8  # at a lock, while others look at it too
+_UNMERGED = ("webdataset", SCANS)  # formats whose shards are parts of one data set as they are
 _SPARE = 2**30  # bytes of the disk that stay free
 Tally = dict[str, Any]  # numbers, or such by name
 Item = TypeVar("Item")
@@ -81,7 +84,8 @@ class DataSet:
                 for k, scan in scans:
                     scan.save(folder / f"{k:06d}", picture=False)
         else:
-            writer_of(format)(path, [(scan.frame() for _, scan in scans)])
+            drive = (scan.frame(as_seen=format in AS_SEEN) for _, scan in scans)
+            writer_of(format)(path, [drive], first=self._items(number).start)
         files = [path, *path.rglob("*")] if path.is_dir() else [path]
         tally["bytes"] = sum(file.stat().st_size for file in files if file.is_file())
         write_text(self.folder / f"{number:06d}.json", json.dumps(tally, sort_keys=True))
@@ -124,8 +128,11 @@ class DataSet:
     def _remove(self, number: int) -> None:
         """Remove what a crash, or a shorter run, left of a shard: its count first, so that it is not done."""
         (self.folder / f"{number:06d}.json").unlink(missing_ok=True)
-        partial = [path for start in ("", ".") for path in self.folder.glob(f"{start}{number:06d}.*.partial")]
-        for path in (self.folder / self.name(number), *partial):
+        self._remove_all(self.name(number), f"{number:06d}")
+
+    def _remove_all(self, name: str, stem: str) -> None:
+        partial = [path for start in ("", ".") for path in self.folder.glob(f"{start}{stem}.*.partial")]
+        for path in (self.folder / name, *partial):
             if path.is_dir():
                 shutil.rmtree(path)
             else:
@@ -146,12 +153,14 @@ class DataSet:
         """Keep the recipe in the folder; raises `FormatError` where there is another, or more scans than it has."""
         path = self.folder / "recipe.json"
         if not path.exists():
+            self._remove_all(path.name, path.name)
             found = sorted(each.name for each in self.folder.glob("[!.]*"))
             if found:
                 raise FormatError(f"{self.folder} is not empty ({found[0]}); use another folder")
             write_text(path, self.recipe.text)
-        elif read_text(path) != self.recipe.text:
-            raise FormatError(f"{self.folder} holds scans of another recipe; use another folder")
+        elif (begun := read_text(path)) != self.recipe.text:
+            with named(path):
+                raise FormatError(_difference(parse_object(begun), parse_object(self.recipe.text)))
         last = max(self._begun(), default=0)
         held = last * self.recipe.shard_size + (self._held(last) or {"scans": 0})["scans"]
         if held > self.recipe.scans:
@@ -167,10 +176,40 @@ class DataSet:
         return True
 
     def _summarise(self) -> None:
-        """Write summary.json, the sum of all shards, where all are done."""
+        """Write summary.json, the sum of all shards, where all are done; before it, all of them as one data set."""
         total: Tally = {}
-        if all(_add(total, self.done(number)) for number in range(self._shards())):
-            write_text(self.folder / "summary.json", json.dumps(total, indent=1, sort_keys=True))
+        if not all(_add(total, self.done(number)) for number in range(self._shards())):
+            return
+        path, text = self.folder / "summary.json", json.dumps(total, indent=1, sort_keys=True)
+        whole, merged = self.folder / self.recipe.format, self.recipe.format not in _UNMERGED
+        with ExitStack() as held:
+            try:
+                held.enter_context(locked_folder(self.folder, ".merging"))
+            except FormatError:  # another share is at it
+                return
+            if path.exists() and read_text(path) == text and whole.exists() == merged:
+                return
+            for old in (path.name, whole.name):
+                self._remove_all(old, old)
+            if merged:
+                merge([self.folder / self.name(number) for number in range(self._shards())], whole)
+            write_text(path, text)
+
+
+def _difference(begun: Tally, asked: Tally) -> str:
+    """How the recipe that a folder was begun with differs from the one asked for, and what goes on with it."""
+    version, here = begun.get("version"), asked["version"]
+    if version is None:
+        said = (
+            f"an earlier lidardraft wrote it and noted no version, so scans of {here} may differ; go on with that one"
+        )
+    elif version != here:
+        said = f"the folder holds scans of lidardraft {version}, and this is {here}; go on with {version}"
+    elif begun | {"weights": asked["weights"]} == asked:
+        said = "the folder holds scans of other weights than the recipe names now; give the former files back"
+    else:
+        said = "the folder holds scans of another recipe; go on with that one"
+    return f"{said}, or use another folder"
 
 
 def _check_free(folder: Path, lock: str) -> None:
@@ -213,7 +252,8 @@ def on_cluster(make: Callable[[Item], T], items: Iterable[Item], address: str) -
     What was at work on a machine that is lost is made again on another. Raises as `make` does, and `FormatError` where
     there is no such cluster.
     """
-    import ray
+    with extra():
+        import ray
 
     try:
         ray.init(address=address, log_to_driver=False, logging_level="error")

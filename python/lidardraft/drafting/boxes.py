@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from lidardraft.drafting.plausible import check_sizes, out_of_reach
 from lidardraft.errors import LayoutError, check_type
 from lidardraft.json_fields import is_number
 from lidardraft.scene.box import Box
@@ -14,12 +15,13 @@ _MARGIN = 40.0  # m of ground around the boxes and the ego vehicle
 _MOST_BOXES = 65_535  # as many as there are instances
 
 
-def layout_from_boxes(boxes: Sequence[Box], *, sensor_height: float = 0.0) -> Layout:
+def layout_from_boxes(boxes: Sequence[Box], *, sensor_height: float = 0.0, as_is: bool = False) -> Layout:
     """A box of the layout for each, and a road under all of them, as boxes say nothing of the ground.
 
     The boxes are in the frame of a sensor `sensor_height` [m] over the road, or in the layout's frame where that is 0.
     Things without an instance, or with one that another thing has, get a free one. Raises `LayoutError` naming a box
-    that has no extent or no class, and where there is none.
+    that has no extent or no class, or a size of another unit than the metre, unless that is meant `as_is`, and where
+    there is none.
     """
     check_type("boxes", boxes, Sequence)
     if not is_number(sensor_height):
@@ -41,7 +43,10 @@ def layout_from_boxes(boxes: Sequence[Box], *, sensor_height: float = 0.0) -> La
         )
         for box, instance in zip(boxes, instances, strict=True)
     )
-    return Layout(primitives=(_ground(boxes), *standing), provenance={"source": "boxes"})
+    layout = Layout(primitives=(_ground(boxes), *standing), provenance={"source": "boxes"})
+    if not as_is:
+        check_sizes(layout, scales="")
+    return layout.noted(*out_of_reach(layout, "boxes are read in the frame of the sensor"))
 
 
 def _instances(boxes: Sequence[Box]) -> list[int]:

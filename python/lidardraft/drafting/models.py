@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from typing import Any
 
 import numpy as np
 
+from lidardraft.drafting.plausible import check_scale, settled
 from lidardraft.drafting.things import Node, Things
 from lidardraft.errors import FormatError, LayoutError, check_type
 from lidardraft.files import named
 from lidardraft.formats.glb import MOST_VERTICES, GlbFile, Piece, extras_of, open_glb
 from lidardraft.formats.obj import obj_meshes
-from lidardraft.json_fields import is_number
 from lidardraft.scene.box import FURTHEST
 from lidardraft.scene.class_names import check_classes, class_of
 from lidardraft.scene.layout import Layout, Primitive
@@ -28,16 +29,25 @@ _FRAMES = {"y": np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0,
 _LEAN = 1e-5  # the tangent of the angle by which an axis may lean that points up
 
 
-def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] | None = None, up: str = "y") -> Layout:
-    """The layout of a glTF file, binary or with its buffers in the text, in metres; its axis `up`, y by the format's
-    own rule, points up.
+def layout_from_glb(
+    path: str | os.PathLike[str],
+    *,
+    classes: Mapping[str, str] | None = None,
+    up: str = "y",
+    scale: float = 1.0,
+    recentre: bool = False,
+    as_is: bool = False,
+) -> Layout:
+    """The layout of a glTF file, binary or with its buffers in the text; its axis `up`, y by the format's own rule,
+    points up, and its unit, by that rule the metre, is `scale` metres.
 
     The class of an object is its property (in `extras`) "class" or that of its mesh, or else what `classes` says of its
     name or of those of its material, parents and mesh, or else what these names say by themselves. All that is below a
     node whose name says that class of one thing ("Truck_2", and not "Trucks") is that thing. Meshes that are boxes,
     ellipsoids, cylinders or planes and stand upright become those shapes, to the rounding of float32; others stay
-    meshes. Raises `FormatError` where the file is broken, compressed or needs another file, `LayoutError` listing the
-    names that say no class.
+    meshes; those with a skin are in its bind pose. `recentre` moves the middle of the ground to the origin. Raises
+    `FormatError` where the file is broken, compressed or needs another file, `LayoutError` listing the names that say
+    no class, and for a thing whose size says that it is in another unit, unless it is meant `as_is`.
     """
     classes = _checked(path, classes, up)
     file = open_glb(path)
@@ -45,28 +55,37 @@ def layout_from_glb(path: str | os.PathLike[str], *, classes: Mapping[str, str] 
         pieces = list(file.pieces(_FRAMES[up]))
         labels = _labels((piece.name, _class_of(piece, classes)) for piece in pieces)
         primitives = list(_glb_primitives(file, pieces, labels, classes))
+        for what, names in file.unread.items():
+            more = f" and {len(names) - 5} more" * (len(names) > 5)
+            warnings.warn(f"{os.fspath(path)}: {what}: {', '.join(names[:5])}{more}", stacklevel=2)
         if not primitives:
             raise FormatError("the file has no triangles")
         travelled = extras_of(file.scene).get("lidardraft")
         fields: dict[str, Any] = {"provenance": {"source": os.path.basename(os.fspath(path))}, "coverage": None}
-        if isinstance(travelled, dict) and travelled.keys() == fields.keys():
+        if is_ours := isinstance(travelled, dict) and travelled.keys() == fields.keys():
             fields = travelled
-        return Layout(primitives=tuple(primitives), **fields)
+        layout = Layout(primitives=tuple(primitives), **fields)
+        return settled(layout, scale=scale, recentre=recentre, as_is=as_is, is_ours=is_ours)
 
 
 def layout_from_obj(
-    path: str | os.PathLike[str], *, classes: Mapping[str, str] | None = None, up: str = "z", scale: float = 1.0
+    path: str | os.PathLike[str],
+    *,
+    classes: Mapping[str, str] | None = None,
+    up: str = "z",
+    scale: float = 1.0,
+    recentre: bool = False,
+    as_is: bool = False,
 ) -> Layout:
     """The layout of an OBJ file whose axis `up` points up and whose unit is `scale` metres.
 
     The class of an object is what `classes` says of its name or of its material's, or else what these names say:
     "car", "Car.001" and "ParkedCar_left" are cars. Things are numbered; an object's materials are parts of one thing,
-    and so are "car_1.body" and "car_1.roof". Raises `LayoutError` listing the names that say no class, and
-    `FormatError` where the file is broken.
+    and so are "car_1.body" and "car_1.roof". `recentre` and `as_is` are as in `layout_from_glb`. Raises `LayoutError`
+    as that does, and `FormatError` where the file is broken.
     """
     classes = _checked(path, classes, up)
-    if not (is_number(scale) and scale > 0):
-        raise LayoutError(f"scale is {scale}; it must be a finite number of metres > 0")
+    check_scale(scale)
     objects = obj_meshes(path)
     with named(path):
         labels = _labels(
@@ -82,7 +101,8 @@ def layout_from_obj(
             for (name, material, _), label in zip(objects, labels, strict=True)
         ]
         primitives = _obj_primitives([shape for _, _, shape in objects], scale * _FRAMES[up][:3, :3].T, fields)
-        return Layout(primitives=tuple(primitives), provenance={"source": os.path.basename(os.fspath(path))})
+        layout = Layout(primitives=tuple(primitives), provenance={"source": os.path.basename(os.fspath(path))})
+        return settled(layout, recentre=recentre, as_is=as_is)
 
 
 def _checked(path: object, classes: Mapping[str, str] | None, up: object) -> Mapping[str, str]:
@@ -120,9 +140,11 @@ def _glb_primitives(
     for piece, label in zip(pieces, labels, strict=True):
         is_y_up = _is_upright(piece.matrix[:3, 1])  # the axis of the mesh that points up becomes its z
         matrix = piece.matrix @ _FRAMES["y"].T if is_y_up else piece.matrix
-        key = repr((piece.part.get("attributes"), piece.part.get("indices"))), is_y_up
+        parts = [piece.part.get(name) for name in ("attributes", "indices", "mode")]
+        key = repr((parts, piece.skin)), is_y_up
         if key not in shapes:
-            shapes[key] = _shape(file.triangles(piece), is_y_up)
+            with named(piece.name):
+                shapes[key] = _shape(file.triangles(piece), is_y_up)
         vertices, faces, shape = shapes[key]
         spent += max(len(vertices), len(faces))
         if spent > MOST_VERTICES:

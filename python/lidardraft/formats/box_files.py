@@ -9,32 +9,31 @@ from lidardraft.errors import FormatError
 from lidardraft.files import named, read_text
 from lidardraft.formats.boxes import read_boxes
 from lidardraft.formats.kitti import numbers_of
-from lidardraft.formats.kitti_object import CLASS_OF_TYPE, boxes_of_lines, read_label_2
+from lidardraft.formats.kitti_object import CLASS_OF_NAME, boxes_of_lines, read_label_2
 from lidardraft.formats.nuscenes import read_annotations
 from lidardraft.formats.pandaset import read_cuboids
 from lidardraft.scene.box import Box
-from lidardraft.semantics import CLASSES
-
-_CLASS_OF_NAME = {
-    **{name.lower(): label for name, label in CLASS_OF_TYPE.items()},
-    "vehicle": "car",
-    **{row.name: row.name for row in CLASSES if row.id},
-}
 
 
-def read_box_file(path: str | os.PathLike[str]) -> list[Box]:
-    """The sensor-frame boxes of a file: .boxes.json or the .json of WebDataset, KITTI's label_2, lines of OpenPCDet or
-    MMDetection3D (.txt), PandaSet's cuboids (.pkl.gz), or those of nuScenes' tables for a sweep (.pcd.bin).
+def read_box_file(path: str | os.PathLike[str], *, frame: int | None = None) -> list[Box]:
+    """The sensor-frame boxes of a file: .boxes.json or the .json of WebDataset, KITTI's label_2 or a `frame` (0) of its
+    tracking labels, lines of OpenPCDet or MMDetection3D (.txt), PandaSet's cuboids (.pkl.gz), or those of nuScenes'
+    tables for a sweep (.pcd.bin).
 
     Raises `FormatError` naming the file, and `LayoutError` for a box that cannot be."""
+    words = read_text(path).split(maxsplit=3) if Path(path).suffix == ".txt" else []
+    is_tracking = len(words) > 2 and words[0][0].isdigit() and words[2][0].isalpha()
+    if frame is not None and not is_tracking:
+        raise FormatError(f"{os.fspath(path)} has no frames; --frame goes with KITTI's tracking labels (label_02)")
     if Path(path).name.endswith(".pcd.bin"):
         return read_annotations(path)
     if Path(path).name.endswith(".pkl.gz"):
         return read_cuboids(path)
     if Path(path).suffix != ".txt":
         return read_boxes(path)[0]
-    first = read_text(path).split(maxsplit=1)
-    return read_custom_labels(path) if first and first[0][0] in "-+.0123456789" else read_label_2(path)
+    if words and words[0][0] in "-+.0123456789" and not is_tracking:
+        return read_custom_labels(path)
+    return read_label_2(path, frame=frame)
 
 
 def read_custom_labels(path: str | os.PathLike[str]) -> list[Box]:
@@ -43,7 +42,7 @@ def read_custom_labels(path: str | os.PathLike[str]) -> list[Box]:
     text, is_bottom = read_text(path), (Path(path).absolute().parent.parent / "semantic_mask").is_dir()
 
     def box(number: int, words: list[str]) -> Box:
-        label = _CLASS_OF_NAME.get(words[7].lower()) if len(words) == 8 else None
+        label = CLASS_OF_NAME.get(words[7].lower()) if len(words) == 8 else None
         if label is None:
             raise FormatError(f"{' '.join(words)!r:.80} is not a box: x y z length width height yaw and a class")
         x, y, z, length, width, height, yaw = numbers_of(words[:7], 7)

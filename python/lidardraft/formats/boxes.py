@@ -16,6 +16,8 @@ from lidardraft.json_fields import check_fields, check_object, parse_object
 from lidardraft.scene.box import Box
 
 _MOST_BOXES = 65_535  # as many as there are instances
+# What stands in the files of other tools.
+_TOOLS = {"<tracklets": "KITTI tracklets", '"figures"': "Supervisely", '"centroid"': "labelCloud", '"psr"': "SUSTech"}
 _OPTIONAL = ("velocity",)
 _FIELDS = (*(field.name for field in dataclasses.fields(Box) if field.name not in _OPTIONAL), "num_points")
 
@@ -40,6 +42,9 @@ def read_boxes(path: str | os.PathLike[str]) -> tuple[list[Box], list[int]]:
     text = read_text(path)
     boxes, counts = [], []
     with named(path):
+        if '"boxes"' not in text and (mark := next((mark for mark in _TOOLS if mark in text), None)):
+            how = "write its boxes in the sensor's frame, a line each of x y z length width height yaw class, as .txt"
+            raise FormatError(f"a file of {_TOOLS[mark]}, which is not read; {how}")
         document = parse_object(text)
         check_fields(document, ("boxes",), ("frame", "pose", "sensor", "provenance"))  # WebDataset has the last three
         if document.get("frame", "sensor") != "sensor":

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -19,10 +20,11 @@ from lidardraft.files import named, read_bytes
 from lidardraft.formats.ply import parse_ply
 from lidardraft.scene.materials import MATERIALS
 from lidardraft.scene.sensor import Sensor
-from lidardraft.semantics import BY_NAME
+from lidardraft.semantics import BY_NAME, GROUND
 
+Tags = Mapping[int, tuple[str, str | None]]
 # Class of each tag and, where it is not that of the class, its material.
-TAGS: dict[int, tuple[str, str | None]] = {
+TAGS: Tags = {
     0: ("none", None),
     1: ("road", None),
     2: ("sidewalk", None),
@@ -54,14 +56,17 @@ TAGS: dict[int, tuple[str, str | None]] = {
     28: ("fence", "metal"),  # guard rail
 }
 # The number that each tag had before; 10 were all vehicles, 4 people with or without one.
-TAGS_BEFORE_0_9_14: dict[int, tuple[str, str | None]] = {
+TAGS_BEFORE_0_9_14: Tags = {
     before: TAGS[tag]
     for before, tag in enumerate(
         (0, 3, 5, 22, 12, 6, 24, 1, 2, 9, 14, 4, 8, 11, 25, 26, 27, 28, 7, 20, 21, 23, 10),
     )
 }
-_FIELDS = ("x", "y", "z", "CosAngle", "ObjIdx", "ObjTag")
-_RECORD = np.dtype([(name, "<u4" if name.startswith("Obj") else "<f4") for name in _FIELDS])
+VERSIONS = {"0.9.13": TAGS_BEFORE_0_9_14, "0.9.14": TAGS}  # of CARLA, by which tags changed
+FIELDS = ("x", "y", "z", "CosAngle", "ObjIdx", "ObjTag")
+_RECORD = np.dtype([(name, "<u4" if name.startswith("Obj") else "<f4") for name in FIELDS])
+_LOW = -0.5  # m from the sensor; what is lower is mostly ground
+_RAISED = ("pole", "traffic-light", "traffic-sign")  # by tags that were those of ground
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
 
 
@@ -78,7 +83,7 @@ class CarlaCloud:
     materials: np.ndarray
 
 
-def read_carla(path: str | os.PathLike[str], tags: Mapping[int, tuple[str, str | None]] = TAGS) -> CarlaCloud:
+def read_carla(path: str | os.PathLike[str], tags: Tags = TAGS) -> CarlaCloud:
     """A cloud as `save_to_disk` writes it (.ply), or as an .npy file of the records of `raw_data`.
 
     Raises `FormatError` naming the file where it is neither, is truncated, or has a tag that `tags` does not have.
@@ -86,24 +91,38 @@ def read_carla(path: str | os.PathLike[str], tags: Mapping[int, tuple[str, str |
     data = read_bytes(path)
     with named(path):
         hits = _from_ply(data) if data.startswith(b"ply") else _from_npy(data)
-        table = np.full((max(tags) + 2, 2), -1)
-        for tag, (name, material) in tags.items():
-            table[tag] = BY_NAME[name].id, -1 if material is None else _INDEX[material]
-        label, materials = table[np.minimum(hits["ObjTag"], len(table) - 1)].T
-        unknown = np.flatnonzero(label < 0)
-        if len(unknown):
-            raise FormatError(f"hit {unknown[0]} has tag {hits['ObjTag'][unknown[0]]}; CARLA has tags 0 to {max(tags)}")
-        numbers = np.stack([hits[name] for name in _FIELDS[:4]], axis=1)
-        if not np.isfinite(numbers).all():
-            raise FormatError(f"hit {np.argwhere(~np.isfinite(numbers))[0, 0]} is not finite")
-        is_thing = np.array([row.is_thing for row in BY_NAME.values()])[label]
-        return CarlaCloud(
-            points=numbers[:, :3] * np.array([1, -1, 1], np.float32),
-            incidence=np.minimum(np.abs(numbers[:, 3]), 1.0),
-            label=label.astype(np.uint8),
-            instance=np.where(is_thing, hits["ObjIdx"], 0).astype(np.uint32),
-            materials=materials,
-        )
+        return carla_cloud({name: hits[name] for name in FIELDS}, tags, of=path)
+
+
+def carla_cloud(hits: Mapping[str, np.ndarray], tags: Tags, *, of: str | os.PathLike[str]) -> CarlaCloud:
+    """The cloud of the columns [N] of `FIELDS`. A `UserWarning` says if poles, lights and signs lie where the ground
+    should: the tags are older ones. `of` is what messages call the file; raises as `read_carla`."""
+    table = np.full((max(tags) + 2, 2), -1)
+    for tag, (name, material) in tags.items():
+        table[tag] = BY_NAME[name].id, -1 if material is None else _INDEX[material]
+    with np.errstate(invalid="ignore"):  # other tools write numbers with a point
+        held = hits["ObjTag"].astype(np.int64)
+    label, materials = table[np.where((held >= 0) & (held < len(table)), held, -1)].T
+    unknown = np.flatnonzero(label < 0)
+    if len(unknown):
+        raise FormatError(f"hit {unknown[0]} has tag {hits['ObjTag'][unknown[0]]}; CARLA has tags 0 to {max(tags)}")
+    numbers = np.stack([hits[name] for name in FIELDS[:4]], axis=1)
+    if not np.isfinite(numbers).all():
+        raise FormatError(f"hit {np.argwhere(~np.isfinite(numbers))[0, 0]} is not finite")
+    low = label[numbers[:, 2] < _LOW]
+    raised, level = (np.isin(low, [BY_NAME[name].id for name in names]).sum() for names in (_RAISED, GROUND))
+    if tags is TAGS and raised > level:
+        said = f"below the sensor {raised} hits have tags of poles, traffic lights or signs, and {level} of the ground"
+        said += "; these are tags of roads before CARLA 0.9.14: give --carla-tags 0.9.13"
+        warnings.warn(f"{os.fspath(of)}: {said}", stacklevel=2)
+    is_thing = np.array([row.is_thing for row in BY_NAME.values()])[label]
+    return CarlaCloud(
+        points=numbers[:, :3] * np.array([1, -1, 1], np.float32),
+        incidence=np.minimum(np.abs(numbers[:, 3]), 1.0),
+        label=label.astype(np.uint8),
+        instance=np.where(is_thing, hits["ObjIdx"], 0).astype(np.uint32),
+        materials=materials,
+    )
 
 
 def carla_sensor(
@@ -128,7 +147,7 @@ def carla_sensor(
         name="carla",
         elevations=tuple(np.deg2rad(np.linspace(upper_fov, lower_fov, channels)).tolist()),
         columns=columns,
-        azimuth_start=math.pi + math.pi / max(columns, 1),  # the first ray of a turn looks straight ahead
+        azimuth_start=math.pi + math.pi / max(columns, 1),  # the first ray of a turn looks straight back
         min_range=0.0,
         max_range=max_range,
         mount_height=mount_height,
@@ -140,7 +159,7 @@ def carla_sensor(
 def _from_ply(data: bytes) -> np.ndarray:
     hits = parse_ply(data)
     if hits.dtype != _RECORD:
-        raise FormatError(f"the fields of a hit must be {' '.join(_FIELDS)}, as the semantic LiDAR has them")
+        raise FormatError(f"the fields of a hit must be {' '.join(FIELDS)}, as the semantic LiDAR has them")
     return hits
 
 
@@ -148,5 +167,5 @@ def _from_npy(data: bytes) -> np.ndarray:
     with named("neither a .ply nor an .npy file"):
         hits = parse_npy(data)
     if hits.dtype != _RECORD or hits.ndim != 1:
-        raise FormatError(f"the array is {hits.dtype} {hits.shape}; it must hold N records of {' '.join(_FIELDS)}")
+        raise FormatError(f"the array is {hits.dtype} {hits.shape}; it must hold N records of {' '.join(FIELDS)}")
     return hits

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import io
 import itertools
+import math
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -12,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.errors import FormatError
+from lidardraft.errors import FormatError, one_of
 from lidardraft.files import new_folder, write_text
 from lidardraft.scene.box import Box
 from lidardraft.scene.pose import in_upright_frame, upright
@@ -25,18 +26,19 @@ FORMATS = {
     "nuscenes": ("nuscenes", "write_nuscenes", "nuScenes with lidarseg"),
     "openpcdet": ("openpcdet", "write_openpcdet", "OpenPCDet's custom data sets"),
     "mmdet3d": ("mmdet3d", "write_mmdet3d", "MMDetection3D's custom data sets"),
-    "pcd": ("pcd", "write_pcd_folder", "PCD files with ring, time, label and instance"),
+    "pcd": ("pcd", "write_pcd_folder", "PCD files with ring, label and instance"),
     "ply": ("ply", "write_ply_folder", "PLY files with the same"),
     "las": ("las", "write_las", "LAS files with the same"),
     "mcap": ("mcap", "write_mcap", "MCAP files with Foxglove's messages, one a folder"),
     "webdataset": ("webdataset", "write_webdataset", "WebDataset shards"),
 }
+AS_SEEN = ("mcap",)  # formats whose points are as the sensor saw them, for consumers that take its motion out
+UNBOXED = ("semantickitti", "pcd", "ply", "las")  # formats that have no place for boxes
 NO_SCANS = "there are no scans to write"
+MOVING = 0.3  # m/s from which on what stands in one place is thought to move; estimate
 VALIDATION_SHARE = 0.2  # of a data set's frames, its last ones
-_RECORD = np.dtype(
-    [(name, "<f4") for name in ("x", "y", "z", "intensity")]
-    + [("ring", "<u2"), ("time", "<f4"), ("label", "u1"), ("instance", "<u4")]
-)
+_RECORD = [(name, "<f4") for name in ("x", "y", "z", "intensity")]
+_RECORD += [("ring", "<u2"), ("time", "<f4"), ("label", "u1"), ("instance", "<u4")]
 _RIDDEN = ("bicycle", "motorcycle")
 
 
@@ -44,13 +46,29 @@ _RIDDEN = ("bicycle", "motorcycle")
 class Annotation:
     """A sensor-frame box, the number of points on its object, and the share of it that stands behind other things.
 
-    A rider and what is ridden are one object with the label rider; `ridden` is bicycle or motorcycle then.
+    A rider and what is ridden are one object with the label rider; `ridden` is bicycle or motorcycle then, and
+    `ridden_instance` its number. The box is larger by `margin` [m] on each side than the object's own.
     """
 
     box: Box
     num_points: int
     occlusion: float
     ridden: str = ""
+    ridden_instance: int | None = None
+    margin: float = 0.0
+
+    def holds(self, instance: np.ndarray) -> np.ndarray:
+        """Which of the points of `instance` [N] are on the object, bool [N]."""
+        return np.isin(instance, [each for each in (self.box.instance, self.ridden_instance) if each is not None])
+
+    def moves(self) -> bool:
+        """Whether it is known to move over the ground."""
+        return self.box.velocity is not None and math.hypot(*self.box.velocity) > MOVING
+
+    def grown(self, margin: float) -> Annotation:
+        """The annotation with a box that is larger by `margin` [m] on each side."""
+        length, width, height = (extent + 2 * margin for extent in self.box.size)
+        return replace(self, box=replace(self.box, size=(length, width, height)), margin=margin)
 
 
 def with_riders_merged(annotations: Sequence[Annotation]) -> tuple[Annotation, ...]:
@@ -75,6 +93,7 @@ def _merged(name: str, rider: Annotation, vehicle: Annotation) -> Annotation:
         rider.num_points + vehicle.num_points,
         (rider.occlusion + vehicle.occlusion) / 2,
         vehicle.box.label,
+        vehicle.box.instance,
     )
 
 
@@ -83,9 +102,11 @@ class Frame:
     """One labelled scan, taken at `pose` (world_from_sensor [4, 4]) in the middle of its sweep.
 
     Of each of N points, in the sensor frame: `points` f32 [N, 3] [m], `intensity` f32 [N] in 0 to 1, `ring` u16 [N]
-    (0 is the highest beam), `time` f32 [N] after the first column [s], `label` u8 [N] of `semantics.CLASSES`,
-    `instance` u32 [N]. Frames of one `world` show the same objects under the same ids. `start` is the time of the first
-    column since the start of the drive [s]; None where nobody knows it (`timed`).
+    (0 is the highest beam), `label` u8 [N] of `semantics.CLASSES`, `instance` u32 [N]. `time` f32 [N] after the first
+    column [s] belongs to points as the sensor saw them, in the frame of their own column; it is None of points without
+    the sensor's own motion, which nobody is to take out once more. Frames of one `world`, the JSON of a provenance,
+    show the same objects under the same ids. `start` is the time of the first column since the start of the drive [s];
+    None where nobody knows it (`timed`).
     """
 
     sensor: Sensor
@@ -93,9 +114,9 @@ class Frame:
     points: np.ndarray
     intensity: np.ndarray
     ring: np.ndarray
-    time: np.ndarray
     label: np.ndarray
     instance: np.ndarray
+    time: np.ndarray | None = None
     annotations: tuple[Annotation, ...] = ()
     world: str = ""
     start: float | None = None
@@ -110,6 +131,11 @@ class Frame:
         below[2, 3] = -self.sensor.mount_height
         return self.pose @ below
 
+    def fields(self) -> dict[str, np.ndarray]:
+        """What there is of each point beside its place and intensity, by name."""
+        named = {name: getattr(self, name) for name in ("ring", "time", "label", "instance")}
+        return {name: values for name, values in named.items() if values is not None}
+
 
 Drives = Iterable[Iterable[Frame]]  # a drive's frames follow one another
 
@@ -123,39 +149,42 @@ def timed(drive: Iterable[Frame]) -> Iterator[tuple[float, Frame]]:
         yield start - first, frame
 
 
-def writer_of(format: str) -> Callable[[str | os.PathLike[str], Drives], None]:
-    """The function that writes drives in one of `FORMATS`."""
+def writer_of(format: str) -> Callable[..., None]:
+    """The function that writes drives in one of `FORMATS`, `write(output, drives, first=0)`; a part of a data set
+    numbers frames, and drives, from `first` on. Raises `FormatError` for another name."""
+    if format not in FORMATS:
+        raise FormatError(f"format is {format!r}; it must be {one_of(FORMATS, format)}")
     module, function, _ = FORMATS[format]
-    write: Callable[[str | os.PathLike[str], Drives], None]
-    write = getattr(importlib.import_module(f"lidardraft.formats.{module}"), function)
+    write: Callable[..., None] = getattr(importlib.import_module(f"lidardraft.formats.{module}"), function)
     return write
 
 
-def numbered(drives: Drives) -> Iterator[tuple[str, Frame]]:
+def numbered(drives: Drives, first: int) -> Iterator[tuple[str, Frame]]:
     """All frames with the names 000000, 000001, ...; raises `FormatError` where there are none."""
-    number = -1
-    for number, frame in enumerate(itertools.chain.from_iterable(drives)):
+    number = None
+    for number, frame in enumerate(itertools.chain.from_iterable(drives), first):
         yield f"{number:06d}", frame
-    if number < 0:
+    if number is None:
         raise FormatError(NO_SCANS)
 
 
 def write_each(
-    output: str | os.PathLike[str], drives: Drives, ending: str, write: Callable[[Path, np.ndarray], None]
+    output: str | os.PathLike[str], drives: Drives, first: int, ending: str, write: Callable[[Path, np.ndarray], None]
 ) -> None:
     """Write a new folder with a file for each frame, of its `point_records`. Raises `FormatError` where it is there
     already or cannot be written."""
     with new_folder(output) as folder:
-        for name, frame in numbered(drives):
+        for name, frame in numbered(drives, first):
             write(folder / f"{name}{ending}", point_records(frame))
 
 
 def point_records(frame: Frame) -> np.ndarray:
-    """The points as records [N] of x y z intensity ring time label instance, packed."""
-    records = np.empty(len(frame.points), _RECORD)
+    """The points as records [N] of x y z intensity and its `fields`, packed."""
+    fields = {"intensity": frame.intensity, **frame.fields()}
+    records = np.empty(len(frame.points), [row for row in _RECORD if row[0] in ("x", "y", "z", *fields)])
     records["x"], records["y"], records["z"] = frame.points.T
-    for field in ("intensity", "ring", "time", "label", "instance"):
-        records[field] = getattr(frame, field)
+    for field, values in fields.items():
+        records[field] = values
     return records
 
 

@@ -9,7 +9,7 @@ import math
 import os
 import struct
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -24,12 +24,13 @@ from lidardraft.semantics import BY_NAME
 _MAGIC, _VERSION, _JSON, _BINARY = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 _MOST_NODES, _DEEPEST = 20_000, 64
 MOST_VERTICES = 1_000_000  # and triangles
-_TRIANGLES = 4
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6  # modes that have a surface
+_FAR = 1000.0  # times the extent of a mesh: so far away float32 rounds it to a ten-thousandth
 _INSTANCING = "EXT_mesh_gpu_instancing"
 # Extensions without which a reader may do that shows no materials and lights.
 _NO_SHAPES = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "KHR_xmp")
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-_WIDTHS = {"SCALAR": 1, "VEC3": 3}
+_WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 _FLOAT32, _UINT32, _VERTEX_BUFFER, _INDEX_BUFFER = 5126, 5125, 34962, 34963
 _GLTF_FROM_LAYOUT = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # x y z w: z up becomes y up
 
@@ -42,8 +43,9 @@ class Piece:
     names: tuple[str, ...]  # of these, and of the mesh
     material: str
     extras: dict[str, Any]
-    matrix: np.ndarray  # world_from_node [4, 4]
+    matrix: np.ndarray  # world_from_node [4, 4]; world_from_scene where it has a skin
     part: dict[str, Any]
+    skin: Any = None  # the index of one
 
     @property
     def name(self) -> str:
@@ -53,10 +55,13 @@ class Piece:
 
 @dataclass(frozen=True, slots=True)
 class GlbFile:
-    """The JSON document of a file and its buffers: its binary chunk, and those that stand in the document."""
+    """The JSON document of a file and its buffers: its binary chunk, and those that stand in the document. What is not
+    read, with the names of its nodes, and where nodes are, is known once their pieces are read."""
 
     document: dict[str, Any]
     buffers: tuple[memoryview, ...]
+    unread: dict[str, list[str]] = field(default_factory=dict)
+    worlds: dict[int, np.ndarray] = field(default_factory=dict)  # world_from_node [4, 4] by indices
 
     def items(self, name: str) -> list[dict[str, Any]]:
         """The objects of a list of the document, such as "nodes"; none where it has no such list."""
@@ -73,7 +78,7 @@ class GlbFile:
         return check_object(found[index])
 
     def array(self, index: Any, kind: str) -> np.ndarray:
-        """The values of an accessor of a `kind`, [N, 3] for VEC3 and [N] for SCALAR; read-only."""
+        """The values of an accessor of a `kind`, [N, 3] for VEC3, [N, 16] for MAT4 and [N] for SCALAR; read-only."""
         accessor = self.item("accessors", index)
         if "sparse" in accessor:
             raise FormatError(f"accessor {index} is sparse; only plain ones are read")
@@ -119,7 +124,7 @@ class GlbFile:
             if (nodes := nodes + 1) > _MOST_NODES or len(names) > _DEEPEST:
                 raise FormatError(f"more than {_MOST_NODES} nodes, more than {_DEEPEST} deep, or a circle of nodes")
             with np.errstate(over="ignore", invalid="ignore"):  # the primitive says what is not finite
-                matrix = parent @ _local(node)
+                matrix = self.worlds[index] = parent @ _local(node)
             below, path = (_text(node, "name"), *names), (index, *above)
             waiting.extend((child, matrix, below, path) for child in reversed(_indices(node, "children")))
             if "mesh" not in node:
@@ -129,13 +134,19 @@ class GlbFile:
             if not isinstance(parts, list):
                 raise FormatError(f"mesh {node['mesh']} has no list of primitives")
             for part in map(check_object, parts):
-                if part.get("mode", _TRIANGLES) != _TRIANGLES:  # points and lines have no surface
-                    continue
-                if (pieces := pieces + 1) > _MOST_NODES:
-                    raise FormatError(f"more than {_MOST_NODES} meshes, or parts of them of one material, in all nodes")
                 material = _text(self.item("materials", part["material"]), "name") if "material" in part else ""
                 extras = {**extras_of(mesh), **extras_of(node)}
-                yield Piece(path, (*below, _text(mesh, "name")), material, extras, matrix, part)
+                own = world if "skin" in node else matrix
+                piece = Piece(path, (*below, _text(mesh, "name")), material, extras, own, part, node.get("skin"))
+                if part.get("mode", _TRIANGLES) not in (_TRIANGLES, _STRIP, _FAN):
+                    self.unread.setdefault("points and lines are left out", []).append(piece.name)
+                    continue
+                weights = node.get("weights", mesh.get("weights"))
+                if "targets" in part and isinstance(weights, list) and any(weights):
+                    self.unread.setdefault("morph targets are left out", []).append(piece.name)
+                if (pieces := pieces + 1) > _MOST_NODES:
+                    raise FormatError(f"more than {_MOST_NODES} meshes, or parts of them of one material, in all nodes")
+                yield piece
 
     def triangles(self, piece: Piece) -> TriangleMesh:
         """The triangles of a piece in the frame of its node."""
@@ -147,8 +158,29 @@ class GlbFile:
         most = max(len(positions), len(indices) // 3)
         if indices.dtype.kind not in "iu" or len(indices) < 3 or most > MOST_VERTICES:
             raise FormatError(f"{len(positions)} positions and {len(indices)} indices: too many, or no triangle")
-        faces = indices[: len(indices) // 3 * 3].astype(np.int64).reshape(-1, 3)
-        return TriangleMesh(positions, faces)  # names a vertex that is not finite and a face that has no vertex
+        furthest, extent = np.abs(positions).max(), np.abs(positions - positions[0]).max()
+        if furthest > _FAR * extent > 0:
+            what = f"places so far from their node are rounded to {np.spacing(furthest):g}, as float32 has them"
+            self.unread.setdefault(what, []).append(piece.name)
+        places = positions if piece.skin is None else self._in_bind_pose(piece, positions, attributes)
+        faces = _faces(indices.astype(np.int64), piece.part.get("mode", _TRIANGLES))
+        return TriangleMesh(places, faces)  # names a vertex that is not finite and a face that has no vertex
+
+    def _in_bind_pose(self, piece: Piece, positions: np.ndarray, attributes: dict[str, Any]) -> np.ndarray:
+        """Positions [V, 3] in the frame of the scene, where the joints of the skin have them (glTF 2.0, 3.7.3)."""
+        with expecting("a skin on nodes of the scene"), np.errstate(invalid="ignore"):
+            skin = self.item("skins", piece.skin)
+            moves = np.linalg.inv(piece.matrix) @ [self.worlds[joint] for joint in skin["joints"]]
+            if "inverseBindMatrices" in skin:
+                moves = moves @ self.array(skin["inverseBindMatrices"], "MAT4").reshape(-1, 4, 4).swapaxes(1, 2)
+            total = np.zeros((len(positions), 4, 4))
+            for name in [name for name in attributes if name.startswith("JOINTS_")]:
+                joints = self.array(attributes[name], "VEC4").astype(np.uint32)
+                weights = self.array(attributes[name.replace("JOINTS", "WEIGHTS")], "VEC4")
+                for joint, weight in zip(joints.T, weights.T, strict=True):
+                    total += weight[:, None, None] * moves[joint]
+            total /= total[:, 3:, 3:]  # the sum of the weights, which whole numbers are not the shares of
+            return np.asarray(np.einsum("vij,vj->vi", total[:, :3, :3], positions) + total[:, :3, 3])
 
 
 def open_glb(path: str | os.PathLike[str]) -> GlbFile:
@@ -195,6 +227,18 @@ def extras_of(owner: dict[str, Any]) -> dict[str, Any]:
     """The properties of its own that an object of the document has."""
     found = owner.get("extras")
     return found if isinstance(found, dict) else {}
+
+
+def _faces(corners: np.ndarray, mode: int) -> np.ndarray:
+    """The triangles [F, 3] of a list, a strip or a fan of corners [N], all of them turned alike."""
+    if mode == _TRIANGLES:
+        return corners[: len(corners) // 3 * 3].reshape(-1, 3)
+    place = np.arange(len(corners) - 2)
+    if mode == _FAN:
+        return np.stack([corners[place + 1], corners[place + 2], corners[0 * place]], axis=1)
+    odd = place % 2
+    faces = np.stack([corners[place], corners[place + 1 + odd], corners[place + 2 - odd]], axis=1)
+    return faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]  # without those that only lead to the next row
 
 
 class _Document:

@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import itertools
+import math
 import os
 from collections.abc import Sequence
 
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import read_bytes, written_whole
+from lidardraft.files import named, read_bytes, written_whole
+from lidardraft.formats.point_fields import unit_intensity
 
 _POINT_BYTES = 16
+_FURTHEST, _FLAT = 1000.0, 0.5  # m; of how wide a scan is: it is flatter
 _TEXT, _PRINTED = 32, {*range(32, 127), *b"\t\r\n"}  # so many printed characters in a row are not coordinates
 
 # How files begin that are not scans of KITTI; as numbers these would be kilometres or less than an atom.
@@ -27,30 +31,54 @@ _OTHERS = {
 }
 
 
-def read_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Points f32 [N, 3] in metres and intensity f32 [N] in [0, 1].
+def read_bin(path: str | os.PathLike[str], intensity_scale: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Points f32 [N, 3] in metres and intensity f32 [N] in [0, 1], that of the file over `intensity_scale`.
 
     Raises `FormatError` on a missing, empty or truncated file, a value that is not finite, and an intensity out of
-    range.
+    range, of which at most 1 % are clipped; it says if the file looks like points of other columns.
     """
     name, data = os.fspath(path), read_bytes(path)
     if not data:
-        raise FormatError(f"{name} is empty; a scan has at least one point")
+        raise FormatError(f"{name} is empty: a scan without returns")
     if other := next((kind for start, kind in _OTHERS.items() if data.startswith(start)), None):
         raise FormatError(f"{name} is {other}; a KITTI scan is float32 x y z and intensity, and nothing before them")
     if looks_like_text(data):
         raise FormatError(f"{name} is text; a KITTI scan is float32 x y z and intensity")
-    if len(data) % _POINT_BYTES:
-        raise FormatError(f"{name} has {len(data)} bytes; a KITTI scan has {_POINT_BYTES} a point, so it is truncated")
-    scan = np.frombuffer(data, dtype="<f4").reshape(-1, 4).astype(np.float32)
-    _check(name, scan)
-    return scan[:, :3].copy(), scan[:, 3].copy()
+    try:
+        if len(data) % _POINT_BYTES:
+            raise FormatError(
+                f"{name} has {len(data)} bytes; a KITTI scan has {_POINT_BYTES} a point, so it is truncated"
+            )
+        scan = np.frombuffer(data, dtype="<f4").reshape(-1, 4).astype(np.float32)
+        _check(name, scan, math.inf)
+        with named(path):
+            return scan[:, :3].copy(), unit_intensity(scan[:, 3], intensity_scale, of=path)
+    except FormatError:
+        if other := _other_columns(data):
+            raise FormatError(f"{name} looks like {other}; a KITTI scan is float32 x y z and intensity") from None
+        raise
+
+
+def _other_columns(data: bytes) -> str:
+    """The columns that the bytes of a file look like which is no scan; "" for float32 x y z and intensity, or none.
+    Points are near and lie flatter than they are wide, and further columns are not less than 0."""
+    for kind, columns in itertools.product(("<f4", "<f8"), (4, 5, 6, 7, 8, 3)):
+        if len(data) % (columns * int(kind[2])):
+            continue
+        points = np.frombuffer(data, kind).reshape(-1, columns)
+        if (np.abs(points[:, :3]) < _FURTHEST).all() and (points[:, 3:] >= 0).all():
+            if columns == 4 and kind == "<f4":
+                return ""
+            if points[:, 2].std() < _FLAT * points[:, :2].std():
+                found = f"{columns} columns of float{8 * int(kind[2])}"
+                return f"{found} (nuScenes' .pcd.bin?)" if found.startswith("5 columns of float32") else found
+    return ""
 
 
 def calibration_of(text: str) -> dict[str, list[str]]:
-    """The words of each line `name: words` of a calibration."""
-    lines = (line.partition(":") for line in text.splitlines())
-    return {name: words.split() for name, colon, words in lines if colon}
+    """The words of each line `name: words` of a calibration, in some files without the colon."""
+    lines = (line.replace(":", " ", 1).split() for line in text.splitlines())
+    return {words[0]: words[1:] for words in lines if words}
 
 
 def numbers_of(words: Sequence[str], *counts: int) -> list[float]:
@@ -81,10 +109,10 @@ def write_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: np.nd
         temporary.write_bytes(scan.tobytes())
 
 
-def _check(name: str, scan: np.ndarray) -> None:
+def _check(name: str, scan: np.ndarray, most: float = 1.0) -> None:
     broken = np.flatnonzero(~np.isfinite(scan).all(axis=1))
     if len(broken):
         raise FormatError(f"{name}: point {broken[0]} is {scan[broken[0]].tolist()}; every value must be finite")
-    outside = np.flatnonzero((scan[:, 3] < 0) | (scan[:, 3] > 1))
+    outside = np.flatnonzero((scan[:, 3] < 0) | (scan[:, 3] > most))
     if len(outside):
         raise FormatError(f"{name}: point {outside[0]} has intensity {scan[outside[0], 3]}; KITTI has 0 to 1")

@@ -11,6 +11,8 @@ from __future__ import annotations
 import io
 import math
 import os
+import warnings
+from collections import Counter
 from collections.abc import Callable
 from functools import lru_cache
 from pathlib import Path
@@ -23,6 +25,7 @@ from lidardraft.formats.frame import Annotation, Drives, Frame, numbered, write_
 from lidardraft.formats.kitti import calibration_of, numbers_of, write_bin
 from lidardraft.scene.box import Box
 from lidardraft.scene.sensor import Sensor
+from lidardraft.semantics import CLASSES
 
 TYPE_OF_CLASS = {
     "person": "Pedestrian",
@@ -41,6 +44,13 @@ CLASS_OF_TYPE = {
     "Person_sitting": "person",
     "Misc": "other",
 }
+# Of all that box files call objects, in small letters.
+CLASS_OF_NAME = {
+    **{name.lower(): label for name, label in CLASS_OF_TYPE.items()},
+    "vehicle": "car",
+    **{row.name: row.name for row in CLASSES if row.id},
+}
+_NAMES = {"R_rect": "R0_rect", "Tr_velo_cam": "Tr_velo_to_cam"}  # of the tracking benchmark: those of this one
 _CAMERA = np.array([(0.0, -1.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)])  # camera_from_lidar
 _AWAY = 4.0  # times the sensor's range that the camera stands behind it
 _MARGIN = 1.02  # of the range: noise, and the way a sensor moves in a sweep
@@ -49,14 +59,14 @@ _PARTLY, _LARGELY = 0.1, 0.5  # occluded shares from which an object counts as p
 _LONGEST = 10_000  # lines of a label file
 
 
-def write_kitti_object(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_kitti_object(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """Write training/ with velodyne/, label_2/, calib/ and image_2/, and ImageSets/; objects without a point are left
     out. Raises `FormatError` where `output` is there already or cannot be written."""
     with new_folder(output) as folder:
         for part in ("velodyne", "label_2", "calib", "image_2"):
             (folder / "training" / part).mkdir(parents=True)
         names = []
-        for name, frame in numbered(drives):
+        for name, frame in numbered(drives, first):
             names.append(name)
             _write_frame(folder / "training", name, frame)
         write_image_sets(folder, names)
@@ -112,38 +122,61 @@ def _line(annotation: Annotation, camera_from_lidar: np.ndarray, projection: np.
     return f"{TYPE_OF_CLASS[box.label]} 0.00 {occluded} {' '.join(f'{number:.4f}' for number in numbers)}\n"
 
 
-def read_label_2(path: str | os.PathLike[str], calib: str | os.PathLike[str] | None = None) -> list[Box]:
-    """The boxes of a label_2 file in the frame of the LiDAR, by the file of its name in calib/; DontCare is left out.
+def read_label_2(
+    path: str | os.PathLike[str], calib: str | os.PathLike[str] | None = None, *, frame: int | None = None
+) -> list[Box]:
+    """The boxes of a label_2 file, or those of a `frame` (0) of a label_02 file of the tracking benchmark, in the frame
+    of the LiDAR, by the file of its name in calib/.
 
-    Raises `FormatError` naming the file and the line that is not KITTI's.
+    DontCare is left out, and so are, with a warning, other types and objects without a size in 3D. Raises `FormatError`
+    naming the file and the line that is not KITTI's.
     """
-    text = read_text(path)
+    text, left = read_text(path).removeprefix("\ufeff"), Counter[str]()
     with named(f"{os.fspath(path)} needs its calibration"):
         lidar_from_camera = _lidar_from_camera(calib or Path(path).absolute().parent.parent / "calib" / Path(path).name)
 
     def box(number: int, words: list[str]) -> Box | None:
-        if len(words) not in (15, 16) or words[0] not in (*CLASS_OF_TYPE, "DontCare"):
+        if len(words) not in (8, 15, 16):
             raise FormatError(f"{' '.join(words)!r:.80} is not an object of KITTI: a type and 14 numbers")
-        if words[0] == "DontCare":
+        label = CLASS_OF_NAME.get(words[0].lower())
+        height, width, length, *place, turn = (numbers_of(words[1:15], 7, 14) + [0.0] * 7)[7:14]
+        if words[0] == "DontCare" or label is None or min(height, width, length) <= 0:
+            left["without a size in 3D" if label else words[0]] += 1
             return None
-        height, width, length, *place, turn = numbers_of(words[8:15], 7)
         center = lidar_from_camera[:3, :3] @ np.subtract(place, (0.0, height / 2, 0.0)) + lidar_from_camera[:3, 3]
         ahead = lidar_from_camera[:3, :3] @ (math.cos(turn), 0.0, -math.sin(turn))
-        label, yaw = CLASS_OF_TYPE[words[0]], math.atan2(ahead[1], ahead[0])
+        yaw = math.atan2(ahead[1], ahead[0])
         return Box(f"{label}_{number}", label, number, tuple(center.tolist()), (length, width, height), yaw)
 
     with named(path):
-        return boxes_of_lines(text, box)
+        boxes = boxes_of_lines(_of_frame(text, path, frame) if text.lstrip()[:1].isdigit() else text, box)
+    del left["DontCare"]
+    if left:
+        said = ", ".join(f"{count} {what}" for what, count in left.items())
+        warnings.warn(f"{os.fspath(path)}: objects are left out: {said}", stacklevel=2)
+    return boxes
+
+
+def _of_frame(text: str, path: str | os.PathLike[str], frame: int | None) -> str:
+    """The lines of one frame of tracking labels, without frame and track, as label_2 has them; the others are empty."""
+    lines = [[*line.split(maxsplit=2), "", "", ""] for line in text.splitlines()]
+    frames = [line[0] for line in lines if line[2]] or ["none"]
+    if str(frame or 0) not in frames:
+        raise FormatError(f"there is no frame {frame or 0} in these labels of frames {frames[0]} to {frames[-1]}")
+    if frame is None and len({*frames}) > 1:
+        said = f"KITTI's tracking labels of frames {frames[0]} to {frames[-1]}; 0 is read (--frame N reads another)"
+        warnings.warn(f"{os.fspath(path)}: {said}", stacklevel=3)
+    return "\n".join(line[2] if line[0] == str(frame or 0) else "" for line in lines)
 
 
 def boxes_of_lines(text: str, box: Callable[[int, list[str]], Box | None]) -> list[Box]:
     """What `box` makes of a number and the words of each line that is not empty; boxes are numbered from 1. Raises
     `FormatError` naming the line that is wrong."""
     boxes = list[Box]()
-    lines = [line.split() for line in text.splitlines() if line.strip()]
+    lines = {number: words for number, line in enumerate(text.splitlines(), start=1) if (words := line.split())}
     if len(lines) > _LONGEST:
         raise FormatError(f"{len(lines)} lines; up to {_LONGEST} are read")
-    for number, words in enumerate(lines, start=1):
+    for number, words in lines.items():
         with named(f"line {number}"):
             if (made := box(len(boxes) + 1, words)) is not None:
                 boxes.append(made)
@@ -151,7 +184,7 @@ def boxes_of_lines(text: str, box: Callable[[int, list[str]], Box | None]) -> li
 
 
 def _lidar_from_camera(path: str | os.PathLike[str]) -> np.ndarray:
-    rows = calibration_of(read_text(path))
+    rows = {_NAMES.get(name, name): words for name, words in calibration_of(read_text(path)).items()}
     with named(path):
         if missing := [key for key in ("R0_rect", "Tr_velo_to_cam") if key not in rows]:
             raise FormatError(f"there is no line {missing[0]}")

@@ -15,6 +15,7 @@ import numpy as np
 from lidardraft.errors import FormatError, extra
 from lidardraft.files import expecting, named, new_folder, regular_size
 from lidardraft.formats.frame import Drives, Frame, numbered
+from lidardraft.formats.point_fields import named_fields
 from lidardraft.semantics import BY_NAME, CLASSES
 
 _ASPRS = {"none": 1, "terrain": 2, "vegetation": 5, "trunk": 5, "building": 6, "road": 11, "sidewalk": 11}
@@ -30,12 +31,12 @@ _CLASS_OF_ASPRS = {
 
 
 def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Points f64 [N, 3] of a .las file, and its intensity f32 [N] in 0 to 1, `label` u8 [N], and `ring` and
-    `instance` where it has such fields.
+    """Points f64 [N, 3] of a .las file, and its intensity u16 [N], `label` u8 [N], and `ring` and `instance` where it
+    has such fields.
 
     Raises `FormatError` where the file is broken, packed or has more than 4,194,304 points, `MissingExtraError`
     where laspy is not installed."""
-    with extra("export"):
+    with extra():
         import laspy
     size = regular_size(path)
     with named(path), expecting("a whole LAS file"), Path(path).open("rb") as stream:
@@ -52,21 +53,22 @@ def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nda
         names = set(points.point_format.dimension_names)
         label = np.array([BY_NAME[_CLASS_OF_ASPRS.get(k, "none")].id for k in range(256)], np.uint8)
         label[_OURS_FROM : _OURS_FROM + len(CLASSES)] = range(len(CLASSES))
-        fields = {name: np.array(points[name]) for name in ("ring", "label", "instance") if name in names}
+        fields = {name: np.array(points[name]) for name in ("label", "instance") if name in names}
+        if ring := named_fields(list(names)).get("ring"):
+            fields["ring"] = np.array(points[ring])
         if not {"ring", "label", "instance"} <= names:  # classes of others' extra bytes are not ours
             fields |= {"label": label[np.array(points.classification)]}
-        intensity = np.array(points.intensity, np.float32)
-        fields["intensity"] = intensity / np.float32(65535 if intensity.max(initial=0) > 255 else 255)
+        fields["intensity"] = np.array(points.intensity)
         return np.array(points.xyz), fields
 
 
-def write_las(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_las(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """Write a .las file for each frame. Raises `FormatError` where `output` is there already or cannot be written,
     `MissingExtraError` where laspy is not installed."""
-    with extra("export"):
+    with extra():
         import laspy
     with new_folder(output) as folder:
-        for name, frame in numbered(drives):
+        for name, frame in numbered(drives, first):
             header = laspy.LasHeader(point_format=6, version="1.4")
             header.scales = np.full(3, _MILLIMETRE)
             header.add_extra_dims([laspy.ExtraBytesParams(field, kind) for field, kind in _EXTRA.items()])
@@ -85,8 +87,7 @@ def _columns(frame: Frame) -> dict[str, np.ndarray]:
         **dict(zip("xyz", frame.points.T.astype(np.float64), strict=True)),
         "intensity": np.round(frame.intensity * 65535).astype(np.uint16),
         "classification": CLASSIFICATION[frame.label],
-        "gps_time": frame.time.astype(np.float64),
         "return_number": np.ones(len(frame.points), np.uint8),
         "number_of_returns": np.ones(len(frame.points), np.uint8),
-        **{field: getattr(frame, field) for field in _EXTRA},
+        **{{"time": "gps_time"}.get(field, field): values for field, values in frame.fields().items()},
     }

@@ -1,6 +1,8 @@
 """MCAP files with Foxglove's messages: clouds on /lidar, boxes on /boxes, transforms on /tf.
 
-Frames are `map`, `base_link`, the vehicle on the road, and `lidar`. A file is a drive.
+Frames are `map`, `base_link`, the vehicle on the road, and `lidar`. A file is a drive. Transforms and boxes have the
+time of the middle of the sweep, and so has a cloud without the sensor's own motion; one with it has that of its first
+column, from which its `time` counts.
 """
 
 from __future__ import annotations
@@ -23,14 +25,14 @@ _START = 1_600_000_000_000_000_000  # ns, the first frame's time
 _TYPES = {"f4": "Float32", "u1": "Uint8", "u2": "Uint16", "u4": "Uint32"}
 
 
-def write_mcap(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_mcap(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """Write 000000.mcap and so on, one for each drive. Raises `FormatError` where `output` is there already or cannot
     be written, `MissingExtraError` where foxglove-sdk is not installed."""
-    with extra("export"):
+    with extra():
         import foxglove
     logging.getLogger("foxglove").addHandler(logging.NullHandler())  # its warnings are those of the error below
     with new_folder(output) as folder:
-        for number, drive in enumerate(drives):
+        for number, drive in enumerate(drives, first):
             context = foxglove.Context()
             try:
                 with foxglove.open_mcap(folder / f"{number:06d}.mcap", context=context):
@@ -50,11 +52,12 @@ def _log_drive(drive: Iterable[Frame], context: Any) -> None:
     transforms = channels.FrameTransformsChannel("/tf", context=context)
     at = 0
     for time, frame in timed(drive):
-        at = _START + round(1e9 * time)
+        begun = _START + round(1e9 * time)
+        at = begun + round(1e9 * frame.sensor.sweep_time / 2)
         mount = upright((0.0, 0.0, frame.sensor.mount_height), 0.0)
         poses = (("map", "base_link", frame.world_from_ego()), ("base_link", "lidar", mount))
         transforms.log(FrameTransforms(transforms=[_transform(at, *pose) for pose in poses]), log_time=at)
-        clouds.log(_cloud(at, frame), log_time=at)
+        clouds.log(_cloud(at if frame.time is None else begun, frame), log_time=at)
         boxes.log(_scene(at, frame), log_time=at)
     if not at:
         raise FormatError(NO_SCANS)

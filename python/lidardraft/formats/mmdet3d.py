@@ -20,13 +20,13 @@ from lidardraft.semantics import CLASSES
 CATEGORIES = tuple(row.name for row in CLASSES if row.is_thing)
 
 
-def write_mmdet3d(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_mmdet3d(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """Write a data set; objects without a point are left out. Raises `FormatError` where `output` is there already or
     cannot be written."""
     with new_folder(output) as folder:
         for part in ("points", "labels", "semantic_mask"):
             (folder / part).mkdir()
-        infos = {name: _write_frame(folder, name, frame) for name, frame in numbered(drives)}
+        infos = {name: _write_frame(folder, name, frame) for name, frame in numbered(drives, first)}
         write_image_sets(folder, list(infos))
         for split in ("train", "val"):
             names = (folder / "ImageSets" / f"{split}.txt").read_text().split()

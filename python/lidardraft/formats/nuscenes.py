@@ -23,12 +23,13 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.files import MAX_BYTES, expecting, named, new_folder, read_bytes, read_text, written_whole
 from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, timed
+from lidardraft.formats.point_fields import SCALES
 from lidardraft.json_fields import parse_list
 from lidardraft.scene.box import Box
 from lidardraft.scene.pose import inverse, upright
 from lidardraft.semantics import BY_NAME, CLASSES
 
-_POINT_BYTES = 20
+_POINT_BYTES, _SCALE = 20, SCALES[".pcd.bin"]
 _MOST_RINGS = 512
 VERSION = "v1.0-trainval"
 # The categories in the order of lidarseg's numbers, and our class of each.
@@ -86,30 +87,34 @@ CATEGORY_OF_CLASS = {
 _INDEX = np.array([list(CATEGORIES).index(CATEGORY_OF_CLASS[row.name]) for row in CLASSES], np.uint8)
 _CLASS = np.array([BY_NAME[name].id for name in CATEGORIES.values()], np.uint8)
 _CYCLES = ("bicycle", "motorcycle")
-_ATTRIBUTES = ("cycle.with_rider", "cycle.without_rider")
+_ATTRIBUTES = ("cycle.with_rider", "cycle.without_rider", "vehicle.moving", "vehicle.stopped", "vehicle.parked",
+               "pedestrian.moving", "pedestrian.standing", "pedestrian.sitting_lying_down")  # fmt: skip
+_CHILD = 1.4  # m; below, a person is a child: those of sentences have 1.33 m at most, adults 1.5 m at least
 _VISIBLE = (("4", "v80-100", 0.8), ("3", "v60-80", 0.6), ("2", "v40-60", 0.4), ("1", "v0-40", 0.0))
 _START = 1_600_000_000_000_000  # us, the first frame's time
+_APART = 60_000_000  # us, of which scenes begin whole numbers apart
 _EGO_FROM_LIDAR = np.array([(0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
 _SWEEP = ("filename", "sample_token", "ego_pose_token", "calibrated_sensor_token")
 
 Tables = dict[str, list[dict[str, Any]]]
 
 
-def read_pcd_bin(path: str | os.PathLike[str]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Points f32 [N, 3] in metres in our sensor frame, intensity f32 [N] in [0, 1], and ring i64 [N] as it stands.
+def read_pcd_bin(path: str | os.PathLike[str], intensity_scale: float = _SCALE) -> tuple[np.ndarray, ...]:
+    """Points f32 [N, 3] in metres in our sensor frame, intensity f32 [N] in [0, 1], that of the file over
+    `intensity_scale`, and ring i64 [N] as it stands.
 
     Raises `FormatError` on a missing, empty or truncated file, a value that is not finite, and an intensity or a ring
     out of range.
     """
     name, data = os.fspath(path), read_bytes(path)
-    if not data or len(data) % _POINT_BYTES:
-        raise FormatError(
-            f"{name} has {len(data)} bytes; a nuScenes sweep has {_POINT_BYTES} a point, and one at least"
-        )
+    if not data:
+        raise FormatError(f"{name} is empty: a scan without returns")
+    if len(data) % _POINT_BYTES:
+        raise FormatError(f"{name} has {len(data)} bytes; a nuScenes sweep has {_POINT_BYTES} a point")
     sweep = np.frombuffer(data, dtype="<f4").reshape(-1, 5).astype(np.float32)
-    _check(name, sweep)
+    _check(name, sweep, intensity_scale)
     points = np.stack([sweep[:, 1], -sweep[:, 0], sweep[:, 2]], axis=1)
-    return points, sweep[:, 3] / np.float32(255), sweep[:, 4].astype(np.int64)
+    return points, sweep[:, 3] / np.float32(intensity_scale), sweep[:, 4].astype(np.int64)
 
 
 def write_pcd_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: np.ndarray, ring: np.ndarray) -> None:
@@ -185,12 +190,12 @@ def read_table(path: Path, fields: tuple[str, ...]) -> list[dict[str, Any]]:
         return rows
 
 
-def _check(name: str, sweep: np.ndarray) -> None:
+def _check(name: str, sweep: np.ndarray, scale: float = _SCALE) -> None:
     intensity, ring = sweep[:, 3], sweep[:, 4]
     whole = (ring == np.floor(ring)) & (ring >= 0) & (ring < _MOST_RINGS)
     for right, limit in (
         (np.isfinite(sweep).all(axis=1), "every value must be finite"),
-        ((intensity >= 0) & (intensity <= 255), "the fourth value, intensity, must be 0 to 255"),
+        ((intensity >= 0) & (intensity <= scale), f"the fourth value, intensity, must be 0 to {scale:g}"),
         (whole, f"the fifth value, the ring, must be a whole number from 0 to {_MOST_RINGS - 1}"),
     ):
         if not right.all():
@@ -198,7 +203,7 @@ def _check(name: str, sweep: np.ndarray) -> None:
             raise FormatError(f"{name}: point {first} is {sweep[first].tolist()}; {limit}")
 
 
-def write_nuscenes(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_nuscenes(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """Write v1.0-trainval/*.json, samples/LIDAR_TOP/, lidarseg/ and maps/.
 
     Raises `FormatError` where `output` is there already or cannot be written.
@@ -209,11 +214,11 @@ def write_nuscenes(output: str | os.PathLike[str], drives: Drives) -> None:
         for part in (VERSION, "samples/LIDAR_TOP", f"lidarseg/{VERSION}", "maps"):
             (folder / part).mkdir(parents=True)
         Image.new("L", (1, 1)).save(folder / "maps" / "none.png")
-        tables, number = _fixed_tables(), 0
+        tables, start, number = _fixed_tables(), _START + _APART * first, None
         scenes = (scene for drive in drives for _, scene in itertools.groupby(drive, lambda frame: frame.world))
-        for number, scene in enumerate(scenes, start=1):
-            _write_scene(folder, tables, f"scene-{number:04d}", scene)
-        if not number:
+        for number, scene in enumerate(scenes, first + 1):
+            start = _write_scene(folder, tables, f"scene-{number:04d}", scene, start)
+        if number is None:
             raise FormatError(NO_SCANS)
         for name, rows in tables.items():
             (folder / VERSION / f"{name}.json").write_text(json.dumps(rows, indent=0))
@@ -294,11 +299,12 @@ def _fixed_tables() -> Tables:
     }
 
 
-def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame]) -> None:
+def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame], start: int) -> int:
+    """Write a scene from the time `start` on; the time from which on the next one may be."""
     samples, tracks = list[dict[str, Any]](), dict[str, list[dict[str, Any]]]()
-    begun = _START + 60_000_000 * len(tables["scene"])
+    time, world = start, ""
     for number, (after, frame) in enumerate(timed(frames)):
-        time = begun + round(1e6 * after)
+        time, world = start + round(1e6 * after), frame.world
         sample = {"token": _token(name, number), "timestamp": time, "scene_token": _token(name)}
         samples.append(sample)
         _write_sweep(folder, tables, sample, frame)
@@ -311,26 +317,45 @@ def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame
             "log_token": _token("log"),
             "nbr_samples": len(samples),
             "name": name,
-            "description": "",
+            "description": _description(world),
         }
         | {"first_sample_token": samples[0]["token"], "last_sample_token": samples[-1]["token"]}
     )
     sweeps = tables["sample_data"][-len(samples) :]
     tables["sample_data"][-len(samples) :] = _linked(sweeps)
     for track in tracks.values():
+        _set_apart_parked(track)
         tables["instance"].append(
             {"token": track[0]["instance_token"], "category_token": track[0]["category_token"]}
             | {"nbr_annotations": len(track), "first_annotation_token": track[0]["token"]}
             | {"last_annotation_token": track[-1]["token"]}
         )
         tables["sample_annotation"] += _linked(track)
+    return time - (time - start) % _APART + _APART
+
+
+def _description(world: str) -> str:
+    """The sentence of a world, or its district, or its source."""
+    told = json.loads(world or "{}")
+    return str(next((told[key] for key in ("sentence", "district", "source") if told.get(key)), ""))
+
+
+def _set_apart_parked(track: list[dict[str, Any]]) -> None:
+    """A vehicle that stands all along a scene is parked; one that drives before or after has stopped."""
+    moving, stopped, parked = (_token("attribute", f"vehicle.{how}") for how in ("moving", "stopped", "parked"))
+    if not any(moving in row["attribute_tokens"] for row in track):
+        for row in track:
+            row["attribute_tokens"] = [parked if token == stopped else token for token in row["attribute_tokens"]]
 
 
 def _write_sweep(folder: Path, tables: Tables, sample: dict[str, Any], frame: Frame) -> None:
     token, sensor = sample["token"], frame.sensor
     sweep, labels = f"samples/LIDAR_TOP/{token}.pcd.bin", f"lidarseg/{VERSION}/{token}_lidarseg.bin"
     write_pcd_bin(folder / sweep, frame.points, frame.intensity, len(sensor.elevations) - 1 - frame.ring.astype(int))
-    (folder / labels).write_bytes(_INDEX[frame.label].tobytes())
+    index = _INDEX[frame.label]
+    for annotation in frame.annotations:
+        index[annotation.holds(frame.instance)] = list(CATEGORIES).index(_category(annotation))
+    (folder / labels).write_bytes(index.tobytes())
     calibrated = _token(sensor.name, sensor.mount_height)
     if calibrated not in {row["token"] for row in tables["calibrated_sensor"]}:
         tables["calibrated_sensor"].append(
@@ -353,19 +378,39 @@ def _write_sweep(folder: Path, tables: Tables, sample: dict[str, Any], frame: Fr
 def _annotate(
     track: list[dict[str, Any]], scene: str, sample: dict[str, Any], frame: Frame, annotation: Annotation
 ) -> None:
-    box, label = annotation.box, annotation.ridden or annotation.box.label
+    box = annotation.box
     length, width, height = box.size
     pose = frame.pose @ upright(box.center, box.yaw)
-    attributes = [("cycle.with_rider" if annotation.ridden else "cycle.without_rider")] if label in _CYCLES else []
     track.append(
         {"token": _token(sample["token"], box.id), "sample_token": sample["token"]}
-        | {"instance_token": _token(scene, box.id), "category_token": _token("category", CATEGORY_OF_CLASS[label])}
-        | {"attribute_tokens": [_token("attribute", name) for name in attributes]}
+        | {"instance_token": _token(scene, box.id), "category_token": _token("category", _category(annotation))}
+        | {"attribute_tokens": [_token("attribute", name) for name in _attributes(annotation)]}
         | {"visibility_token": next(token for token, _, least in _VISIBLE if 1 - annotation.occlusion >= least)}
         | {"translation": pose[:3, 3].tolist(), "rotation": _quaternion(pose[:3, :3])}
         | {"size": [width, length, height]}
         | {"num_lidar_pts": annotation.num_points, "num_radar_pts": 0}
     )
+
+
+def _category(annotation: Annotation) -> str:
+    """The name of its category; a person who lies is an adult."""
+    length, _, height = annotation.box.size
+    if annotation.box.label == "person" and length < height < _CHILD + 2 * annotation.margin:
+        return "human.pedestrian.child"
+    return CATEGORY_OF_CLASS[annotation.ridden or annotation.box.label]
+
+
+def _attributes(annotation: Annotation) -> list[str]:
+    """The name of its attribute; none where nobody knows whether it moves."""
+    kind, moves = _category(annotation).split(".")[:2], annotation.moves()
+    if kind[1] in _CYCLES:
+        return ["cycle.with_rider" if annotation.ridden else "cycle.without_rider"]
+    if annotation.box.velocity is None:
+        return []
+    if kind[0] == "vehicle":
+        return ["vehicle.moving" if moves else "vehicle.stopped"]
+    lies = annotation.box.size[0] > annotation.box.size[2]
+    return ["pedestrian.moving" if moves else "pedestrian.sitting_lying_down" if lies else "pedestrian.standing"]
 
 
 def _quaternion(rotation: np.ndarray) -> list[float]:

@@ -14,14 +14,14 @@ from lidardraft.files import new_folder, write_text
 from lidardraft.formats.frame import Annotation, Drives, npy, numbered, write_image_sets
 
 
-def write_openpcdet(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_openpcdet(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """Write a data set for `CustomDataset`; objects without a point are left out. Raises `FormatError` where `output`
     is there already or cannot be written."""
     with new_folder(output) as folder:
         for part in ("points", "labels"):
             (folder / part).mkdir()
         names = []
-        for name, frame in numbered(drives):
+        for name, frame in numbered(drives, first):
             names.append(name)
             (folder / "points" / f"{name}.npy").write_bytes(npy(np.column_stack([frame.points, frame.intensity])))
             write_text(folder / "labels" / f"{name}.txt", "".join(map(_line, frame.seen())))

@@ -20,7 +20,6 @@ from lidardraft.scene.sensor_model import MODELS
 
 _MOST_COLUMNS = 4096  # as many as any of their modes has
 _TABLES = ("beam_altitude_angles", "beam_azimuth_angles")
-_BRIGHTEST = 255  # of reflectivities; 100 and less is diffuse, more is retroreflective (firmware user manual)
 _VALID = 1  # the bit of a column's status: it was measured
 
 
@@ -46,7 +45,7 @@ def read_ouster_metadata(path: str | os.PathLike[str]) -> Sensor:
         if type(columns) is not int or not 1 <= columns <= _MOST_COLUMNS or mode is None or int(mode[2]) < 1:
             raise FormatError("columns_per_frame and lidar_mode say no mode such as 1024x10")
         window: Any = fields.get("column_window", [0, columns - 1])
-        if not are_numbers(window, 2) or not 0 <= window[0] <= window[1] < columns:
+        if not are_numbers(window, 2) or not all(0 <= number < columns for number in window):
             raise FormatError(f"column_window is {window!r:.50}; it must be two of {columns} columns")
         forward = fields.get("lidar_origin_to_beam_origin_mm", 0.0)
         if not is_number(forward):
@@ -62,48 +61,48 @@ def _sensor(fields: dict[str, Any], window: tuple[int, int, int], forward: float
     order = np.argsort(-elevations, kind="stable")  # row 0 is the highest
     first, last, columns = window
     step = 2 * math.pi / columns
+    count = (last - first) % columns + 1  # the window may go over the seam, as from column 900 to 100
     return replace(
         PRESETS[preset],
         name=product.lower(),
         elevations=tuple(elevations[order].tolist()),
         azimuth_offsets=tuple((-azimuths[order]).tolist()),  # they count clockwise
         origin_forwards=(forward / 1000,) * len(order),
-        columns=last - first + 1,
+        columns=count,
         azimuth_start=math.pi - (first - 0.5) * step,  # column w looks to pi - w * step, the middle of its pixel
-        azimuth_span=(last - first + 1) * step,
-        sweep_time=(last - first + 1) / columns / rate,
+        azimuth_span=count * step,
+        sweep_time=count / columns / rate,
         model=MODELS[preset],
     )
 
 
 def read_ouster_capture(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The returns f32 [N, 3] of the first whole frame [m], row by row, and of each `ring` and `column` i64 [N], where
-    it lies in an image of `read_ouster_metadata`, and `intensity` f32 [N], its reflectivity in 0 to 1. Of two returns
-    of a firing, the first.
+    it lies in an image of `read_ouster_metadata`, and `intensity` [N], its reflectivity, 0 to 255. Of two returns of a
+    firing, the first.
 
     Raises `FormatError` where the capture has no whole frame of the sensor of `metadata_beside`, `MissingExtraError`
     where ouster-sdk is not installed."""
     regular_size(path)
     metadata = metadata_beside(path)
     sensor = read_ouster_metadata(metadata)  # it says clearly what is wrong with one, where the SDK does not
-    with extra("ouster"):
+    with extra():
         from ouster.sdk.core import SensorInfo, XYZLut
     text = read_text(metadata)
     with named(metadata), expecting("metadata that Ouster's SDK reads"):
         info = SensorInfo(text)
         points_of = XYZLut(info)
-        first = info.format.column_window[0]
+        first, turn = info.format.column_window[0], info.format.columns_per_frame
         lifted = info.lidar_to_sensor_transform[:3, 3] / 1000  # SDK's origin is the foot of the sensor, ours its optics
     with named(path):
         frame = _first_whole_frame(path, metadata)
         with expecting("a capture of Ouster packets"):
             order = np.argsort(-np.asarray(info.beam_altitude_angles), kind="stable")  # row 0 is the highest
-            window = slice(first, first + sensor.columns)
-            ranges, reflectivity = (frame.field(name)[order, window] for name in ("RANGE", "REFLECTIVITY"))
-            points = (points_of(frame)[order, window] - lifted).astype(np.float32)
+            window = (first + np.arange(sensor.columns)) % turn
+            ranges, reflectivity = (frame.field(name)[order][:, window] for name in ("RANGE", "REFLECTIVITY"))
+            points = (points_of(frame)[order][:, window] - lifted).astype(np.float32)
     ring, column = np.nonzero(ranges)
-    intensity = np.minimum(reflectivity[ring, column], _BRIGHTEST).astype(np.float32) / np.float32(_BRIGHTEST)
-    return points[ring, column], {"ring": ring, "column": column, "intensity": intensity}
+    return points[ring, column], {"ring": ring, "column": column, "intensity": reflectivity[ring, column]}
 
 
 def metadata_beside(path: str | os.PathLike[str]) -> Path:

@@ -84,7 +84,7 @@ def sweeps_of(root: str | os.PathLike[str]) -> list[Path]:
 
 
 def read_sweep(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Points f32 [N, 3] of the Pandar64, in its frame in the middle of the sweep; `intensity` f32 in 0 to 1, `ring` i64
+    """Points f32 [N, 3] of the Pandar64, in its frame in the middle of the sweep; `intensity`, 0 to 255, `ring` i64
     and, where the drive has annotations/semseg, `label` u8 [N].
 
     The laser of a point is the one that looked its way from where the sensor was then. Raises `FormatError`.
@@ -97,7 +97,7 @@ def read_sweep(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.n
     x, y, z = _seen_from(_poses_at(path.parents[1], times), world).T
     elevations = np.array(Sensor.preset("pandar64").elevations)
     ring = np.searchsorted(-(elevations[1:] + elevations[:-1]) / 2, -np.arctan2(z, np.hypot(x, y)))
-    fields = {"intensity": (table["i"][mine] / 255).astype(np.float32), "ring": ring}
+    fields = {"intensity": table["i"][mine], "ring": ring}
     labels = path.parents[1] / "annotations" / "semseg" / path.name
     if labels.exists():
         fields["label"] = _read_semseg(labels, len(mine))[mine]

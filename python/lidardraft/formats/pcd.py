@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import io
 import os
+import re
 import struct
 import warnings
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.files import MAX_WHOLE, expecting, named, read_bytes, written_whole
 from lidardraft.formats.frame import Drives, write_each
+from lidardraft.formats.kitti import numbers_of
 
 _KEYS = ("FIELDS", "SIZE", "TYPE", "COUNT", "POINTS", "DATA")
 _TYPES = {
@@ -28,16 +30,19 @@ _MOST_VALUES = 2**16  # of one point
 _LONGEST_TEXT = 2**24  # bytes, half a million points of CARLA; to read them takes a second
 _MOST_RUNS = 2_000_000  # pieces that packed points come in
 _PADDING = "_"
+_UNIT = 0.01  # from 1, of the length of a quaternion in few digits
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointFile:
     """Columns by name, each [N], or [N, count] where a field has several values; `width` and `height` of an organised
-    cloud, 0 where the header does not say."""
+    cloud, 0 where the header does not say. `viewpoint` [7] is the sensor's pose in the frame of the points, x y z [m]
+    and a quaternion w x y z, None where that is their origin."""
 
     columns: dict[str, np.ndarray]
     width: int
     height: int
+    viewpoint: np.ndarray | None = None
 
 
 def read_pcd(path: str | os.PathLike[str]) -> PointFile:
@@ -62,10 +67,10 @@ def parse_pcd(data: bytes) -> PointFile:
     named_columns = {
         field: column[:, 0] if column.shape[1] == 1 else column
         for field, column in zip(header["FIELDS"], columns, strict=True)
-        if field != _PADDING
+        if field != _PADDING and column.shape[1]
     }
     width, height = (_whole(header.get(key, [])) or 0 for key in ("WIDTH", "HEIGHT"))
-    return PointFile(named_columns, width, height)
+    return PointFile(named_columns, width, height, _viewpoint(header.get("VIEWPOINT", [])))
 
 
 def write_pcd(path: str | os.PathLike[str], records: np.ndarray) -> None:
@@ -89,9 +94,9 @@ def write_pcd(path: str | os.PathLike[str], records: np.ndarray) -> None:
         temporary.write_bytes(text.encode() + records.tobytes())
 
 
-def write_pcd_folder(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_pcd_folder(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """As `write_each`."""
-    write_each(output, drives, ".pcd", write_pcd)
+    write_each(output, drives, first, ".pcd", write_pcd)
 
 
 def text_records(text: bytes, record: np.dtype, count: int) -> np.ndarray:
@@ -100,7 +105,7 @@ def text_records(text: bytes, record: np.dtype, count: int) -> np.ndarray:
         raise FormatError(f"{len(text)} bytes of points as text; up to {_LONGEST_TEXT} are read")
     with warnings.catch_warnings(), expecting("a table of numbers"):
         warnings.simplefilter("ignore")  # numpy's, of a text without numbers
-        lines = io.BytesIO(text)
+        lines = io.BytesIO(re.sub(rb"\.0+(?!\S)", b"", text))  # whole numbers may be written as 6.0
         table: np.ndarray = np.loadtxt(lines, record, comments=None, max_rows=count, ndmin=1, encoding="latin-1")
     if len(table) < count:
         raise FormatError(f"{count} points are announced, and {len(table)} lines of numbers are there")
@@ -122,13 +127,24 @@ def _record(header: dict[str, list[str]]) -> np.dtype:
     named_fields = [field for field in fields if field != _PADDING]
     if twice := [field for field in named_fields if named_fields.count(field) > 1]:
         raise FormatError(f"FIELDS names {twice[0]!r} twice")
-    if min(counts) < 1 or sum(counts) > _MOST_VALUES:
-        raise FormatError(f"COUNT is {' '.join(header['COUNT'])}; each is 1 or more, all {_MOST_VALUES} at most")
+    if not 0 < sum(counts) <= _MOST_VALUES:  # PCL writes fields of no value, which have no bytes
+        raise FormatError(f"COUNT is {' '.join(header['COUNT'])}; all are 1 to {_MOST_VALUES}")
     types = list(zip(header["TYPE"], header["SIZE"], strict=True))
     for kind, size in types:
         if (kind, size) not in _TYPES:
             raise FormatError(f"TYPE {kind!r} of SIZE {size!r} is unknown; F has 4 or 8 bytes, I and U 1 to 8")
     return np.dtype([(str(k), _TYPES[types[k]], (count,)) for k, count in enumerate(counts)])
+
+
+def _viewpoint(words: list[str]) -> np.ndarray | None:
+    """The pose of the sensor, None if it is the origin; without a turn where some writers leave only zeros."""
+    with named("VIEWPOINT"):
+        pose = np.array(numbers_of(words or ["0"] * 7, 7))
+        length = np.linalg.norm(pose[3:])
+        if length and abs(length - 1) > _UNIT:
+            raise FormatError(f"{' '.join(words)} has a quaternion of length {length:g}; it must be 1")
+    pose[3:] = pose[3:] / length if length else (1, 0, 0, 0)
+    return pose if pose[[0, 1, 2, 4, 5, 6]].any() else None
 
 
 def _number(key: str, words: list[str]) -> int:

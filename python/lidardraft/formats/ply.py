@@ -72,6 +72,6 @@ def write_ply(path: str | os.PathLike[str], records: np.ndarray) -> None:
         temporary.write_bytes(header.encode() + records.tobytes())
 
 
-def write_ply_folder(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_ply_folder(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """As `write_each`."""
-    write_each(output, drives, ".ply", write_ply)
+    write_each(output, drives, first, ".ply", write_ply)

@@ -8,15 +8,19 @@ its motion taken out, the points of one laser have many.
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from lidardraft import array_files
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_bytes, regular_size
+from lidardraft.formats.carla import FIELDS as CARLA_FIELDS
+from lidardraft.formats.carla import TAGS, Tags, carla_cloud
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.las import read_las
 from lidardraft.formats.masks import read_masks
@@ -25,6 +29,7 @@ from lidardraft.formats.ouster import read_ouster_capture
 from lidardraft.formats.pandaset import read_sweep
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.ply import read_ply
+from lidardraft.formats.point_fields import SCALES, named_fields, unit_intensity
 from lidardraft.formats.semantickitti import read_label
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
@@ -34,7 +39,12 @@ _NEAREST = 0.1  # m: what is nearer is not a return (zeros stand for those of or
 _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
 SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pkl.gz", ".pcap")
-_FIELDS = ("ring", "intensity", "label", "instance", "column", "made_up")  # of an .npz file
+_FIELDS = ("label", "instance", "column", "made_up")  # of an .npz file, beside those of `NAMES`
+_OFF, _FURTHEST = 50.0, 1000.0  # m from the sensor: its nearest return is hardly so far off, and no return further
+_MAP = "the nearest return is {:.0f} m from the origin, where the sensor should be; of a cloud in the frame of a map, "
+_MAP += "subtract the sensor's place"
+_COARSE = 0.01  # m: coarser steps of coordinates show
+_NO_LASERS = "nothing says which laser took a point: no field ring, no rows, not laser by laser as KITTI's files are"
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
 _SMALL_STEP = np.deg2rad(5.0)
 _ASIDE = 0.05  # of the seam's crossings go back: lasers that look to different azimuths
@@ -57,16 +67,19 @@ class Recording:
     column: np.ndarray | None = None
 
 
-def read_recording(path: str | os.PathLike[str]) -> Recording:
+def read_recording(
+    path: str | os.PathLike[str], *, intensity_scale: float | None = None, carla_tags: Tags = TAGS
+) -> Recording:
     """A scan out of a file: `.bin` of KITTI, with SemanticKITTI's labels if they lie beside it, `.pcd.bin` of nuScenes,
     `.pcd`, `.ply`, `.npz`, PandaSet's `.pkl.gz` or an Ouster's `.pcap`.
 
-    A KITTI file has its points laser by laser. A PCD or PLY file has x, y, z and a field `ring` (or `channel`), or is
-    organised (its HEIGHT lasers are rows) or in KITTI's order; `intensity` in 0 to 1 or 0 to 255. An .npz file has
+    A KITTI file has its points laser by laser. A PCD or PLY file has x, y, z and a field `ring`, or is organised (its
+    HEIGHT lasers are rows) or in KITTI's order; fields may have any name of `point_fields.NAMES`. An .npz file has
     `xyz` [N, 3], and `ring`, `intensity`, `label` (our classes), `instance`, `column` [N] where they are known, or is a
     range image; that of a scan that lidardraft wrote is read in place of its `.bin`, which does not say which laser
-    took a point. Raises `FormatError` where the file is something else, has no points, or where nothing says which
-    laser took them.
+    took a point. `intensity_scale` is the number that stands for an intensity of 1, where the format does not say it,
+    and `carla_tags` the tags of a cloud of CARLA's. Raises `FormatError` where the file is something else,
+    has no points, or where nothing says which laser took them, or what scale its intensities have.
     """
     path = Path(path)
     image = path.with_suffix(".npz")
@@ -74,33 +87,66 @@ def read_recording(path: str | os.PathLike[str]) -> Recording:
         path = image
     if path.suffix == ".npz" and _is_range_image(path):
         return _of_image(os.fspath(path), RangeImage.load(path))
-    points, fields = read_points(path)
+    points, fields = read_points(path, intensity_scale=intensity_scale, carla_tags=carla_tags)
     fields = {field: values for field, values in fields.items() if field not in ("instance", "made_up")}
-    with named(path):
-        return recording_of(os.fspath(path), points, **fields)
+    try:
+        with named(path):
+            return recording_of(os.fspath(path), points, **fields)
+    except FormatError as error:
+        raise FormatError(f"{error}{with_fields(path)}" if _NO_LASERS in str(error) else str(error)) from None
 
 
-def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """The points [N, 3] of such a file and what it says of each, `instance` too, as it stands there; which laser took
-    them need not be known."""
+def read_points(
+    path: str | os.PathLike[str],
+    *,
+    intensity_scale: float | None = None,
+    carla_tags: Tags = TAGS,
+    needs_intensity: bool | None = True,
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """The points [N, 3] of such a file in the sensor's frame and what it says of each, `instance` too; which laser took
+    them need not be known. What is applied, clipped or odd is a `UserWarning`. Intensities whose scale nothing says
+    are a `FormatError`; if `needs_intensity` is False they are left out, which is a `UserWarning`, if None in silence.
+    """
+    stated = next((scale for ending, scale in SCALES.items() if os.fspath(path).endswith(ending)), None)
+    scale = stated if intensity_scale is None else intensity_scale
+    points, fields = _read(path, 1.0 if scale is None else scale, carla_tags)
+    if points.ndim != 2 or any(values.shape != points.shape[:1] for values in fields.values()):
+        return points, fields  # which `returns` refuses
+    ranges = _ranges(points)
+    if "intensity" in fields and Path(path).suffix != ".bin":
+        given = fields.pop("intensity")
+        try:
+            with named(path):
+                fields["intensity"] = unit_intensity(given, scale, of=path, returned=ranges > 0)
+        except FormatError as error:
+            if needs_intensity:
+                raise
+            if needs_intensity is False:
+                warnings.warn(f"{error}; read without intensities", stacklevel=2)
+    if _OFF < (nearest := _nearest(ranges)) <= _FURTHEST:
+        warnings.warn(f"{os.fspath(path)}: {_MAP.format(nearest)}", stacklevel=2)
+    return points, fields
+
+
+def _read(path: str | os.PathLike[str], scale: float, tags: Tags) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     suffix = Path(path).suffix
     if Path(path).name.endswith(".pcd.bin"):
-        points, intensity, ring = read_pcd_bin(path)
+        points, intensity, ring = read_pcd_bin(path, scale)
         fields = {"intensity": intensity, "ring": ring} | _labels_beside(Path(path), len(points))
         file = None if "label" in fields else lidarseg_of(path)
         return points, fields if file is None else fields | {"label": read_lidarseg(file, len(points))}
     if suffix == ".bin":
-        points, intensity = read_bin(path)
+        points, intensity = read_bin(path, scale)
         return points, {"intensity": intensity} | _labels_beside(Path(path), len(points))
     if suffix == ".pcd":
-        return _from_pcd(path)
+        return _from_pcd(path, tags)
     if suffix == ".ply":
         vertices = read_ply(path)
-        return _from_columns(path, {name: vertices[name] for name in vertices.dtype.names or ()})
+        return _from_columns(path, {name: vertices[name] for name in vertices.dtype.names or ()}, tags)
     if suffix == ".npz":
         return _from_npz(path)
     if suffix == ".npy":
-        return _from_npy(path)
+        return _from_npy(path, tags)
     if suffix == ".las":
         return read_las(path)
     if suffix == ".pcap":
@@ -111,10 +157,11 @@ def read_points(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.
 
 
 def read_returns(
-    path: str | os.PathLike[str], labels: str | os.PathLike[str] | None = None
+    path: str | os.PathLike[str], labels: str | os.PathLike[str] | None = None, **how: Any
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """The returns of such a file with their fields, as `returns` has them; `labels` is a file of others for them."""
-    points, fields = read_points(path)
+    """The returns of such a file with their fields, as `returns` has them; `labels` is a file of others for them, and
+    `how` are further arguments of `read_points`."""
+    points, fields = read_points(path, **how)
     if labels is not None:
         fields |= read_labels(labels, len(points), of=path)
     with named(path):
@@ -145,7 +192,8 @@ def is_points_file(path: str | os.PathLike[str]) -> bool:
 def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The points f32 [N, 3] that are returns, finite and not at the origin, with their fields; intensities in 0 to 1.
 
-    Raises `FormatError` where there are none, or where the arrays do not fit or hold what cannot be."""
+    Raises `FormatError` where there are none, where the arrays do not fit or hold what cannot be, where intensities are
+    over 1, and where no point is so near that a sensor at the origin sees it."""
     points = np.asarray(points)
     if (
         points.ndim != 2
@@ -155,22 +203,33 @@ def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.nd
         raise FormatError(f"points {points.shape} must be [N, 3], with a value of each field for each")
     if len(points) > _MOST_POINTS:
         raise FormatError(f"{len(points)} points; scans of up to {_MOST_POINTS} are read")
-    with np.errstate(over="ignore", invalid="ignore"):  # what is too far for float64 is infinitely far
-        distance = np.linalg.norm(points.astype(np.float64), axis=1)
-    there = np.isfinite(distance) & (distance > _NEAREST)
+    ranges = _ranges(points)
+    there = ranges > 0
     if not there.any():
         raise FormatError("the scan is empty: it has no return")
+    if (nearest := _nearest(ranges)) > _FURTHEST:
+        raise FormatError(_MAP.format(nearest))
     found = {field: np.asarray(values)[there] for field, values in fields.items()}
     if "intensity" in found:
         with np.errstate(over="ignore", invalid="ignore"):
-            intensity = found["intensity"].astype(np.float32)
-        if not np.isfinite(intensity).all() or intensity.min() < 0 or intensity.max() > 255:
-            raise FormatError("an intensity is not finite or not within 0 to 255")
-        found["intensity"] = intensity / np.float32(255) if intensity.max() > 1 else intensity
+            found["intensity"] = found["intensity"].astype(np.float32)
+        if not ((found["intensity"] >= 0) & (found["intensity"] <= 1)).all():
+            raise FormatError("an intensity is not finite or not within 0 to 1")
     if "label" in found and not ((found["label"] >= 0) & (found["label"] < NUM_CLASSES)).all():
         held = f"{found['label'].min()} to {found['label'].max()}"
         raise FormatError(f"label holds {held}; classes are 0 to {NUM_CLASSES - 1}")
     return points[there].astype(np.float32), found
+
+
+def _ranges(points: np.ndarray) -> np.ndarray:
+    """How far points [N, 3] are, 0 of those that are no returns."""
+    with np.errstate(over="ignore", invalid="ignore"):  # what is too far for float64 is infinitely far
+        distance = np.linalg.norm(points.astype(np.float64), axis=1)
+    return np.where(np.isfinite(distance) & (distance > _NEAREST), distance, 0.0)
+
+
+def _nearest(ranges: np.ndarray) -> float:
+    return float(ranges[ranges > 0].min(initial=np.inf))
 
 
 def read_semantic_map(path: str | os.PathLike[str], sensor: Sensor) -> np.ndarray:
@@ -179,7 +238,7 @@ def read_semantic_map(path: str | os.PathLike[str], sensor: Sensor) -> np.ndarra
     Raises `FormatError` where the file is something else or has no labels."""
     if Path(path).suffix in (".png", ".npy"):
         return read_masks(path)
-    points, fields = read_returns(path)
+    points, fields = read_returns(path, needs_intensity=None)
     with named(path):
         if "label" not in fields:
             raise FormatError("it has no labels; a semantic map is made of them")
@@ -218,9 +277,7 @@ def rings_of_order(points: np.ndarray) -> np.ndarray:
     # a laser that starts aside of the one before crosses the seam, and crosses it back
     aside = (wraps & (steps * ahead > 0)).sum() > _ASIDE * wraps.sum()
     if len(steps) < 8 or orderly.mean() < _ORDERLY or wraps.sum() >= _MOST_LASERS or aside:
-        raise FormatError(
-            "nothing says which laser took a point: no field ring, no rows, not laser by laser as KITTI's files are"
-        )
+        raise FormatError(_NO_LASERS)
     return np.concatenate([[0], np.cumsum(wraps)])
 
 
@@ -251,9 +308,23 @@ def _labels_beside(path: Path, count: int) -> dict[str, np.ndarray]:
     return {}
 
 
-def _from_npy(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """OpenPCDet's x y z intensity [N, 4 or more], and of WebDataset's NAME.points.npy the arrays beside it."""
+def with_fields(path: str | os.PathLike[str]) -> str:
+    """The end of a message: the fields of a file that names them."""
+    names = list[str]()
+    if (suffix := Path(path).suffix) == ".npz":
+        with array_files.opened(path) as archive:
+            names = [name.removesuffix(".npy") for name in archive.namelist()]
+    elif suffix in (".pcd", ".ply"):
+        names = list(read_pcd(path).columns if suffix == ".pcd" else read_ply(path).dtype.names or ())
+    return f"; its fields are {', '.join(names)}" if names else ""
+
+
+def _from_npy(path: str | os.PathLike[str], tags: Tags) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """OpenPCDet's x y z intensity [N, 4 or more], and of WebDataset's NAME.points.npy the arrays beside it; or records
+    with names."""
     points = array_files.read_npy(path)
+    if points.dtype.names and points.ndim == 1:
+        return _from_columns(path, {name: points[name] for name in points.dtype.names}, tags)
     if points.ndim != 2 or points.shape[1] < 3 or points.dtype.kind not in "fiu":
         held = f"{points.dtype} {points.shape}"
         raise FormatError(f"{os.fspath(path)} holds {held}; points are numbers x y z and more [N, 3 or more]")
@@ -264,30 +335,53 @@ def _from_npy(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nd
     return points[:, :3], fields
 
 
-def _from_pcd(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def _from_pcd(path: str | os.PathLike[str], tags: Tags) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     file = read_pcd(path)
-    points, fields = _from_columns(path, file.columns)
+    points, fields = _from_columns(path, file.columns, tags)
+    if file.viewpoint is not None:
+        from scipy.spatial.transform import Rotation  # which no --help waits for
+
+        turned = (points - file.viewpoint[:3]) @ Rotation.from_quat(np.roll(file.viewpoint[3:], -1)).as_matrix()
+        seen = np.where(points.any(axis=1, keepdims=True), turned, 0.0)  # zeros stand for missing returns
+        said = "is applied: points are taken from its frame into the sensor's"
+        if (step := float(np.spacing(np.abs(points).max()))) > _COARSE:
+            said += f", where coordinates of {points.dtype} are in steps of {step:.2g} m"
+        if _nearest(_ranges(seen)) > max(_OFF, _nearest(_ranges(points))):
+            seen, said = points, "is not applied: the points lie around their origin, and far from it"
+        warnings.warn(f"{os.fspath(path)}: VIEWPOINT {file.viewpoint.round(3).tolist()} {said}", stacklevel=2)
+        points = seen
     if "ring" not in fields and file.height > 1 and file.width * file.height == len(points):
         fields |= {"ring": np.arange(len(points)) // file.width, "column": np.arange(len(points)) % file.width}
     return points, fields
 
 
 def _from_columns(
-    path: str | os.PathLike[str], columns: dict[str, np.ndarray]
+    path: str | os.PathLike[str], columns: dict[str, np.ndarray], tags: Tags
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    missing = [axis for axis in "xyz" if axis not in columns or columns[axis].ndim != 1]
-    if missing:
+    plain = {name.removeprefix("scalar_"): values for name, values in columns.items()}
+    if set(CARLA_FIELDS) <= plain.keys():
+        said = "CARLA's semantic LiDAR, whose y points right: y is turned to the left, and ObjTag says the classes"
+        warnings.warn(f"{os.fspath(path)}: a cloud of {said}", stacklevel=2)
+        with named(path):
+            cloud = carla_cloud(plain, tags, of=path)
+        return cloud.points, {"label": cloud.label, "instance": cloud.instance}
+    if list(columns) == ["x", "y", "z", "I"]:
+        said = "x y z I are the fields of CARLA's LiDAR, whose y points right; y is read as it stands: negate it if so"
+        warnings.warn(f"{os.fspath(path)}: {said}", stacklevel=2)
+    names = named_fields([name for name, values in columns.items() if values.ndim == 1])
+    if missing := [axis for axis in "xyz" if axis not in names]:
         raise FormatError(f"{os.fspath(path)}: there is no field {missing[0]} of one value a point")
-    if "channel" in columns:
-        columns.setdefault("ring", columns["channel"])
     # labels of others count classes of their own; `lidardraft export` writes all four fields
-    ours = ("label", "instance") if {"ring", "time", "label", "instance"} <= columns.keys() else ()
-    fields = {field: columns[field] for field in ("ring", "intensity", *ours) if field in columns}
-    return np.stack([columns[axis] for axis in "xyz"], axis=1), fields
+    ours = ("label", "instance") if {"ring", "label", "instance"} <= columns.keys() else ()
+    found = {field: columns[name] for field, name in names.items() if field not in "xyz"}
+    found |= {field: columns[field] for field in ours}
+    return np.stack([columns[names[axis]] for axis in "xyz"], axis=1), found
 
 
 def _from_npz(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     with array_files.opened(path) as archive:
         points = array_files.read_numbers(archive, "xyz")
-        found = [field for field in _FIELDS if array_files.holds(archive, field)]
-        return points, {field: array_files.read_numbers(archive, field) for field in found}
+        names = [name.removesuffix(".npy") for name in archive.namelist()]
+        found = {field: name for field, name in named_fields(names).items() if field not in "xyz"}
+        found |= {field: field for field in _FIELDS if field in names}
+        return points, {field: array_files.read_numbers(archive, name) for field, name in found.items()}

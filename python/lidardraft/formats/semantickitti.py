@@ -3,7 +3,7 @@
 The tables follow semantic-kitti.yaml (Behley et al., ICCV 2019). Reading loses: moving or not; parking and lane marking
 (road); other ground (terrain); other vehicle (truck); bicyclist or motorcyclist (rider); other structure and other
 object (other); outlier and unlabelled (none). Writing loses wall (fence) and traffic light (other object), which
-SemanticKITTI does not have.
+SemanticKITTI does not have; in a sequence, what is ridden and moves is of the class of its rider.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import new_folder, read_bytes, write_text, written_whole
-from lidardraft.formats.frame import NO_SCANS, Drives, Frame, timed
+from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, timed
 from lidardraft.formats.kitti import write_bin
 from lidardraft.scene.pose import inverse
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
@@ -67,8 +67,12 @@ RAW_FROM_CLASS: dict[str, int] = {
     "traffic-light": 99,
 }
 
+# Of objects that move: the lowest such id of the class; what is ridden is of its moving-bicyclist or -motorcyclist.
+RAW_OF_MOVING = {name: raw for raw, name in reversed(CLASS_FROM_RAW.items()) if raw >= 252}
+RAW_OF_MOVING |= {"bicycle": 253, "motorcycle": 255}
+
 _INSTANCE_LIMIT = 2**16 - 1
-_OUTLIER = 1
+OUTLIER = 1
 _CAMERA = np.array([(0.0, -1, 0, 0), (0, 0, -1, 0), (1, 0, 0, 0), (0, 0, 0, 1)])  # camera_from_lidar
 
 
@@ -97,10 +101,10 @@ def read_label(
 
 
 def write_label(
-    path: str | os.PathLike[str], label: np.ndarray, instance: np.ndarray, *, outlier: np.ndarray | None = None
+    path: str | os.PathLike[str], label: np.ndarray, instance: np.ndarray, *, raw: np.ndarray | None = None
 ) -> None:
-    """Write class ids [N] of `semantics.CLASSES` and instances [N] as SemanticKITTI labels; its outliers where
-    `outlier` bool [N] is True."""
+    """Write class ids [N] of `semantics.CLASSES` and instances [N] as SemanticKITTI labels; its class `raw` [N] where
+    that is not 0."""
     name = os.fspath(path)
     if label.ndim != 1 or instance.shape != label.shape:
         raise FormatError(f"{name}: label {label.shape} and instance {instance.shape} must both be [N]")
@@ -109,14 +113,13 @@ def write_label(
         if len(outside):
             raise FormatError(f"{name}: point {outside[0]} has {what} {values[outside[0]]}; it must be 0 to {limit}")
     table = np.array([RAW_FROM_CLASS[row.name] for row in CLASSES], dtype="<u4")
-    words = table[label] | (instance.astype("<u4") << np.uint32(16))
-    if outlier is not None:
-        words[outlier] = _OUTLIER
+    words = table[label] if raw is None else np.where(raw, raw, table[label])
+    words = words.astype("<u4") | (instance.astype("<u4") << np.uint32(16))
     with written_whole(path) as temporary:
         temporary.write_bytes(words.astype("<u4").tobytes())
 
 
-def write_sequences(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_sequences(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """Write sequences/00, 01, ... of the drives: velodyne/, labels/, poses.txt, times.txt and calib.txt.
 
     Poses are those of the camera relative to its first one, as KITTI's odometry has them; `Tr` says where it stands:
@@ -124,7 +127,7 @@ def write_sequences(output: str | os.PathLike[str], drives: Drives) -> None:
     written.
     """
     with new_folder(output) as folder:
-        for number, drive in enumerate(drives):
+        for number, drive in enumerate(drives, first):
             _write_sequence(folder / "sequences" / f"{number:02d}", drive)
         if not any(folder.iterdir()):
             raise FormatError(NO_SCANS)
@@ -136,7 +139,10 @@ def _write_sequence(folder: Path, drive: Iterable[Frame]) -> None:
     poses, times = list[np.ndarray](), list[float]()
     for number, (time, frame) in enumerate(timed(drive)):
         write_bin(folder / "velodyne" / f"{number:06d}.bin", frame.points, frame.intensity)
-        write_label(folder / "labels" / f"{number:06d}.label", frame.label, frame.instance)
+        raw = np.zeros(len(frame.label), np.uint32)
+        for each in filter(Annotation.moves, frame.annotations):
+            raw[each.holds(frame.instance)] = RAW_OF_MOVING[each.ridden or each.box.label]
+        write_label(folder / "labels" / f"{number:06d}.label", frame.label, frame.instance, raw=raw)
         poses.append(frame.pose)
         times.append(time)
     if not poses:

@@ -1,8 +1,8 @@
 """WebDataset shards: .tar files of samples, the files of each side by side under its name.
 
-`NAME.points.npy` f32 [N, 4] (x y z intensity), `NAME.ring.npy` u16 [N], `NAME.time.npy` f32 [N], `NAME.label.npy`
-u8 [N], `NAME.instance.npy` u32 [N] and `NAME.json`: sensor, pose, boxes as in boxes.json, and the provenance of the
-layout. `index.json` counts the samples of each shard.
+`NAME.points.npy` f32 [N, 4] (x y z intensity), `NAME.ring.npy` u16 [N], `NAME.label.npy` u8 [N], `NAME.instance.npy`
+u32 [N], of points as the sensor saw them `NAME.time.npy` f32 [N], and `NAME.json`: sensor, pose, boxes as in
+boxes.json, and the provenance of the layout. `index.json` counts the samples of each shard.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ from lidardraft.formats.frame import Drives, Frame, npy, numbered
 SHARD = 256  # frames of a shard
 
 
-def write_webdataset(output: str | os.PathLike[str], drives: Drives) -> None:
+def write_webdataset(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
     """Write 000000.tar, 000001.tar, ... and index.json. Raises `FormatError` where `output` is there already or cannot
     be written."""
     with new_folder(output) as folder:
-        frames, counts = iter(numbered(drives)), dict[str, int]()
-        while first := next(frames, None):
+        frames, counts = iter(numbered(drives, first)), dict[str, int]()
+        while head := next(frames, None):
             shard = f"{len(counts):06d}.tar"
-            counts[shard] = write_shard(folder / shard, itertools.chain([first], itertools.islice(frames, SHARD - 1)))
+            counts[shard] = write_shard(folder / shard, itertools.chain([head], itertools.islice(frames, SHARD - 1)))
         (folder / "index.json").write_text(json.dumps(counts))
 
 
@@ -50,8 +50,8 @@ def write_shard(path: Path, frames: Iterable[tuple[str, Frame]]) -> int:
 
 def _files(frame: Frame) -> Iterator[tuple[str, bytes]]:
     yield "points.npy", npy(np.column_stack([frame.points, frame.intensity]))
-    for field in ("ring", "time", "label", "instance"):
-        yield f"{field}.npy", npy(getattr(frame, field))
+    for field, values in frame.fields().items():
+        yield f"{field}.npy", npy(values)
     boxes = [fields_of(a.box) | {"num_points": a.num_points} for a in frame.annotations]
     sensor = json.loads(frame.sensor.to_json())
     said = {"boxes": boxes, "pose": frame.pose.tolist(), "sensor": sensor}

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 import os
-from pathlib import Path
 from typing import Any, ClassVar, Protocol, TypeVar
 
 import torch
@@ -15,12 +14,10 @@ from safetensors import safe_open
 from safetensors.torch import save as serialise
 from torch import nn
 
-from lidardraft.errors import CheckpointError, FormatError, one_of
+from lidardraft.errors import CheckpointError, FormatError
 from lidardraft.files import written_whole
 from lidardraft.json_fields import parse_object
 from lidardraft.networks.weight_header import read_metadata
-
-PACKAGED = Path(__file__).parents[1] / "weights"
 
 
 class Config(Protocol):
@@ -56,16 +53,6 @@ def save(network: Network, path: str | os.PathLike[str], card: dict[str, Any], *
     }
     with written_whole(path) as temporary:
         temporary.write_bytes(serialise(tensors, metadata))
-
-
-def find(name: str | os.PathLike[str]) -> Path:
-    """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
-    packaged = PACKAGED / f"{os.fspath(name)}.safetensors"
-    path = packaged if packaged.exists() else Path(name)
-    if not path.exists():
-        known = one_of(sorted(file.stem for file in PACKAGED.glob("*.safetensors")), os.fspath(name))
-        raise CheckpointError(f"weights are {os.fspath(name)!r}; they must be a file or {known}")
-    return path
 
 
 def load(path: str | os.PathLike[str], network: type[NetworkT]) -> NetworkT:

@@ -1,13 +1,26 @@
-"""What a weight file says of itself: read without torch, which takes a second to load."""
+"""Where a weight file is, and what it says of itself: without torch, which takes a second to load."""
 
 from __future__ import annotations
 
 import os
+from pathlib import Path
 
 from safetensors import SafetensorError, safe_open
 
-from lidardraft.errors import CheckpointError, FormatError
+from lidardraft.errors import CheckpointError, FormatError, one_of
 from lidardraft.files import regular_size
+
+PACKAGED = Path(__file__).parents[1] / "weights"
+
+
+def find(name: str | os.PathLike[str]) -> Path:
+    """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
+    packaged = PACKAGED / f"{os.fspath(name)}.safetensors"
+    path = packaged if packaged.exists() else Path(name)
+    if not path.exists():
+        known = one_of(sorted(file.stem for file in PACKAGED.glob("*.safetensors")), os.fspath(name))
+        raise CheckpointError(f"weights are {os.fspath(name)!r}; they must be a file or {known}")
+    return path
 
 
 def read_metadata(path: str | os.PathLike[str]) -> dict[str, str]:

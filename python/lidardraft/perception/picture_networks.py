@@ -167,7 +167,7 @@ def _points_on_things(labels: np.ndarray) -> np.ndarray:
 
 def auto_class(name: str) -> Any:
     """A class of transformers such as "AutoModelForDepthEstimation"."""
-    with extra("image"):
+    with extra():
         import transformers
 
     return getattr(transformers, name)
@@ -197,7 +197,7 @@ def load_pretrained(kind: str, class_name: str, name: str | os.PathLike[str], **
 def _find_on_hub(kind: str, source: str) -> None:
     """Raise `CheckpointError` where the hub does not have a network or cannot be reached: transformers itself would ask
     six times, and log each."""
-    with extra("image"):
+    with extra():
         import huggingface_hub
 
     try:

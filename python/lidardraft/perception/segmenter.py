@@ -18,7 +18,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from lidardraft.errors import LayoutError, LidarDraftError, SensorError
-from lidardraft.networks import weight_file
+from lidardraft.networks import weight_file, weight_header
 from lidardraft.networks.layers import Chain, RangeImageConv, ResidualBlock, fold, reduced_precision, unfold
 from lidardraft.networks.weight_file import Network
 from lidardraft.scene.range_image import RangeImage
@@ -149,7 +149,7 @@ class Segmenter(Network):
     @classmethod
     def from_pretrained(cls, name: str | os.PathLike[str] = "segmenter") -> Segmenter:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`."""
-        return weight_file.load(weight_file.find(name), cls)
+        return weight_file.load(weight_header.find(name), cls)
 
     def forward(self, x: Tensor) -> Tensor:
         """Features [B, FEATURES, H, W] -> logits [B, K - 1, H, W] of the classes 1 to K - 1."""

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from fnmatch import fnmatchcase
 from typing import Any
 
-from lidardraft.errors import LayoutError, check_type, did_you_mean
+from lidardraft.errors import LayoutError, check_type
 from lidardraft.json_fields import are_numbers, is_number
 from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.scene.pose import Place, in_frame, point_at
@@ -97,10 +97,7 @@ def _matches(primitive: Primitive, pattern: str) -> bool:
 def _existing(layout: Layout, pattern: str) -> tuple[Primitive, ...]:
     matching = select(layout, pattern)
     if not matching:
-        names = list(dict.fromkeys(object_of(primitive) for primitive in layout))
-        near = did_you_mean([*names, *(p.id for p in layout)], pattern)
-        known = near or f"; it has {', '.join(names[:8]) or 'none'}{', ...' if len(names) > 8 else ''}"
-        raise LayoutError(f"no primitive has the id {pattern!r}{known}")
+        raise layout.unknown(pattern)
     return matching
 
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft import _core
-from lidardraft.errors import SensorError
+from lidardraft.errors import SensorError, check_seed
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import IMAGES, RangeImage, blank_pixels, images_of
 from lidardraft.scene.sensor import Sensor
@@ -29,8 +29,8 @@ _OBSERVED = ("depth", "intensity", "incidence", "instance", "primitive", "label"
 def observe(
     image: RangeImage,
     layout: Layout | Surfaces,
-    seed: int | np.random.Generator,
     *,
+    seed: int | np.random.Generator,
     sensor: Sensor | None = None,
     model: SensorModel | None = None,
     weather: Weather | None = None,
@@ -44,11 +44,9 @@ def observe(
     often (and holds the wetness of its ground). `threads` is how many threads may be used, by default as many as there
     are cores; the scan is the same for any number.
 
-    Raises `SensorError` for an image of another sensor or without primitive and incidence, and for a seed below 0.
+    Raises `SensorError` for an image of another sensor or without primitive and incidence.
     """
-    if not isinstance(seed, np.random.Generator) and seed < 0:
-        raise SensorError(f"seed is {seed}; it must be 0 or more")
-    rng = seed if isinstance(seed, np.random.Generator) else np.random.Generator(np.random.SFC64(seed))
+    rng = seed if isinstance(seed, np.random.Generator) else np.random.Generator(np.random.SFC64(check_seed(seed)))
     weather = weather or Weather()
     model = model or (sensor or image.sensor).assumed_model
     if sensor is None:

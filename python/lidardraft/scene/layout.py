@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import FormatError, LayoutError, one_of
+from lidardraft.errors import FormatError, LayoutError, UnknownNameError, did_you_mean, one_of
 from lidardraft.files import named, read_text, write_text
 from lidardraft.json_fields import check_brackets, check_fields, check_lists, check_object, is_number, parse_document
 from lidardraft.scene.box import FURTHEST, THINNEST, Box, check_id, checked_instance, checked_vector, checked_yaw
@@ -213,10 +213,18 @@ class Layout:
         return f"Layout({len(self)} shapes, {objects} objects with a box, from {self.provenance.get('source')})"
 
     def __getitem__(self, id: str) -> Primitive:
+        """The primitive of that id; raises `UnknownNameError`, a `KeyError`, where there is none."""
         for primitive in self.primitives:
             if primitive.id == id:
                 return primitive
-        raise KeyError(id)
+        raise self.unknown(id)
+
+    def unknown(self, pattern: str) -> UnknownNameError:
+        """The error for an id or pattern that no primitive has."""
+        names = list(dict.fromkeys(map(object_of, self)))
+        near = did_you_mean([*names, *(primitive.id for primitive in self)], pattern)
+        known = near or f"; it has {', '.join(names[:8]) or 'none'}{', ...' if len(names) > 8 else ''}"
+        return UnknownNameError(f"no primitive has the id {pattern!r}{known}")
 
     @property
     def notes(self) -> tuple[str, ...]:

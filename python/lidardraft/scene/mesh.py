@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from os import PathLike
 
@@ -11,6 +12,8 @@ from lidardraft import _core
 from lidardraft.errors import LayoutError
 from lidardraft.files import regular_size
 
+_TURNED = 1e-9  # of a polygon's area, by which rounding may turn a triangle around
+_JITTER = 1e-11  # of its extent, by which the corners of a polygon are off their lines when it is cut
 _LINE = 1e-12  # m2 of a triangle, per square metre of the mesh's extent, below which it is only a line
 
 
@@ -100,7 +103,55 @@ def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
     Raises `FormatError` where the file is missing, broken or empty.
     """
     regular_size(path)
-    return [(name, material, TriangleMesh.unchecked(v, f)) for name, material, v, f in _core.read_obj(path)]
+    return [
+        (name, material, TriangleMesh.unchecked(vertices, triangles_of(vertices, corners, counts).astype(np.uint32)))
+        for name, material, vertices, corners, counts in _core.read_obj(path)
+    ]
+
+
+@np.errstate(all="ignore")  # of places too far away, which are refused elsewhere
+def triangles_of(
+    vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray, *, tick: Callable[[], object] = lambda: None
+) -> np.ndarray:
+    """The triangles int64 [F, 3] of polygons among vertices float64 [V, 3], each of so many of the `corners` as
+    `counts` says, 3 or more. N corners become N - 2 triangles; where corners are on a line, some are lines.
+
+    A fan around the first corner covers a polygon once, unless it crosses itself, where all of the fan turns as the
+    polygon does, by areas along its normal (Newell's). Other polygons, which are concave, are cut into ears; for each
+    of them `tick` is called, which may raise.
+    """
+    corners, counts = corners.astype(np.int64), counts.astype(np.int64)
+    first = np.repeat(np.cumsum(counts) - counts, counts - 2)
+    begins = np.cumsum(counts - 2) - (counts - 2)
+    step = first + np.arange(len(first)) - np.repeat(begins, counts - 2) + 1
+    fans = corners[np.stack([first, step, step + 1], axis=1)]
+    if not (counts > 3).any():
+        return fans
+    a, b, c = vertices[fans.T]
+    turns = np.cross(b - a, c - a)
+    normals = np.add.reduceat(turns, begins)
+    shares = np.einsum("fi,fi->f", turns, np.repeat(normals, counts - 2, axis=0))
+    wrong = np.minimum.reduceat(shares, begins) < -_TURNED * (normals**2).sum(axis=1)
+    for at, count, normal in zip(begins[wrong].tolist(), counts[wrong].tolist(), normals[wrong], strict=True):
+        tick()
+        polygon = np.append(fans[at, :2], fans[at : at + count - 2, 2])
+        fans[at : at + count - 2] = polygon[_ears(vertices[polygon], normal)]
+    return fans
+
+
+def _ears(polygon: np.ndarray, normal: np.ndarray) -> np.ndarray:
+    """The triangles [N - 2, 3] of the corners [N, 3] of a polygon around a normal [3]."""
+    from mapbox_earcut import triangulate_float64  # which few models need
+
+    across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    flat = (polygon - polygon[0]) @ np.stack([across, np.cross(normal, across)], axis=1)
+    flat /= np.abs(flat).max()
+    # What is exactly on a line would be left out, and with it edges that other faces have.
+    flat += _JITTER * np.sin(flat[:, ::-1] / _JITTER**0.5)
+    found = triangulate_float64(flat, np.array([len(flat)], dtype=np.uint32)).reshape(-1, 3)
+    triangles = np.zeros((len(flat) - 2, 3), dtype=np.int64)  # those without extent are passed over
+    triangles[: len(found)] = found
+    return triangles
 
 
 def unit_mesh(shape: str) -> TriangleMesh:

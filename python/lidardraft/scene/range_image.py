@@ -143,8 +143,9 @@ class RangeImage:
                     raise LayoutError(f"{name} has {len(values)} values for {len(points)} points")
                 values = np.asarray(values)
                 most = {"label": NUM_CLASSES - 1, "instance": 2**32 - 1}.get(name)
-                if most is not None and len(values) and not 0 <= values.min() <= values.max() <= most:
-                    raise LayoutError(f"{name} holds {values.min()} to {values.max()}; it must be 0 to {most}")
+                wrong = values[:0] if most is None else values[~((values >= 0) & (values <= most) & (values % 1 == 0))]
+                if len(wrong):
+                    raise LayoutError(f"{name} holds {wrong[0]}; it must be whole numbers of 0 to {most}")
                 if name == "intensity" and not np.isfinite(values).all():
                     raise LayoutError("an intensity is not finite")
                 picture[pixels] = values[order]

@@ -12,7 +12,7 @@ from zlib import crc32
 import numpy as np
 
 from lidardraft import _core
-from lidardraft.errors import LayoutError, SensorError, check_type
+from lidardraft.errors import LayoutError, SensorError, check_seed, check_type
 from lidardraft.scene.layout import SHAPES, Layout, Primitive, box_around, object_of
 from lidardraft.scene.pose import as_array, finite_array, inverse, upright
 from lidardraft.scene.range_image import RangeImage, RangeImageBatch, blank_pixels, images_of, new_images
@@ -63,7 +63,8 @@ class Hits:
 class Raycaster:
     """A layout compiled once, to be scanned from many poses.
 
-    `layout` is the layout as it was compiled: `move` changes what is cast, and leaves `layout` as it is.
+    `layout` is the layout as it was compiled: `move` changes what is cast, and leaves `layout` as it is. Copies, also
+    those in other processes, are compiled again, with all that was moved.
 
     `seed` decides how far rays travel in media (`Primitive.extinction`): a pure function of seed, primitive, row and
     column of a scan, or number of a ray. The primitive counts by its number in the layout or, with `by_id`, by its id:
@@ -78,7 +79,8 @@ class Raycaster:
     def __init__(self, layout: Layout, *, by_id: bool = False) -> None:
         check_type("layout", layout, Layout)
         primitives = layout.primitives
-        self.layout = layout
+        self.layout, self._by_id = layout, by_id
+        self._places: dict[int, np.ndarray] = {}  # world_from_primitive of those that `move` has moved
         self._scene = _core.Scene(
             **columns_of(primitives),
             meshes=[(p.mesh.vertices, p.mesh.faces) for p in primitives if p.mesh is not None],
@@ -154,8 +156,7 @@ class Raycaster:
             origins = as_array("origins", origins, "R", 3)
         if len(origins) != len(directions):
             raise LayoutError(f"{len(origins)} origins and {len(directions)} directions; a ray has one of each")
-        _check_seed(seed)
-        found = self._scene.cast(origins, directions, max_range=max_range, seed=seed, threads=threads or 0)
+        found = self._scene.cast(origins, directions, max_range=max_range, seed=check_seed(seed), threads=threads or 0)
         return Hits(origins, directions, *found)
 
     def move(self, id: str, pose: np.ndarray) -> None:
@@ -171,6 +172,18 @@ class Raycaster:
         parts = [self.layout.primitives[i] for i in indices]
         poses = pose[None] if len(parts) == 1 else pose @ _parts_in_object(parts)
         self._scene = self._scene.moved(np.array(indices, dtype=np.uint32), poses)
+        self._places.update(zip(indices, poses, strict=True))
+
+    def __getstate__(self) -> dict[str, Any]:
+        # the core's scene cannot go to another process; it is compiled again there
+        return {"layout": self.layout, "by_id": self._by_id, "places": self._places}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__init__(state["layout"], by_id=state["by_id"])  # type: ignore[misc]
+        self._places = dict(state["places"])
+        if self._places:
+            indices, poses = np.array(list(self._places), dtype=np.uint32), np.array(list(self._places.values()))
+            self._scene = self._scene.moved(indices, poses)
 
     def _indices(self, id: str) -> list[int]:
         found = self._parts.get(id) or [i for i, p in enumerate(self.layout) if p.id == id]
@@ -259,7 +272,7 @@ def cast_scans(
     and normal.
     """
     count = len(world_from_sensor)
-    _check_seed(seed)
+    seed = check_seed(seed)
     if out is None:
         out = RangeImageBatch.unchecked(sensor, **new_images((count, *sensor.shape), *optional))
     else:
@@ -272,11 +285,6 @@ def cast_scans(
     if sensor.blocked:
         blank_pixels(images, sensor.blocked_pixels)
     return out
-
-
-def _check_seed(seed: int) -> None:
-    if seed >= 2**63:
-        raise SensorError(f"seed is {seed}; it must be less than 2^63")
 
 
 def _pose_of_scan(sensor: Sensor, pose: np.ndarray | None, poses: np.ndarray | None) -> np.ndarray:

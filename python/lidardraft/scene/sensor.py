@@ -250,8 +250,13 @@ class Sensor:
             return cls.from_json(text)
 
     @classmethod
+    def presets(cls) -> tuple[str, ...]:
+        """The names of all presets."""
+        return tuple(PRESETS)
+
+    @classmethod
     def preset(cls, name: str) -> Sensor:
-        """The preset of that name; raises `SensorError` where there is none."""
+        """The preset of that name (`presets`); raises `SensorError` where there is none."""
         if name not in PRESETS:
             raise SensorError(f"sensor is {name!r}; it must be {one_of(PRESETS, name)} (`Sensor.load` reads a file)")
         return PRESETS[name]

@@ -15,15 +15,18 @@ from lidardraft.scene.range_image import RangeImage
 _BEFORE = 0.1  # m: what is nearer to the box than this stands in it
 
 
-def occluded_shares(image: RangeImage, boxes: Sequence[Box], moved: np.ndarray | None = None) -> list[float]:
+def occluded_shares(image: RangeImage, boxes: Sequence[Box], poses: np.ndarray | None = None) -> list[float]:
     """For each box, the share of the rays towards it that return from something else before it; 1 without such rays.
 
-    Boxes are in the sensor frame; `moved` [W, 3] is where the sensor stood in it at each column, if it moved.
+    Boxes are in the sensor frame; `poses` [W, 4, 4] are those of the columns in it, if the sensor moved.
     """
     one = image.sensor.pattern.points(np.ones(image.depth.shape, np.float32))
     two = image.sensor.pattern.points(np.full(image.depth.shape, 2, np.float32))
-    directions = (two - one).reshape(-1, 3)
-    origins = (2 * one - two + (0.0 if moved is None else moved)).reshape(-1, 3)
+    directions, origins = two - one, 2 * one - two
+    if poses is not None:
+        directions, origins = (np.einsum("wij,hwj->hwi", poses[:, :3, :3], rays) for rays in (directions, origins))
+        origins += poses[:, :3, 3]
+    directions, origins = directions.reshape(-1, 3), origins.reshape(-1, 3)
     along, outwards = np.einsum("ni,ni->n", origins, directions), np.einsum("ni,ni->n", origins, origins)
     depth, instance = image.depth.ravel(), image.instance.ravel()
     shares = []
@@ -52,7 +55,8 @@ def _entries(to_box: np.ndarray, directions: np.ndarray, box: Box) -> np.ndarray
 
 
 def open_pixels(layout: Layout, condition_image: RangeImage, pose: np.ndarray) -> np.ndarray:
-    """The pixels that a layout leaves open to a sensor at world_from_sensor `pose` [4, 4], bool [H, W].
+    """The pixels that a layout leaves open to a sensor at world_from_sensor `pose`, [4, 4] or of each column
+    [W, 4, 4]: bool [H, W].
 
     A pixel is open where the ray of `condition_image`, the cast with the image `primitive`, hits a shape that is `open`
     or, in a layout that has one, no shape at all; and outside the layout's coverage. Pixels that the vehicle hides are
@@ -66,6 +70,6 @@ def open_pixels(layout: Layout, condition_image: RangeImage, pose: np.ndarray) -
     sensor = condition_image.sensor
     if layout.coverage is not None:
         start, end = layout.coverage
-        seen_from = math.atan2(pose[1, 0], pose[0, 0]) - start
+        seen_from = np.arctan2(pose[..., 1, 0], pose[..., 0, 0]) - start
         found = found | ((sensor.azimuths + seen_from) % (2 * math.pi) > end - start)
     return found & ~sensor.blocked_pixels

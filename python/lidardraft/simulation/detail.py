@@ -53,14 +53,14 @@ def _painted(layout: Layout) -> dict[str, str]:
     return {name: f"{paint}-paint" for name, paint in asked.items() if paint is not None}
 
 
-def detail(layout: Layout, seed: int = 0) -> Layout:
+def detail(layout: Layout, *, seed: int = 0) -> Layout:
     """The layout with each coarse object replaced by a detailed one in its place, as docs/simulation.md has it.
 
     Ids keep the part before the dot, and objects their classes, instances, places and extents. What has a material, a
     mesh or an extinction stays as it is, and so does the ground, which gets markings and kerbs. An object's random
     numbers depend on `seed` and its name alone, so that an edit of one changes no other.
 
-    Raises `LayoutError` on a seed that is no integer >= 0.
+    Raises `LayoutError` on an invalid seed.
     """
     check_type("layout", layout, Layout)
     seed = check_seed(seed)

@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import LayoutError, check_type
+from lidardraft.errors import LayoutError, check_seed, check_type
 from lidardraft.scene.box import Box
 from lidardraft.scene.check import VEHICLE_LABELS
 from lidardraft.scene.pose import point_at
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.recorded_scan import RecordedScan
+from lidardraft.simulation.recorded_scan import RECORDED, RecordedScan
 from lidardraft.simulation.scan_edits import check_room, inserted
 from lidardraft.simulation.solid_object import SolidObject
 
@@ -44,8 +44,9 @@ class ObjectSampling:
 
     `counts` says how many objects of which kind (`solid_object.WORDS`) a scan is to have in all, as OpenPCDet's
     SAMPLE_GROUPS do; they stand on free ground that the sensor sees, between `distances` [m]. Of each kind there are
-    `models` different ones, made once. `names` says what each kind is called in `gt_names`. Equal instances give the
-    same samples in the same order of calls; each worker needs a `seed` of its own. Raises `LayoutError` for an unknown
+    `models` different ones, made once. `names` says what each kind is called in `gt_names`, and `intensity_scale` which
+    number stands for an intensity of 1, as 255 in nuScenes (default 1). Equal instances give the same samples in the
+    same order of calls; each worker needs a `seed` of its own. Raises `LayoutError` for an unknown
     kind.
     """
 
@@ -57,6 +58,7 @@ class ObjectSampling:
         distances: tuple[float, float] = (4.0, 50.0),
         models: int = 24,
         names: Mapping[str, str] | None = None,
+        intensity_scale: float | None = None,
         seed: int = 0,
     ) -> None:
         check_type("sensor", sensor, Sensor)
@@ -66,8 +68,9 @@ class ObjectSampling:
             if not isinstance(number, int) or number < least:
                 raise LayoutError(f"{what}: {number!r} is not a whole number from {least}")
         self.counts, self.sensor, self.distances = dict(counts), sensor, distances
+        self.intensity_scale = intensity_scale
         self.names = dict(_NAME_OF_KIND if names is None else names)
-        self._rng = np.random.default_rng(seed)
+        self._rng = np.random.default_rng(check_seed(seed))
         self._models = {
             kind: [SolidObject.of_kind(kind, name=f"{kind}_{number}", seed=seed) for number in range(models)]
             for kind in counts
@@ -79,7 +82,8 @@ class ObjectSampling:
         grows too. An object's other columns are those of the points that its rays had."""
         points, boxes, names = sample["points"], np.asarray(sample["gt_boxes"]), np.asarray(sample["gt_names"])
         fields = {"intensity": points[:, 3]} if points.shape[1] > 3 else {}
-        scan = RecordedScan.from_points(points[:, :3], self.sensor, boxes=_boxes(boxes, names), **fields)
+        given, scale = _boxes(boxes, names), self.intensity_scale
+        scan = RecordedScan.from_points(points[:, :3], self.sensor, boxes=given, intensity_scale=scale, **fields)
         free, chosen = _FreeGround(scan), list[tuple[SolidObject, Box]]()
         for kind, count in self.counts.items():
             have = int((names == self.names.get(kind, kind)).sum())
@@ -92,7 +96,7 @@ class ObjectSampling:
         rows[:, :7] = np.array([(*box.center, *box.size, box.yaw) for box in added]).reshape(-1, 7)
         kinds = [self.names.get(kind, kind) for kind in (box.id.rpartition("_")[0] for box in added)]
         changed = {
-            "points": _as_given(scan, points),
+            "points": _as_given(scan, points, scale or 1.0),
             "gt_boxes": np.concatenate([boxes.reshape(-1, rows.shape[1]), rows]),
             "gt_names": np.concatenate([names, np.array(kinds, dtype=names.dtype if names.dtype.kind == "O" else str)]),
         }
@@ -168,11 +172,11 @@ def _boxes(rows: np.ndarray, names: np.ndarray) -> list[Box]:
     return boxes
 
 
-def _as_given(scan: RecordedScan, given: np.ndarray) -> np.ndarray:
-    """The returns with all columns that were given, their intensities on the scale that those have."""
+def _as_given(scan: RecordedScan, given: np.ndarray, scale: float) -> np.ndarray:
+    """The returns with all columns that were given, as they were but for those of objects."""
     there = scan.returned
-    points = given[scan.source[there]]
-    points[:, :3] = scan.points[there]
+    points, made = given[scan.source[there]], scan.made_up[there] != RECORDED
+    points[made, :3] = scan.points[there][made]
     if given.shape[1] > 3:
-        points[:, 3] = scan.intensity[there] * (255.0 if given[:, 3].max() > 1 else 1.0)
+        points[made, 3] = scan.intensity[there][made] * scale
     return points

@@ -73,7 +73,7 @@ class RayReceiver:
             "incidence": incidence.astype(np.float32)[None],
             "primitive": primitive.astype(np.int32)[None],
         }
-        seen = observe(RangeImage.unchecked(row, **images), surfaces, seed, model=self.model)
+        seen = observe(RangeImage.unchecked(row, **images), surfaces, seed=seed, model=self.model)
         assert seen.intensity is not None
         return seen.depth[0], seen.intensity[0]
 

@@ -11,12 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.drafting.cloud.layout import layout_from_cloud
-from lidardraft.errors import FormatError, LayoutError, check_type
+from lidardraft.errors import FormatError, UnknownNameError, check_type
 from lidardraft.files import written_together
 from lidardraft.formats.boxes import write_boxes
 from lidardraft.formats.kitti import write_bin
+from lidardraft.formats.point_fields import unit_intensity
 from lidardraft.formats.recording import returns, rings_of_order
-from lidardraft.formats.semantickitti import write_label
+from lidardraft.formats.semantickitti import OUTLIER, write_label
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
@@ -32,6 +33,7 @@ _NEAR_GROUND = (2.0, 4.0, 8.0, 16.0)  # m from a place, where its height is look
 _FEWEST = 5  # points that tell a height
 _MOST_LOST = 4.0  # rays without a return, in returns: more are none
 _LEAST_STEP = 2e-4  # rad between two firings of one laser
+_LEAST_AWAY = 1e-3  # m: a point straight below the sensor is as steep as one so far aside
 _SECTORS = 72
 RAY_FIELDS = ("points", "distance", "intensity", "label", "instance", "made_up", "source")
 
@@ -69,8 +71,10 @@ class RecordedScan:
         instance: np.ndarray | None = None,
         made_up: np.ndarray | None = None,
         ring: np.ndarray | None = None,
+        intensity_scale: float | None = None,
     ) -> RecordedScan:
-        """Of points [N, 3] and what is known of each, [N].
+        """Of points [N, 3] and what is known of each, [N]; an intensity of `intensity_scale` is 1. Without it, it is
+        that of their type if they are whole numbers, and else 1, over which at most 1 % may be.
 
         Rays without a return are found in the gaps of each ring, which the points' order tells too (as in KITTI's
         files); else they are those of `sensor` that no point lies on. `boxes` are by default those of the clusters of
@@ -78,7 +82,9 @@ class RecordedScan:
         """
         check_type("sensor", sensor, Sensor)
         given = {"intensity": intensity, "label": label, "instance": instance, "made_up": made_up, "ring": ring}
-        known = {name: values for name, values in given.items() if values is not None}
+        known = {name: np.asarray(values) for name, values in given.items() if values is not None}
+        if "intensity" in known:
+            known["intensity"] = unit_intensity(known["intensity"], intensity_scale, of="the scan")
         points, known = returns(points, known | {"source": np.arange(len(points))})
         count = len(points)
         label = known.get("label", np.zeros(count)).astype(np.uint8)
@@ -146,12 +152,12 @@ class RecordedScan:
         return -self.sensor.mount_height
 
     def box(self, id: str) -> Box:
-        """The box of that id; raises `LayoutError` where there is none."""
+        """The box of that id; raises `UnknownNameError` where there is none."""
         for box in self.boxes:
             if box.id == id:
                 return box
         known = ", ".join(box.id for box in self.boxes[:8]) + (", ..." if len(self.boxes) > 8 else "")
-        raise LayoutError(f"no object has the id {id!r}; the scan has {known or 'none'}")
+        raise UnknownNameError(f"no object has the id {id!r}; the scan has {known or 'none'}")
 
     def returns_per_box(self) -> list[int]:
         """How many returns lie in each of `boxes`."""
@@ -174,13 +180,16 @@ class RecordedScan:
         """Write the returns as `NAME.bin`, `.label`, `.npz`, `.boxes.json` and `.sensor.json`.
 
         The `.npz` has `xyz`, `intensity`, `label`, `instance`, `made_up` and `source`; in the `.label`, filled returns
-        are SemanticKITTI's outliers. Raises `FormatError` where one cannot be written; then none is.
+        are SemanticKITTI's outliers. An earlier scan of that name is replaced whole. Raises `FormatError` where one
+        cannot be written; then none is.
         """
+        from lidardraft.scan import SCAN_ENDINGS  # pictures come with it, which edits do not need
+
         kept = {field: getattr(self, field)[self.returned] for field in RAY_FIELDS if field != "distance"}
-        with written_together(name) as stem:
+        with written_together(name, SCAN_ENDINGS) as stem:
             write_bin(f"{stem}.bin", kept["points"], kept["intensity"])
             filled = kept["made_up"] == FILLED
-            write_label(f"{stem}.label", kept["label"], kept["instance"], outlier=filled)
+            write_label(f"{stem}.label", kept["label"], kept["instance"] * ~filled, raw=OUTLIER * filled)
             write_boxes(f"{stem}.boxes.json", self.boxes, self.returns_per_box())
             np.savez_compressed(f"{stem}.npz", xyz=kept.pop("points"), **kept)
             Path(f"{stem}.sensor.json").write_text(self.sensor.to_json())
@@ -224,7 +233,7 @@ def _lost_rays(points: np.ndarray, ring: np.ndarray | None, sensor: Sensor) -> t
         directions = sensor.pattern.directions()[lost]
         return directions, np.full(len(directions), len(points))
     x, y, z = points.astype(np.float64).T
-    azimuth, slope = np.arctan2(y, x), z / np.hypot(x, y)
+    azimuth, slope = np.arctan2(y, x), z / np.maximum(np.hypot(x, y), _LEAST_AWAY)
     first = np.lexsort((azimuth, ring))
     starts = np.flatnonzero(np.diff(ring[first], prepend=-1))
     second = np.roll(first, -1)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lidardraft.errors import LayoutError, check_type
+from lidardraft.errors import LayoutError, check_seed, check_type
 from lidardraft.json_fields import are_numbers, is_number
 from lidardraft.objects.placed_object import Vector
 from lidardraft.scene.box import Box
@@ -49,7 +49,7 @@ class Insert:
     size: Vector | None = None
     id: str = ""
 
-    def apply(self, scan: RecordedScan, seed: int) -> RecordedScan:
+    def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
         """The scan with this edit."""
         id = self.id or _free_id(scan, self.kind)
         solid = SolidObject.of_kind(self.kind, size=self.size, name=id, seed=seed)
@@ -62,7 +62,7 @@ class Remove:
 
     id: str
 
-    def apply(self, scan: RecordedScan, seed: int) -> RecordedScan:
+    def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
         """The scan with this edit."""
         return _without_object(scan, scan.box(self.id), seed)
 
@@ -76,7 +76,7 @@ class Move:
     to: tuple[float, float]
     yaw: float | None = None
 
-    def apply(self, scan: RecordedScan, seed: int) -> RecordedScan:
+    def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
         """The scan with this edit."""
         box = scan.box(self.id)
         solid = SolidObject.of_class(box.label, box.size, name=box.id, seed=seed)
@@ -91,11 +91,11 @@ class Replace:
     id: str
     kind: str
 
-    def apply(self, scan: RecordedScan, seed: int) -> RecordedScan:
+    def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
         """The scan with this edit."""
         box = scan.box(self.id)
         rest = _without_object(scan, box, seed)
-        return Insert(self.kind, box.center[:2], box.yaw).apply(rest, seed)
+        return Insert(self.kind, box.center[:2], box.yaw)._apply(rest, seed=seed)
 
 
 Edit = Insert | Remove | Move | Replace
@@ -108,9 +108,10 @@ def edit_scan(scan: RecordedScan, edits: Iterable[Edit], *, seed: int = 0) -> Re
     an unknown object or kind, a place out of the sensor's range, and one that another object or the vehicle takes.
     """
     check_type("scan", scan, RecordedScan)
+    seed = check_seed(seed)
     for edit in edits:
         check_type("an edit", edit, Insert, Remove, Move, Replace)
-        scan = edit.apply(scan, seed)
+        scan = edit._apply(scan, seed=seed)
     return scan
 
 

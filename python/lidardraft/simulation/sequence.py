@@ -16,7 +16,7 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.errors import SensorError, as_int
+from lidardraft.errors import SensorError, as_int, check_seed
 from lidardraft.files import write_text
 from lidardraft.json_fields import is_number
 from lidardraft.scan import TRACK_FILES, Scan
@@ -80,8 +80,8 @@ class SequenceSimulator:
         threads: int | None = None,
     ) -> None:
         _check_rate(sensor, frames, hz)
-        self.frames, self.hz, self.seed = frames, hz, seed
-        self.layout, scene = prepared(layout, seed, detail)
+        self.frames, self.hz, self.seed = frames, hz, check_seed(seed)
+        self.layout, scene, self._assumed = prepared(layout, seed, detail)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
         still = list[Primitive]()
         parts: dict[str, list[Primitive]] = {name: [] for name in self.tracks.actors}
@@ -128,6 +128,7 @@ class SequenceSimulator:
             turn=turn,
             time=self.time(number),
             velocities={mover.name: tuple(rate[:3].tolist()) for mover, _, rate in moved},
+            assumed=self._assumed,
         )
 
     def cast(self, number: int) -> RangeImage:
@@ -136,7 +137,7 @@ class SequenceSimulator:
         poses = self._scanner.sensor.poses_in_motion(pose, speed * pose[:3, 0], (0.0, 0.0, turn))
         clean = self._still.cast(poses, self.seed)
         for mover, place, rate in self._moved(number):
-            self._add(clean, mover, place, rate, poses)
+            self._add(clean, mover, place, rate, poses, abs(turn) * self._scanner.sensor.sweep_time / 2)
         return clean
 
     def _ego_rate(self, number: int) -> tuple[float, float]:
@@ -154,8 +155,11 @@ class SequenceSimulator:
     def _span(self) -> float:
         return max(self._scanner.sensor.sweep_time, _FLASH)
 
-    def _add(self, clean: RangeImage, mover: _Mover, place: np.ndarray, rate: np.ndarray, poses: np.ndarray) -> None:
-        """Add a body, at `place` in the middle of the sweep, to the cast of what stands, where it is nearer."""
+    def _add(
+        self, clean: RangeImage, mover: _Mover, place: np.ndarray, rate: np.ndarray, poses: np.ndarray, turned: float
+    ) -> None:
+        """Add a body, at `place` in the middle of the sweep, to the cast of what stands, where it is nearer; `turned`
+        is how far the sensor looks aside from there [rad] when the sweep begins and ends."""
         sensor, pose = self._scanner.sensor, poses[len(poses) // 2]
         off, travelled = place[:2] - pose[:2, 3], float(np.hypot(*(poses[-1, :2, 3] - poses[0, :2, 3])))
         reach = mover.radius + travelled + float(np.hypot(*rate[:2])) * sensor.sweep_time
@@ -165,7 +169,7 @@ class SequenceSimulator:
         half = math.pi if distance <= reach else math.asin(reach / distance)
         bearing = math.atan2(off[1], off[0]) - math.atan2(pose[1, 0], pose[0, 0])
         for sector in self._sectors:
-            if abs(math.remainder(sector.middle - bearing, math.tau)) > half + sector.half:
+            if abs(math.remainder(sector.middle - bearing, math.tau)) > half + sector.half + turned:
                 continue
             columns = slice(sector.first, sector.first + sector.rays.columns)
             since = sensor.column_times()[columns] - sensor.sweep_time / 2

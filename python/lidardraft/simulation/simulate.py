@@ -7,7 +7,7 @@ import warnings
 
 import numpy as np
 
-from lidardraft.errors import SensorError, check_type
+from lidardraft.errors import SensorError, check_seed, check_type
 from lidardraft.scan import Scan
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import finite_array
@@ -17,6 +17,8 @@ from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.weather import Weather, weather_of
 from lidardraft.semantics import GROUND
 from lidardraft.simulation.detail import detail as detailed
+
+_NO_GROUND = "the layout has no ground (road, sidewalk or terrain): nothing returns from it"
 
 
 class Simulator:
@@ -29,8 +31,8 @@ class Simulator:
     use, by default as many as there are cores; scans are the same for any number, and several Python threads may scan
     at once.
 
-    Raises `SensorError` where the beams of the sensor are too close for the model, `LayoutError` on a seed that cannot
-    be; a layout without ground is a `UserWarning`.
+    Raises `SensorError` where the beams of the sensor are too close for the model, `LayoutError` on an invalid seed; a
+    layout without ground is a `UserWarning`, and one of the `notes` of its scans.
     """
 
     def __init__(
@@ -45,7 +47,7 @@ class Simulator:
         threads: int | None = None,
     ) -> None:
         check_type("sensor", sensor, Sensor)
-        self.layout, self.scene = prepared(layout, seed, detail)
+        self.layout, self.scene, self._assumed = prepared(layout, seed, detail)
         weather = weather or weather_of(self.layout)
         self._scanner = Scanner.from_layout(
             self.scene, sensor, model=model, weather=weather, by_id=True, threads=threads
@@ -60,13 +62,14 @@ class Simulator:
 
         Raises `LayoutError` on a pose that is not rigid, `SensorError` on a speed that is not finite.
         """
+        seed = check_seed(seed)
         if not math.isfinite(speed):
             raise SensorError(f"speed is {speed}; it must be a finite number of metres per second")
         sensor = self._scanner.sensor
         pose = sensor.pose() if pose is None else finite_array("pose", pose, 4, 4)
         poses = sensor.poses_in_motion(pose, speed * pose[:3, 0]) if speed else pose
         image = self._scanner.observe(self._scanner.cast(poses, seed), seed)
-        return Scan(image=image, layout=self.layout, pose=pose, seed=seed, speed=speed)
+        return Scan(image=image, layout=self.layout, pose=pose, seed=seed, speed=speed, assumed=self._assumed)
 
 
 def simulate(
@@ -81,25 +84,29 @@ def simulate(
     detail: bool = True,
     threads: int | None = None,
 ) -> Scan:
-    """The scan of a layout, or of a sentence in its street: `Simulator(layout, sensor, ...).scan(pose, ...)`.
+    """The scan of a layout as it is, or of a sentence with a street around it.
 
+    So `simulate("a car", sensor)` is `simulate(surround(layout_from_text("a car")), sensor)`; without `surround` the
+    road is bare. It is `Simulator(layout, sensor, ...).scan(pose, ...)`.
     Same arguments, same scan, for any number of threads; another seed gives another one.
     """
     simulator = Simulator(layout, sensor, seed=seed, model=model, weather=weather, detail=detail, threads=threads)
     return simulator.scan(pose, speed=speed, seed=seed)
 
 
-def prepared(layout: Layout | str, seed: int, detail: bool) -> tuple[Layout, Layout]:
-    """The layout, or that of a sentence in its street, and what is scanned of it."""
+def prepared(layout: Layout | str, seed: int, detail: bool) -> tuple[Layout, Layout, tuple[str, ...]]:
+    """The layout, or that of a sentence in its street, what is scanned of it, and what of its scans is assumed."""
+    seed = check_seed(seed)
     check_type("layout", layout, Layout, str)
     layout = _from_text(layout, seed) if isinstance(layout, str) else layout
-    if not any(primitive.label in GROUND for primitive in layout):
-        warnings.warn("the layout has no ground (road, sidewalk or terrain): nothing returns from it", stacklevel=3)
-    return layout, detailed(layout, seed=seed) if detail else layout
+    assumed = () if any(primitive.label in GROUND for primitive in layout) else (_NO_GROUND,)
+    if assumed:
+        warnings.warn(_NO_GROUND, stacklevel=3)
+    return layout, detailed(layout, seed=seed) if detail else layout, assumed
 
 
 def _from_text(sentence: str, seed: int) -> Layout:
     from lidardraft.drafting.text.layout import layout_from_text  # what has a layout need not wait for the grammar
     from lidardraft.simulation.surround import surround
 
-    return surround(layout_from_text(sentence, seed=seed), seed)
+    return surround(layout_from_text(sentence, seed=seed), seed=seed)

@@ -73,7 +73,7 @@ class SolidObject:
             )
             for number, part in enumerate(parts, start=1)
         )
-        layout = detail(Layout(primitives), seed)
+        layout = detail(Layout(primitives), seed=seed)
         return cls(label, extents(parts), Raycaster(layout, by_id=True), Surfaces.from_layout(layout, by_id=True))
 
     def cast(self, place: Vector, yaw: float, directions: np.ndarray, furthest: float, seed: int) -> Hits:

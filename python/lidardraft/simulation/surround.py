@@ -15,7 +15,7 @@ from lidardraft.arranging.ground import Ground
 from lidardraft.arranging.lanes import driven_lanes
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import Frame, fill, greened, sample_lights
-from lidardraft.arranging.street_mix import StreetMix
+from lidardraft.arranging.street_mix import StreetMix, applied
 from lidardraft.drafting.solver.scene_spec import SceneSpec
 from lidardraft.errors import LayoutError, check_seed, check_type
 from lidardraft.objects.kinds import KINDS, SENTENCE_KINDS, kind_of
@@ -49,7 +49,7 @@ _MOST_ON_HILLS = 1000  # objects; land around more stays flat
 _FLAT_AROUND, _RISES = 3.0, 12.0  # m around what was asked for that stay flat, and over which the land rises then
 
 
-def surround(layout: Layout, seed: int = 0) -> Layout:
+def surround(layout: Layout, *, seed: int = 0) -> Layout:
     """The layout with a street around it: buildings, plants, furniture, traffic and people as simple shapes.
 
     All primitives of the layout stay as they are; those that come with the street have ids such as "around/tree_12",
@@ -58,7 +58,7 @@ def surround(layout: Layout, seed: int = 0) -> Layout:
     number of objects, the share of the sight lines that is open, and which objects are `hidden` by which that were
     asked for too; or in "note" why there is no street.
 
-    Raises `LayoutError` on a seed that is no integer >= 0, and where the layout has surroundings already.
+    Raises `LayoutError` on an invalid seed, and where the layout has surroundings already.
     """
     check_type("layout", layout, Layout)
     seed = check_seed(seed)
@@ -109,7 +109,7 @@ class _Scene:
         road = self.road
         name = self.spec.district or _sample_district(road, self.spec, rng)
         district = SETTINGS[name] if name == "alley" else greened(SETTINGS[name], rng)
-        district = _ACTIVITY.get(str(self.spec.activity), StreetMix()).applied(district)
+        district = applied(_ACTIVITY.get(str(self.spec.activity), StreetMix()), district)
         district = _beside_lots(district, road)
         paved = bool(rng.random() < district.paved)
         flat = self._flat

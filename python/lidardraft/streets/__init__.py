@@ -1,4 +1,4 @@
-"""The endless procedural world: `for pair in streets(seed): ...`."""
+"""The endless procedural world: `for pair in streets(seed=seed): ...`."""
 
 from lidardraft.arranging.street_mix import StreetMix
 from lidardraft.streets.pairs import StreetPair, streets

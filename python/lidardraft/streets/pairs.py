@@ -72,9 +72,9 @@ class StreetPair:
 
 
 def streets(
-    seed: int,
-    config: StreetConfig | None = None,
     *,
+    seed: int = 0,
+    config: StreetConfig | None = None,
     start: int = 0,
     shard: tuple[int, int] = (0, 1),
     workers: int = 1,
@@ -125,7 +125,7 @@ class _StreetRun:
 @lru_cache(maxsize=1)
 def scanned_street(seed: int, config: StreetConfig, number: int, threads: int | None) -> tuple[Street, Scanner]:
     """A street, and what looks at it; the last one is kept for the next pair of its run."""
-    street = make_street(seed, config, number=number)
+    street = make_street(seed=seed, config=config, number=number)
     # another unit of the sensor for each street
     model = replace(config.sensor.assumed_model, unit=number)
     return street, Scanner.from_layout(

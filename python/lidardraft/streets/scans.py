@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from lidardraft.scan import Scan
 
 
-def street_scan(seed: int, index: int, config: StreetConfig | None = None, *, threads: int | None = None) -> Scan:
-    """The scan of pair `index` of `streets(seed, config)`, with everything that stands there as its layout.
+def street_scan(index: int, *, seed: int = 0, config: StreetConfig | None = None, threads: int | None = None) -> Scan:
+    """The scan of pair `index` of `streets(seed=seed, config=config)`, with everything that stands there as its layout.
 
     `config.poses_per_street` scans in a row are of one street, which is built once. The layout holds simple shapes on
     the ground as it rises and falls; what is scanned is the street in detail. Same arguments, same scan, for any number
@@ -29,4 +29,6 @@ def street_scan(seed: int, index: int, config: StreetConfig | None = None, *, th
     ego, visible, _ = scan_street(street, scanner, index)
     provenance = {"source": "streets", "seed": seed, "index": index, "district": street.district}
     layout = as_boxes(street.coarse, BoxStyle(relief=True), ego.pose).layout(provenance)
-    return Scan(image=as_sent(visible.scan), layout=layout, pose=visible.pose, seed=seed, speed=ego.speed)
+    ahead = (1.0, 0.0, 0.0)  # in the layout's frame, which is fixed to the road; the sensor leans with the car's body
+    image, pose = as_sent(visible.scan), visible.pose
+    return Scan(image=image, layout=layout, pose=pose, seed=seed, speed=ego.speed, heading=ahead)

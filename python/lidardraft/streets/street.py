@@ -70,8 +70,8 @@ class Street:
         return as_boxes(self.coarse, style, np.eye(4)).layout({"source": style.source})
 
 
-def make_street(seed: int, config: StreetConfig | None = None, *, number: int = 0) -> Street:
-    """Street `number` of a seed; the same on every machine."""
+def make_street(*, seed: int = 0, config: StreetConfig | None = None, number: int = 0) -> Street:
+    """Street `number` of a seed."""
     seed, number = check_seed(seed), check_number("number", number)
     config = config or StreetConfig()
     rng = np.random.default_rng([seed, number])

@@ -59,7 +59,7 @@ class AdherenceWatch:
 
     def __init__(self, sensor: Sensor) -> None:
         config = StreetConfig(sensor=sensor, poses_per_street=1, simulated=True)
-        pairs = list(itertools.islice(streets(_SEED, config), _STREETS))
+        pairs = list(itertools.islice(streets(seed=_SEED, config=config), _STREETS))
         self.sensor = sensor
         self.condition_images = [pair.condition_image for pair in pairs]
         encoded = [encode_condition(pair.condition_image, pair.simulated) for pair in pairs if pair.simulated]

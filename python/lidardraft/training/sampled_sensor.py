@@ -67,10 +67,11 @@ def _sample_elevations(rng: np.random.Generator) -> tuple[float, ...]:
     share = np.cumsum(density)
     elevations = np.interp(np.linspace(share[0], share[-1], rows), share, place)
     closest = float(np.min(-np.diff(elevations)))
-    if closest < SPACING:  # as many beams over a wider span
+    if closest < SPACING:  # as many beams over a wider span, as far as there is room
         middle = (high + low) / 2
-        elevations = middle + (elevations - middle) * min(SPACING / closest, 2.0)
-    return tuple(np.clip(elevations, *ELEVATIONS).tolist())
+        room = min((limit - middle) / (end - middle) for limit, end in zip(ELEVATIONS, (low, high), strict=True))
+        elevations = middle + (elevations - middle) * min(SPACING / closest, 2.0, room)
+    return tuple(np.clip(elevations, *ELEVATIONS).tolist())  # of what rounding leaves outside
 
 
 def _with_model(sensor: Sensor, name: str, rng: np.random.Generator) -> Sensor:

@@ -178,7 +178,7 @@ class StreetSource:
         config = StreetConfig(sensor=sensor, poses_per_street=_POSES, simulated=True)
         pairs = []
         for number in processes.share(scans_of_step(scans, sensor)):
-            pair = next(streets(self.seed, config, start=step * scans + number))
+            pair = next(streets(seed=self.seed, config=config, start=step * scans + number))
             assert pair.simulated is not None
             image = top_view(pair.layout, sensor, pair.pose) if self.from_above else pair.condition_image
             pairs.append(Pair(pair.scan, image, pair.simulated).compact())

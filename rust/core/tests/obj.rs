@@ -25,7 +25,7 @@ fn objects_and_materials_without_a_library() {
     let meshes = read("objects", &text).unwrap();
     let names: Vec<_> = meshes.iter().map(|m| (m.object.as_str(), m.material.as_str())).collect();
     assert_eq!(names, [("car", "dark paint"), ("car", "glass"), ("tree", "glass")]);
-    assert_eq!(meshes[2].mesh.vertices()[2], [0.123_456_789_012_3, 0.0, 5.0]);
+    assert_eq!(meshes[2].vertices[2], [0.123_456_789_012_3, 0.0, 5.0]);
 }
 
 #[test]
@@ -33,15 +33,30 @@ fn shared_positions_stay_shared() {
     let seams = "vt 0 0\nvt 1 1\nvn 0 0 1\nvn 0 1 0\nf 1/1/1 2/2/1 3/1/1\nf 1/2/2 3/2/2 4/1/2\n";
     let meshes = read("shared", &format!("{QUAD}{seams}")).unwrap();
     assert_eq!((meshes[0].object.as_str(), meshes[0].material.as_str()), ("unnamed_object", ""));
-    assert_eq!(meshes[0].mesh.vertices().len(), 4);
-    assert_eq!(meshes[0].mesh.faces().len(), 2);
+    assert_eq!(meshes[0].vertices.len(), 4);
+    assert_eq!((&meshes[0].corners[..], &meshes[0].counts[..]), (&[0, 1, 2, 0, 2, 3][..], &[3, 3][..]));
 }
 
 #[test]
-fn polygons_become_fans_and_lines_are_passed_over() {
+fn polygons_stay_polygons_and_lines_are_passed_over() {
     let text = format!("{QUAD}v 0 0.5 0\nf 1 2 3 4 5\nl 1 2\nf -5 -4 -3 -2\n");
-    let meshes = read("fans", &text).unwrap();
-    assert_eq!(meshes[0].mesh.faces().len(), 5);
+    let meshes = read("polygons", &text).unwrap();
+    assert_eq!((&meshes[0].corners[..], &meshes[0].counts[..]), (&[0, 1, 2, 3, 4, 0, 1, 2, 3][..], &[5, 4][..]));
+}
+
+#[test]
+fn a_line_goes_on_after_a_backslash() {
+    let text =
+        format!("{QUAD}g house\r\nusemtl red\r\nf 1 2 3\r\nusemtl \r\n# C:\\models\\\r\nf 1 \\\r\n3 \\\r\n 4\r\n");
+    let meshes = read("continued", &text).unwrap();
+    let found: Vec<_> = meshes.iter().map(|m| (m.object.as_str(), m.material.as_str(), m.counts.len())).collect();
+    assert_eq!(found, [("house", "red", 1), ("house", "", 1)]);
+    for (name, end, line) in [("inside", "f 1 2 x\n", 13), ("at_its_end", "f 1 2 9", 12)] {
+        match read(name, &format!("{text}{end}")) {
+            Err(Error::ObjBroken { line: found, .. }) => assert_eq!(found, line, "{name}"),
+            other => panic!("{other:?}"),
+        }
+    }
 }
 
 #[test]
@@ -53,9 +68,11 @@ fn missing_file() {
 
 #[test]
 fn broken_lines_are_named() {
-    for (name, text, line) in
-        [("vertex", "v 0 0 0\nv 1 zero 0\n", 2), ("face", "v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 x\n", 5)]
-    {
+    for (name, text, line) in [
+        ("empty_face", "v 0 0 0\nf\n", 2),
+        ("vertex", "v 0 0 0\nv 1 zero 0\n", 2),
+        ("face", "v 0 0 0\nv 1 0 0\nv 0 1 0\n\nf 1 2 x\n", 5),
+    ] {
         match read(name, text) {
             Err(Error::ObjBroken { line: found, .. }) => assert_eq!(found, line),
             other => panic!("{other:?}"),

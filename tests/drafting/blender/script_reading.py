@@ -2,7 +2,7 @@
 
 import pytest
 
-from lidardraft.drafting.blender.script.limits import Limits, RefusalError, Script
+from lidardraft.drafting.blender.script.limits import RefusalError, Script, ScriptLimits
 from lidardraft.drafting.blender.script.modules import modules
 from lidardraft.drafting.blender.script.reading import read
 
@@ -13,15 +13,15 @@ def agrees(script: str) -> Script:
     return reads(script)
 
 
-def reads(script: str, limits: Limits | None = None) -> Script:
+def reads(script: str, limits: ScriptLimits | None = None) -> Script:
     """The reader carries the script out."""
-    reading = Script(limits or Limits())
+    reading = Script(limits or ScriptLimits())
     reading.modules = modules(reading)
     read(script, reading)
     return reading
 
 
-def refuses(script: str, said: str, line: int = 1, limits: Limits | None = None) -> None:
+def refuses(script: str, said: str, line: int = 1, limits: ScriptLimits | None = None) -> None:
     """The reader refuses it, naming the line or, where it takes too long, any line of it."""
     with pytest.raises(RefusalError, match=said) as refused:
         reads(script, limits)

@@ -14,7 +14,7 @@ from PIL import Image
 
 from lidardraft import Sensor, layout_from_text
 from lidardraft.drafting.blender.layout import layout_from_blender
-from lidardraft.drafting.blender.script.limits import Limits
+from lidardraft.drafting.blender.script.limits import ScriptLimits
 from lidardraft.errors import FormatError, LidarDraftError, ScriptError
 from lidardraft.formats.blender_script import blender_script, write_blender_script
 from lidardraft.scene.check import check
@@ -84,10 +84,10 @@ def test_limits_are_the_callers() -> None:
     many = "import bpy\nfor k in range(9):\n    bpy.ops.mesh.primitive_cube_add()\n    bpy.context.object.name = 'Car'"
     assert len(layout_from_blender(many)) == 9
     with pytest.raises(ScriptError, match=r"^line 3: more than 8 objects$"):
-        layout_from_blender(many, limits=Limits(objects=8))
+        layout_from_blender(many, limits=ScriptLimits(objects=8))
     mesh = CAR + "bpy.ops.mesh.primitive_torus_add()\nbpy.context.object.name = 'Car'"
     with pytest.raises(ScriptError, match="the scene has 576 vertices; the limit is 500"):
-        layout_from_blender(mesh, limits=Limits(vertices=500))
+        layout_from_blender(mesh, limits=ScriptLimits(vertices=500))
 
 
 def test_files_that_are_no_script(tmp_path: Path) -> None:

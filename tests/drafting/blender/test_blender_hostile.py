@@ -17,7 +17,7 @@ import json, resource, sys, time
 from pathlib import Path
 from hostile_scripts import HOSTILE
 from lidardraft.drafting.blender.layout import layout_from_blender
-from lidardraft.drafting.blender.script.limits import Limits
+from lidardraft.drafting.blender.script.limits import ScriptLimits
 from lidardraft.errors import ScriptError
 try: layout_from_blender("import bpy")  # what is imported late is imported now
 except ScriptError: pass
@@ -28,7 +28,7 @@ said = {{}}
 for name, script, line in HOSTILE:
     start = time.process_time()
     try:
-        layout_from_blender(script, limits=Limits(seconds={SECONDS}))
+        layout_from_blender(script, limits=ScriptLimits(seconds={SECONDS}))
     except ScriptError as error:
         said[name] = str(error), time.process_time() - start
 print(json.dumps(said))

@@ -6,7 +6,7 @@ from random import Random
 import pytest
 from script_reading import reads
 
-from lidardraft.drafting.blender.script.limits import Limits
+from lidardraft.drafting.blender.script.limits import ScriptLimits
 
 START = """import math, random
 from collections import defaultdict, namedtuple
@@ -130,4 +130,4 @@ def test_it_comes_to_what_python_comes_to(seed: int) -> None:
     names: dict[str, object] = {"__name__": "__main__"}
     program = "\n".join([*lines, end])
     exec(compile(program, "program", "exec"), names)
-    reads(f"{program}\nassert found == {names['found']!r}, found", Limits(steps=10**6))
+    reads(f"{program}\nassert found == {names['found']!r}, found", ScriptLimits(steps=10**6))

@@ -5,7 +5,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from script_reading import agrees, reads, refuses
 
-from lidardraft.drafting.blender.script.limits import Limits
+from lidardraft.drafting.blender.script.limits import ScriptLimits
 
 NUMBERS = st.one_of(st.integers(-(2**40), 2**40), st.floats(-1e6, 1e6), st.booleans())
 _PLACED = "at = []\ndef placed():\n    return (at.append(0) or k for k in range(3))\n"
@@ -121,8 +121,8 @@ def test_numbers_are_calculated_as_python_does(left: float, operator: str, right
 
 
 def test_nesting_and_calls_share_one_limit() -> None:
-    reads("((((1))))", Limits(levels=3))
-    refuses("x = 1\ny = -(-(-(-(-1))))", "nested more than 5 levels deep", 2, Limits(levels=5))
+    reads("((((1))))", ScriptLimits(levels=3))
+    refuses("x = 1\ny = -(-(-(-(-1))))", "nested more than 5 levels deep", 2, ScriptLimits(levels=5))
     recursion = "def f(n):\n    return n and f(n - 1)\nf(%d)"
     reads(recursion % 10)
     refuses(recursion % 1000, "nested more than 150 levels deep", 2)

@@ -2,7 +2,9 @@
 
 import dataclasses
 import json
+import re
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +12,9 @@ import pytest
 
 import lidardraft
 from lidardraft import Layout, layout_from_blender
+from lidardraft.drafting.language_model.conversation import Prompt
 from lidardraft.drafting.language_model.layout import (
+    _described,
     _spec_of,
     blender_prompt,
     code_of,
@@ -19,21 +23,22 @@ from lidardraft.drafting.language_model.layout import (
     scene_spec_schema,
     spec_prompt,
 )
+from lidardraft.drafting.solver.road_from_spec import MAX_DISTANCE
 from lidardraft.drafting.solver.scene_spec import (
-    HEADINGS,
-    LANES,
-    PLACES,
-    RELATIONS,
+    ACTIVITIES,
+    DISTRICTS,
     ROADS,
+    SURFACES,
     ObjectGroup,
     RoadSpec,
     SceneSpec,
 )
 from lidardraft.drafting.text.layout import spec_from_text
+from lidardraft.drafting.text.omissions import omissions
 from lidardraft.errors import LanguageModelError, LayoutError, TextError
 from lidardraft.objects.kinds import SENTENCE_KINDS
-from lidardraft.objects.sentence_kind import COUNTS
 from lidardraft.scene.check import check
+from lidardraft.scene.weather import WEATHERS
 from lidardraft.semantics import CLASSES
 from replay_server import DIALECTS, Answer, ReplayServer, openai
 from spec_checker import broken
@@ -260,15 +265,111 @@ def test_the_examples_in_the_prompts_can_be_used() -> None:
     )
 
 
+def enumerations(schema: Any) -> Iterator[list[str]]:
+    if isinstance(schema, dict):
+        if "enum" in schema:
+            yield schema["enum"]
+        for each in schema.values():
+            yield from enumerations(each)
+    elif isinstance(schema, list):
+        for each in schema:
+            yield from enumerations(each)
+
+
 def test_the_prompts_name_all_that_can_be_said_and_are_short() -> None:
     """A server with a context of 4,096 tokens has room for a prompt and a reply; a token is some four characters."""
     text = spec_prompt().text
-    for names in (ROADS, SENTENCE_KINDS, COUNTS, PLACES, LANES, HEADINGS, RELATIONS):
-        assert ", ".join(names) in text
+    lists = {tuple(names) for names in enumerations(scene_spec_schema())}
+    assert {tuple(ROADS), tuple(SENTENCE_KINDS), tuple(DISTRICTS), tuple(ACTIVITIES), tuple(WEATHERS)} <= lists
+    assert len(lists) == 14
+    for names in lists - {tuple(SURFACES)}:
+        assert ", ".join(names) in text, names
+    assert all(f'"{surface}"' in text for surface in SURFACES)
+    assert f"up to {MAX_DISTANCE:g};" in text
     assert ", ".join(each.name for each in CLASSES[1:]) in blender_prompt().text
-    for prompt in (spec_prompt(), blender_prompt()):
-        assert "$" not in prompt.text
+    for prompt in (spec_prompt(), blender_prompt(), Prompt.from_file("retry", error="it is no JSON")):
+        instructions = prompt.text.partition("\nText: ")[0]  # an example may have an f-string
+        assert not re.search(r"\$|\{\w+\}", instructions)  # neither $name nor {name} is left
         assert len(prompt.text) < 7000
+
+
+NAMED = "two buses ahead, a man with a dog on the left, no trucks or vans"
+MAN: dict[str, Any] = {"kind": "person", "words": "a man", "places": ["left"]}
+DOG: dict[str, Any] = {"kind": "animal", "words": "a dog", "relation": "near", "references": [0]}
+
+
+@pytest.mark.parametrize(
+    ("groups", "notes"),
+    [
+        ([MAN, DOG, {"kind": "bus", "count": 2}], []),
+        ([MAN, DOG, {"kind": "bus"}, {"kind": "bus"}], []),
+        ([MAN, DOG, {"kind": "bus", "count": [1, 3]}], []),
+        ([MAN, DOG, {"kind": "vehicle", "count": 2}], []),
+        ([MAN, DOG], ["'two buses'; the reply has no bus"]),
+        ([MAN, DOG, {"kind": "bus"}], ["'two buses'; the reply has bus: 1"]),
+        ([MAN, DOG, {"kind": "bus", "count": 5}], ["'two buses'; the reply has bus: 5"]),
+        ([MAN, DOG, {"kind": "bus", "count": "some"}], ["'two buses'; the reply has bus: some"]),
+        ([MAN, {"kind": "bus", "count": 2}], ["'a dog'; the reply has no animal"]),
+        ([{"kind": "car"}], [f"{name}; the reply has no {kind}" for name, kind in
+                             (("'two buses'", "bus"), ("'a man'", "person"), ("'a dog'", "animal"))]),
+    ],
+)  # fmt: skip
+def test_what_a_reply_leaves_out_of_the_text_is_a_note(
+    server: ReplayServer, groups: list[dict[str, Any]], notes: list[str]
+) -> None:
+    server.answers = [replied({"road": {"kind": "straight"}, "groups": groups, "absent": ["truck", "van"]})]
+    assert list(draft(server, NAMED).notes) == [f"the sentence names {note}" for note in notes]
+
+
+def test_what_a_script_leaves_out_of_the_text_is_a_note(server: ReplayServer) -> None:
+    text = "a bus 20 m ahead, three trees and a cyclist, no cars"
+    tree = "bpy.ops.mesh.primitive_cube_add(size=2, location=(20, {}, 1))\nbpy.context.object.name = 'Tree_{}'\n"
+    script = SCRIPT.format(x=20) + tree.format(9, 1) + tree.format(-9, 2)
+    server.answers = [openai(script)]
+    found = [note for note in draft(server, text, blender=True).notes if note.startswith("the sentence")]
+    names = [("'three trees'", "tree: 2"), ("'a cyclist'", "no bicycle")]
+    assert found == [f"the sentence names {words}; the reply has {has}" for words, has in names]
+
+
+@pytest.mark.parametrize(
+    ("text", "notes"),
+    [
+        ("a car ahead and a car behind", ["'a car'; the reply has car: 1"]),
+        ("our car follows a bus", ["'a bus'; the reply has no bus"]),  # the ego vehicle is no object
+        ("a car ahead, the car is red, the two cars brake", ["'the two cars'; the reply has car: 1"]),
+        ("buses, no trucks and trees", ["'buses'; the reply has no bus"]),
+        ("a trcuk ahead", ["'a truck'; the reply has no truck"]),
+        (
+            "two parked cars, a bus stop",
+            ["'two parked cars'; the reply has car: 1", "'a bus stop'; the reply has no shelter"],
+        ),
+        ("a car in front of each house", ["'each house'; the reply has no house"]),
+        ("Un car derrière deux camionnettes, car il pleut", []),  # the lexicon is English
+        ("", []),
+    ],
+)
+def test_omissions_of_a_text(text: str, notes: list[str]) -> None:
+    spec = SceneSpec(groups=(ObjectGroup(kind="car"),))
+    assert omissions(text, partial(_described, spec)) == [f"the sentence names {note}" for note in notes]
+
+
+def test_the_specs_of_sentences_leave_nothing_out_and_without_a_kind_it_is_missed() -> None:
+    lines = [line for line in SENTENCES.read_text().splitlines() if line and not line.startswith(("    ", "#"))]
+    loads = ("carrying logs", "loaded with four cars")  # which the grammar knows as no objects of their own
+    missed = total = 0
+    for line in lines[::4]:
+        try:
+            spec = spec_from_text(line, strict=True)
+        except TextError:
+            continue
+        assert any(load in line for load in loads) or omissions(line, partial(_described, spec)) == [], line
+        for kind in {group.kind for group in spec.groups}:
+            free = (dataclasses.replace(group, relation=None, references=()) for group in spec.groups)
+            fewer = dataclasses.replace(spec, groups=tuple(group for group in free if group.kind != kind))
+            missed += any(note.endswith(f"no {kind}") for note in omissions(line, partial(_described, fewer)))
+            total += 1
+    assert total > 100
+    assert missed > 0.9 * total
 
 
 OBJECT = '{"road": {"kind": "bend"}, "groups": []}'

@@ -129,7 +129,7 @@ def test_too_far() -> None:
 
 @pytest.mark.parametrize("seed", [-1, 1.5, True])
 def test_wrong_seed(seed: object) -> None:
-    with pytest.raises(LayoutError, match=r"seed is .*; it must be an integer >= 0"):
+    with pytest.raises(LayoutError, match=r"seed is .*; it must be an integer of 0 to 2"):
         layout_from_spec(SceneSpec(), seed=seed)  # type: ignore[arg-type]
 
 

@@ -12,7 +12,7 @@ from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout
 from lidardraft.streets.pairs import scan_street
 from lidardraft.streets.street import make_street
 
-STREET = make_street(2)
+STREET = make_street(seed=2)
 OBJECTS = STREET.occupancy.objects
 SENSOR = PRESETS["hdl64e"]
 SCANNER = Scanner.from_layout(STREET.scene, SENSOR)

@@ -8,7 +8,7 @@ import hashlib
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -21,10 +21,11 @@ from lidardraft.drafting.blender.bpy.meshes import Mesh, MeshShape
 from lidardraft.drafting.blender.bpy.objects import SceneObject
 from lidardraft.drafting.blender.bpy.operators import Operators
 from lidardraft.drafting.blender.bpy.scene import Scene
-from lidardraft.drafting.blender.script.limits import Limits, RefusalError, Script
+from lidardraft.drafting.blender.script.limits import RefusalError, Script, ScriptLimits
 from lidardraft.drafting.blender.script.modules import modules
 from lidardraft.drafting.blender.script.reading import read
 from lidardraft.drafting.blender.script.values import Namespace
+from lidardraft.drafting.plausible import settled
 from lidardraft.drafting.things import Node, Things
 from lidardraft.errors import FormatError, LayoutError, ScriptError, check_type
 from lidardraft.files import named, read_bytes, regular_size
@@ -35,7 +36,8 @@ from lidardraft.scene.placed_mesh import in_unit_box, placed_mesh
 from lidardraft.scene.pose import point_at
 from lidardraft.semantics import BY_NAME
 
-_DEFAULT_LIMITS = Limits()
+_Placing = Callable[..., Layout]  # `settled`, with how the script is to be placed
+_DEFAULT_LIMITS = ScriptLimits()
 PROVENANCE = "lidardraft"  # the property of the scene in which a layout's provenance and coverage travel
 _MOST_NAMES = 50  # in one message
 _DEEPEST = 100  # parents of an object
@@ -47,7 +49,10 @@ def layout_from_blender(
     *,
     classes: Mapping[str, str] | None = None,
     strict: bool = False,
-    limits: Limits = _DEFAULT_LIMITS,
+    limits: ScriptLimits = _DEFAULT_LIMITS,
+    scale: float = 1.0,
+    recentre: bool = False,
+    as_is: bool = False,
 ) -> Layout:
     """The layout of the scene that a Blender Python script makes: its text, or the path of its file, NAME.py.
 
@@ -55,19 +60,22 @@ def layout_from_blender(
     empty. Classes are those of `classes`, by names of objects, materials or collections, or else what these names say
     ("Car.001", "mat_building"); an object without one is "other", with a note. Upright cubes, spheres, cylinders and
     planes become the layout's own shapes, all else meshes. Numbers of `random` are those of Python's generator for the
-    script's seed, or for 0.
+    script's seed, or for 0. Of a text that is no Python, but has Markdown fences, the longest block between them is
+    read. `scale`, `recentre` and `as_is` are as in `layout_from_glb`.
 
     What was passed over because no shape depends on it is in `provenance["notes"]`. Raises `ScriptError` naming the
-    line of what is not understood or more than `limits`, and, where `strict`, `LayoutError` listing the names that say
-    no class.
+    line of what is not understood or more than `limits`, `LayoutError` for a thing that is in another unit, and, where
+    `strict`, listing the names that say no class.
     """
     check_type("script", script, str, os.PathLike)
+    place = partial(settled, scale=scale, recentre=recentre, as_is=as_is)
     if isinstance(script, str) and ("\n" in script or not script.endswith(".py")):
-        return _layout(script, classes or {}, strict, limits, {"source": "blender"})
+        return _layout(script, classes or {}, strict, limits, {"source": "blender"}, place)
     if (size := regular_size(script)) > 4 * limits.file:
         raise FormatError(f"{os.fspath(script)} has {size} bytes; scripts of up to {4 * limits.file} are read")
     with named(script):
-        return _layout(_decoded(read_bytes(script)), classes or {}, strict, limits, {"source": Path(script).name})
+        text = _decoded(read_bytes(script))
+        return _layout(text, classes or {}, strict, limits, {"source": Path(script).name}, place)
 
 
 def _decoded(data: bytes) -> str:
@@ -79,7 +87,9 @@ def _decoded(data: bytes) -> str:
         raise ScriptError(f"line {line}: no text in UTF-8: byte {error.start} of the file is wrong") from None
 
 
-def _layout(text: str, classes: Mapping[str, str], strict: bool, limits: Limits, source: dict[str, Any]) -> Layout:
+def _layout(
+    text: str, classes: Mapping[str, str], strict: bool, limits: ScriptLimits, source: dict[str, Any], place: _Placing
+) -> Layout:
     check_classes(classes)
     script = Script(limits)
     scene = Scene(script)
@@ -96,9 +106,11 @@ def _layout(text: str, classes: Mapping[str, str], strict: bool, limits: Limits,
     if not primitives:
         raise ScriptError("; ".join([f"line {script.line}: the script has made no object with a surface", *notes[:3]]))
     if PROVENANCE in scene.current.properties:
-        return Layout(primitives=tuple(primitives), **_travelled(scene.current.properties[PROVENANCE]))
+        layout = Layout(primitives=tuple(primitives), **_travelled(scene.current.properties[PROVENANCE]))
+        return place(layout, is_ours=True)
     digest = hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
-    return Layout(primitives=tuple(primitives), provenance={**source, "sha256": digest, "notes": notes})
+    layout = Layout(primitives=tuple(primitives), provenance={**source, "sha256": digest, "notes": notes})
+    return place(layout)
 
 
 def _travelled(value: Any) -> dict[str, Any]:
@@ -238,7 +250,7 @@ def _placed_shape(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: Any
         exact = _placed_exactly(item, mesh, shape, **fields)
         if exact is not None:
             return exact
-    vertices, faces = shape.triangles()
+    vertices, faces = shape.triangles(mesh.script.check_time)
     known = None if shape.shape == "any" else shape.shape
     return placed_mesh(item.world() @ mesh.matrix, vertices, faces, shape=known, **fields)
 
@@ -260,7 +272,7 @@ def _placed_exactly(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: A
         size = (length, width, 0.0 if flat else height)
         fields |= {"center": tuple(item.location.numbers), "size": size, "yaw": yaw}
         return Primitive(shape="plane" if flat else shape.shape, **fields)
-    vertices, faces = shape.triangles()
+    vertices, faces = shape.triangles(mesh.script.check_time)
     vertices, scale = vertices * stretch, np.array(item.scale.numbers)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     if is_unit:

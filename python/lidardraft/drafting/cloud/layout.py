@@ -39,6 +39,9 @@ _TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so n
 _CLEARANCE, _ROUNDED, _CORE = 0.3, 0.1, 0.8
 _NEIGHBOUR = 15.0  # m; objects no further apart are likely to be headed the same way
 _FURTHEST, _NEAREST = 1000.0, 1e-6  # m; no sensor sees further, or nearer
+_GROUND_POINTS = 200  # the nearest of the ground, which tell how high over it the sensor stands
+_LOWEST = 8.0  # m from the road: without a class of the ground, the lowest point is not so far off
+_OFF_GROUND, _SLOPE = 0.5, 0.08  # m off the ground, and for each metre of their distance, that a road may be
 _ROUNDING = 0.01  # m, more than rounding makes of a distance
 _KNOWN = 2.0  # m; so near to ground that was seen, its height is known
 _VEGETATION = BY_NAME["vegetation"].id
@@ -61,7 +64,7 @@ def layout_from_cloud(
     of the points that tells them, as `lambda points: segmenter.label_points(points, intensity, height)` does;
     `instances` [N] numbers of objects, counted for each class, 0 where unknown: those points are clustered.
     `weights` [N] numbers of rays, where the cloud was thinned and a point stands for several.
-    `sensor_height` is that over the road [m].
+    `sensor_height` is that over the road [m]; a note says if the labelled ground lies elsewhere.
 
     The ground becomes a mesh for each class; people, vehicles and signs become boxes, one each, poles and trunks
     cylinders. Buildings, walls and fences become boxes and vegetation ellipsoids: with `detail` "fine" as many as make
@@ -86,10 +89,28 @@ def layout_from_cloud(
     weights = np.ones(len(points)) if weights is None else weights.astype(np.float64)
     scan = _Scan(points, weights, sensor_height, labels, DETAILS[detail].most_rays)
     found = _clustered(scan, instances, DETAILS[detail])
-    return Layout(
+    layout = Layout(
         primitives=(*surfaces(scan.ground), *_numbered(_refined(scan, found, DETAILS[detail]))),
         provenance={"source": source, "sensor_height": float(sensor_height)},
     )
+    return layout.noted(*_height_note(points, labels, sensor_height))
+
+
+def _height_note(points: np.ndarray, labels: np.ndarray, sensor_height: float) -> Iterator[str]:
+    """A note if the road, or without one the ground, nearest to the sensor is not at z = 0, where `sensor_height` [m]
+    has it; if no ground has a class, one if no point is low."""
+    road = labels == BY_NAME["road"].id
+    ground = points[road if road.sum() >= _GROUND_POINTS else np.isin(labels, GROUND_IDS)]
+    if len(ground) >= MIN_POINTS:
+        away, last = np.hypot(*ground[:, :2].T), min(len(ground), _GROUND_POINTS) - 1
+        near = away <= np.partition(away, last)[last]
+        what, found = "the ground lies", float(np.median(ground[near, 2]))
+        most = _OFF_GROUND + _SLOPE * float(np.median(away[near]))
+    else:
+        what, found, most = "the lowest point lies", float(np.percentile(points[:, 2], 1)), _LOWEST
+    if abs(found) > most:
+        said = f"{what} at z = {found:.2f} m, as the sensor is taken to be {sensor_height:g} m over the road"
+        yield f"{said}; by the cloud it is {sensor_height - found:.2f} m: give sensor_height (--sensor-height)"
 
 
 class _Scan:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import dataclasses
 import json
+import math
 import os
 import re
+from functools import partial
 from typing import Any
 
+import numpy as np
 from platformdirs import user_cache_path
 
 from lidardraft.drafting.blender.layout import layout_from_blender
+from lidardraft.drafting.blender.script.reading import fenced
 from lidardraft.drafting.language_model.chat_server import MODEL, URL, ChatServer, TimeLimit
 from lidardraft.drafting.language_model.conversation import Conversation, Prompt, ReplyCache, Request, converse
 from lidardraft.drafting.solver.layout import layout_from_spec
@@ -30,19 +34,20 @@ from lidardraft.drafting.solver.scene_spec import (
     SceneSpec,
     relations,
 )
+from lidardraft.drafting.text.omissions import omissions
+from lidardraft.drafting.text.tree import NounPhrase
 from lidardraft.errors import LayoutError, TextError, check_seed, check_type
 from lidardraft.files import named
 from lidardraft.json_fields import check_fields, parse_object
 from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.objects.sentence_kind import COUNTS
-from lidardraft.scene.check import check
+from lidardraft.scene.check import check, objects
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.weather import WEATHERS
 from lidardraft.semantics import CLASSES
 
 Schema = dict[str, Any]
 MAX_LENGTH = 10_000  # characters of a text
-_FENCED = re.compile(r"^[ \t]*(```|~~~)[^\n]*\n(.*?)(?:^[ \t]*\1[`~]*[ \t\r]*$|\Z)", re.MULTILINE | re.DOTALL)
 MAX_GROUPS = 50  # of a spec; the solver takes minutes for many that find no room
 
 
@@ -84,7 +89,7 @@ def layout_from_llm(
         script = Request(server, blender_prompt(), text, {"seed": seed})
         drawn = converse(script, lambda reply: layout_from_blender(code_of(reply), strict=True), replies, limit)
         said = {"seed": seed, "findings": [finding.message for finding in check(drawn.result)]}
-        return _with_provenance(drawn.result, drawn, said)
+        return _with_provenance(drawn.result, drawn, said).noted(*omissions(text, partial(_drawn, drawn.result)))
     schema = {"name": "scene_spec", "strict": True, "schema": scene_spec_schema()}
     asked = Request(server, spec_prompt(), text, {"response_format": {"type": "json_schema", "json_schema": schema}})
     described = converse(asked, lambda reply: _spec_of(reply, text), replies, limit)
@@ -92,7 +97,8 @@ def layout_from_llm(
     if spec.not_understood and spec == SceneSpec(not_understood=spec.not_understood):
         raise TextError(f"nothing of {text!r} was understood by {server.model}")
     said = {"understood": relations(spec), "not_understood": list(spec.not_understood)}
-    return _with_provenance(layout_from_spec(spec, seed=seed), described, said)
+    layout = _with_provenance(layout_from_spec(spec, seed=seed), described, said)
+    return layout.noted(*omissions(text, partial(_described, spec)))
 
 
 def spec_prompt() -> Prompt:
@@ -127,6 +133,30 @@ def _spec_of(reply: str, text: str) -> SceneSpec:
     return spec
 
 
+def _described(spec: SceneSpec, phrase: NounPhrase) -> list[tuple[float, float]]:
+    """The groups of a spec that a phrase may name, as `omissions` wants them; a rider may be a "person" of the text."""
+    kind, found = SENTENCE_KINDS[str(phrase.kind)], list[tuple[float, float]]()
+    if kind.name in (*spec.absent, *spec.not_around) or any(phrase.noun in said for said in spec.not_understood):
+        return [(0, math.inf)]
+    for group in spec.groups:
+        its = SENTENCE_KINDS[group.kind]
+        fits = its == kind or (kind.name == "person" and its.is_ridden)
+        fits = fits or ("vehicle" in (kind.name, its.name) and kind.is_vehicle and its.is_vehicle)
+        if fits or (its.label == kind.label and phrase.noun in group.words.casefold()):
+            count = (math.nan, math.inf) if isinstance(group.count, str) else np.broadcast_to(group.count, 2).tolist()
+            found.append((count[0], count[1] * (math.inf if group.lane == "each" else max(len(group.places), 1))))
+    return found
+
+
+def _drawn(layout: Layout, phrase: NounPhrase) -> list[tuple[float, float]]:
+    """Up to all objects of a layout that are of the class of a phrase: an object may be drawn as several."""
+    kind = SENTENCE_KINDS[str(phrase.kind)]
+    kinds = [one for one in SENTENCE_KINDS.values() if one == kind or (kind.name == "vehicle" and one.is_vehicle)]
+    labels = {one.label for one in kinds} | ({"rider"} if kind.name == "person" else set())
+    count = sum(any(part.label in labels for part in parts) for parts in objects(layout).values())
+    return [(1, count)] if count else []
+
+
 def _with_provenance(layout: Layout, conversation: Conversation, said: dict[str, Any]) -> Layout:
     source = {"source": "llm", "sentence": conversation.request.text, "llm": conversation.provenance()}
     return dataclasses.replace(layout, provenance=layout.provenance | source | said)
@@ -150,7 +180,7 @@ def code_of(reply: str) -> str:
     It ends in a line break, so it is never taken for the path of a file.
     """
     text = _answer_of(reply)
-    return max((block for _, block in _FENCED.findall(text)), key=len, default=text).strip("\n") + "\n"
+    return (fenced(text) or text).strip("\n") + "\n"
 
 
 def _answer_of(reply: str) -> str:

@@ -51,6 +51,7 @@ _LENGTH = re.compile(rf"\s*({_NUMBER})\s*([a-zA-Z%]*)\s*")
 _NUMBERS = re.compile(_NUMBER)
 _TRANSFORMS = {"matrix": (6,), "translate": (1, 2), "scale": (1, 2), "rotate": (1, 3), "skewX": (1,), "skewY": (1,)}
 _COMMAND = re.compile("[MmZzLlHhVvCcSsQqTtAa]")
+_PLACES = {"Min": 0.0, "Max": 1.0}
 _TO_CLOSE = re.compile("[^Zz]*[Zz]?")
 _BARE_POINT = re.compile(r"(?<=\d)\.(?!\d)")  # "5." is a number, but not to svgelements
 _ARC_STEP, _CURVE_STEPS = math.radians(10), 12
@@ -372,8 +373,12 @@ class _Reader:
             return
         if len(self.page.figures) >= _MOST_FIGURES:
             raise FormatError(f"more than {_MOST_FIGURES} shapes; sketches of up to so many are read")
-        pieces = [(points @ matrix[:2, :2].T + matrix[:2, 2], closed) for points, closed in pieces]
-        width = float(style.get("stroke-width", "1")) * math.sqrt(abs(float(np.linalg.det(matrix[:2, :2]))))
+        linear, steps = matrix[:2, :2], np.concatenate([np.diff(points, axis=0) for points, _ in pieces])
+        pieces = [(points @ linear.T + matrix[:2, 2], closed) for points, closed in pieces]
+        width = float(style.get("stroke-width", "1")) * math.sqrt(area := abs(float(np.linalg.det(linear))))
+        if np.abs(linear @ linear.T - area * np.eye(2)).max() > 1e-6 * area > 0:  # as wide as what is across the stroke
+            long, drawn = (float(np.linalg.norm(each, axis=1).sum()) for each in (steps, steps @ linear.T))
+            width *= math.sqrt(area) * long / (drawn or 1.0)
         nonzero = style.get("fill-rule") != "evenodd"
         self.page.figures.append(Figure(_names_of(element), groups, element.tag, pieces, fill, stroke, width, nonzero))
 
@@ -419,10 +424,15 @@ def _page_size(root: Element) -> tuple[np.ndarray | None, np.ndarray]:
     if len(box) != 4 or min(box[2:]) <= 0:
         raise FormatError(f"viewBox is {root.attrib['viewBox']!r:.60}; it must be four numbers, the last two > 0")
     shares = [size / extent for size, extent in zip(sizes, box[2:].tolist(), strict=True) if size]
-    share = min(shares, default=1.0)
-    size = np.array([size or share * extent for size, extent in zip(sizes, box[2:].tolist(), strict=True)])
-    move = size / 2 - share * (box[:2] + box[2:] / 2)  # the box is in the middle of the page, as the default has it
-    return size, np.array([[share, 0, move[0]], [0, share, move[1]], [0, 0, 1]])
+    said = root.get("preserveAspectRatio", "")
+    share = np.full(2, (max if "slice" in said else min)(shares, default=1.0))
+    if "none" in said and len(shares) == 2:
+        share = np.array(shares)
+    size = np.array([given or each for given, each in zip(sizes, share * box[2:], strict=True)])
+    # where the box is on a page of other sides, as shares of what is over; in the middle where nothing is said
+    place = np.array([next((at for word, at in _PLACES.items() if axis + word in said), 0.5) for axis in "xY"])
+    move = size * place - share * (box[:2] + place * box[2:])
+    return size, np.array([[share[0], 0, move[0]], [0, share[1], move[1]], [0, 0, 1]])
 
 
 def _names_of(element: Element) -> tuple[str, ...]:

@@ -47,13 +47,13 @@ _LEAST = 200  # tries to find room in a crowd before anything is said of it
 _FACTOR = 2.6
 
 
-def layout_from_spec(spec: SceneSpec, seed: int = 0) -> Layout:
+def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
     """A layout in which every relation of the spec holds and that passes every check; the same for the same arguments.
 
     What finds no room makes the scene be arranged anew, with that first and more room for what the spec leaves open.
     `layout.provenance` holds the spec, the numbers of the road, and for each object the number of its group.
 
-    Raises `LayoutError` on a seed that is no integer >= 0, and where a relation cannot hold, naming it, how many of how
+    Raises `LayoutError` on an invalid seed, and where a relation cannot hold, naming it, how many of how
     many objects found room, and what is in the way.
     """
     seed = check_seed(seed)

@@ -60,12 +60,14 @@ def all_but_some(d: Discourse, phrase: NounPhrase, whole: int | None) -> Ids:
 
 
 def is_denied(d: Discourse, clause: Clause, number: int) -> bool:
-    """Whether a list goes on that is denied: "no cars or trucks", "without cars and buses"."""
-    link, before = clause.items[number].link, clause.items[number - 1].head if number else None
-    if not isinstance(before, NounPhrase) or clause.items[number - 1].modifiers:
+    """Whether a list goes on that is denied: "no cars or trucks", "without cars and buses"; not "no cars and a bus"."""
+    link, phrase = clause.items[number].link, clause.items[number].head
+    before = clause.items[number - 1].head if number else None
+    if not isinstance(before, NounPhrase) or not isinstance(phrase, NounPhrase) or clause.items[number - 1].modifiers:
         return False
     denied = before.count == 0 or (number > 1 and is_denied(d, clause, number - 1))
-    return denied and (link == "or" or (link == "and" and before.without))
+    shared = phrase.determiners < before.determiners  # the "no", so "without a car and a bus" has neither
+    return denied and (link == "or" or (link == "and" and before.without and shared))
 
 
 def keep_away(mention: Mention, no: Position) -> Mention:

@@ -33,8 +33,10 @@ _SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
 _SETTING = ("weather", "wetness", "road", "setting", "busy", "quiet", "time", "traffic")
 
 
-def layout_from_text(sentence: str, seed: int = 0, *, strict: bool = False) -> Layout:
+def layout_from_text(sentence: str, *, seed: int = 0, strict: bool = False) -> Layout:
     """A checked layout of what the sentence says; the same for the same sentence and seed.
+
+    Around it nothing is made up: `surround` adds the street that `simulate` puts around a sentence.
 
     `layout.provenance` holds the sentence, the seed and the spec, and
     - "understood": the relations that the sentence was read as, a line each;

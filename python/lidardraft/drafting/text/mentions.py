@@ -159,10 +159,15 @@ class Discourse:
 
     def depends(self, number: int, other: int) -> bool:
         """Whether a mention is another one, or placed from it."""
-        reached = [number]
-        for one in reached:  # grows
-            reached += [reference for reference in self.mentions[one].references if reference not in reached]
-        return other in reached
+        return depends(self.mentions, number, other)
+
+
+def depends(mentions: list[Mention], number: int, other: int) -> bool:
+    """Whether a mention is another one, or placed from it."""
+    reached = [number]
+    for one in reached:  # grows
+        reached += [reference for reference in mentions[one].references if reference not in reached]
+    return other in reached
 
 
 def count_times(count: Count, each: Count) -> Count:

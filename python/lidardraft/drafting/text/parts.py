@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from lidardraft.drafting.text.mentions import Mention, Mentions, count_times
+from lidardraft.drafting.text.mentions import Mention, Mentions, count_times, depends
 from lidardraft.drafting.text.positions import RIGHT, Position
 from lidardraft.drafting.text.tree import NO_SCALE, Count
 
@@ -79,7 +79,7 @@ def _keep_with(mentions: list[Mention], number: int) -> None:
         return  # "traffic with cars"
     if mention.placed or mention.on_road or mention.relation is not None:
         return
-    if not _depends(mentions, mention.with_it, number):  # type: ignore[arg-type]
+    if not depends(mentions, mention.with_it, number):  # type: ignore[arg-type]
         mentions[number] = kept_with(mention, mention.with_it)  # type: ignore[arg-type]
 
 
@@ -98,13 +98,6 @@ def kept_with(mention: Mention, host: int) -> Mention:
         at = Position(distance=_DRAWBAR, heading="with")
         return replace(mention, relation="behind", references=(host,), at=at, placed=True)
     return replace(mention, relation="near", references=(host,), placed=True)
-
-
-def _depends(mentions: list[Mention], number: int, other: int) -> bool:
-    reached = [number]
-    for one in reached:  # grows
-        reached += [reference for reference in mentions[one].references if reference not in reached]
-    return other in reached
 
 
 def _turn_to_strip(mentions: list[Mention], number: int) -> None:

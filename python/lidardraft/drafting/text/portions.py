@@ -9,6 +9,7 @@ from lidardraft.drafting.text.exceptions import all_but_some
 from lidardraft.drafting.text.mentions import Discourse, Ids, Mention, mention_of
 from lidardraft.drafting.text.places import describe
 from lidardraft.drafting.text.positions import FRONT, Position
+from lidardraft.drafting.text.references import can_be_where
 from lidardraft.drafting.text.tree import Clause, Count, Item, Manner, NounPhrase, Place, Relation
 
 _HAVING = ("with", "has", "have")
@@ -35,6 +36,10 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
     if phrase.part is not None and phrase.kind:
         return _part_of_named(d, phrase, told, following in ("has", "have"))
     whole = d.several(phrase.kind or "")
+    if whole is None and phrase.definite and phrase.exact and phrase.count == 1:
+        fitting = [n for n, one in enumerate(d.mentions) if one.is_wanted and can_be_where(d, n, item)]
+        if fitting:
+            return fitting[-1:]  # "a car on the left and a bus on the right, the one on the left"
     last = before[-1] if before else len(d.mentions) - 1 if d.mentions else None
     if last is None or d.mentions[last].kind is None:
         return []
@@ -44,10 +49,9 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
     beyond = phrase.another and isinstance(known, int) and phrase.ordinal is not None and phrase.ordinal >= known
     does = bool(item.modifiers) and all(isinstance(one.said, Manner) for one in item.modifiers)
     acts = does and item.link == "," and phrase.exact and _counted_from(clause, number) == known
+    definite = phrase.definite or phrase.rest or phrase.ordinal is not None or phrase.at is not None
     of_them = phrase.of_them or (
-        whole is not None
-        and not beyond
-        and (phrase.rest or phrase.ordinal is not None or phrase.at is not None or _is_to_the_rest(item) or acts)
+        whole is not None and not beyond and (definite or acts or _is_to_the_rest(item))
     )  # but of "two vans and a third" the third is one more
     last = whole if of_them and whole is not None else last
     source = d.mentions[last]

@@ -55,13 +55,21 @@ class Position:
             (self.sidewalk, other.on_road),
             (self.on_road, other.sidewalk),
         )
-        return bool(_common(self.places, other.places)) and not any(a and b for a, b in said)
+        return bool(self._common(other)) and not any(a and b for a, b in said)
 
     def narrowed(self, other: Position) -> Position:
         """Both at once: "ahead" and "on the left" are ahead on the left. Contradictions are alternatives."""
         said = {name: getattr(other, name) or getattr(self, name) for name in _FIELDS}
-        places = _common(self.places, other.places) or tuple(dict.fromkeys(self.places + other.places))
+        places = self._common(other) or tuple(dict.fromkeys(self.places + other.places))
         return Position(**said | {"places": places})
+
+    def _common(self, other: Position) -> tuple[Place, ...]:
+        """The places of both: "ahead" and "on the left" have "ahead on the left". What comes from one has left it."""
+        pairs = [(a or c, b or d) for a, b in self.places for c, d in other.places if _agree(a, c) and _agree(b, d)]
+        left, other_left = (str(at.heading).startswith(("across-", "with")) for at in (self, other))
+        if not pairs and left != other_left:
+            return other.places if left else self.places
+        return tuple(dict.fromkeys(pairs))
 
     def or_at(self, other: Position) -> Position:
         """One and the other: "in front" and "behind"."""
@@ -81,12 +89,6 @@ def place_named(name: str) -> Place:
     """The place of a name such as "front", "left" or "front-left"."""
     fore, _, side = name.partition("-")
     return ("", fore) if fore in ("left", "right") else (fore, side)
-
-
-def _common(places: tuple[Place, ...], others: tuple[Place, ...]) -> tuple[Place, ...]:
-    """The places that are in both: "ahead" and "on the left" have "ahead on the left"."""
-    pairs = [(a or c, b or d) for a, b in places for c, d in others if _agree(a, c) and _agree(b, d)]
-    return tuple(dict.fromkeys(pairs))
 
 
 def _agree(one: str, other: str) -> bool:

@@ -79,6 +79,7 @@ class NounPhrase:
     pronoun: str = ""
     of_person: bool = False  # "him", which "it" is not
     without: bool = False
+    determiners: int = 0  # "no", "a", "the", "two"
     traffic: bool = False
     ridden: bool = False
     owned: bool = False  # "its roof"
@@ -282,6 +283,7 @@ def noun_phrase(node: Node) -> NounPhrase:
         of_them=bool(node.get("of_them")) or any(leaves(node, "ofthem")),
         name=node.get("name", ""),
         without=any(leaves(node, "no")) and node.children[0].end - node.children[0].start < 3,
+        determiners=sum(child.symbol == "determiner" for child in node.children),
         traffic=traffic,
         ridden=bool(node.get("ridden")),
         owned=any(one.get("owned") for one in leaves(node, "the")),

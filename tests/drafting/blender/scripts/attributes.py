@@ -1,4 +1,4 @@
-"""Every attribute of an object that can be set, as a whole and by its components, one car each."""
+"""Every attribute of an object that can be set, as a whole and by its components, one rock each."""
 
 import math
 
@@ -6,38 +6,38 @@ import bpy
 from mathutils import Euler, Matrix, Quaternion, Vector
 
 
-def car(x, scale=(2, 1, 0.5)):
+def rock(x, scale=(2, 1, 0.5)):
     bpy.ops.mesh.primitive_cube_add(size=2, location=(x, 0, 0), rotation=(0.1, 0.2, 0.3))
     item = bpy.context.object
-    item.name = f"Car_{x}"
+    item.name = f"Rock_{x}"
     item.scale = scale
     bpy.context.view_layer.update()
     return item
 
 
-car(0).location = (1, 2, 3)
-car(10).location.x = 11
-car(20).location[1] = 4
-car(30).location.yz = (3, 2)
-car(40).location[:2] = (41, 5)
-moved = car(50).location
+rock(0).location = (1, 2, 3)
+rock(10).location.x = 11
+rock(20).location[1] = 4
+rock(30).location.yz = (3, 2)
+rock(40).location[:2] = (41, 5)
+moved = rock(50).location
 moved += Vector((1, 2, 3))
 moved.z -= 1
-car(60).rotation_euler = (0, 0, 1)
-car(70).rotation_euler.z = math.pi / 3
-car(80).rotation_euler[0] += 0.5
-turned = car(90).rotation_euler
+rock(60).rotation_euler = (0, 0, 1)
+rock(70).rotation_euler.z = math.pi / 3
+rock(80).rotation_euler[0] += 0.5
+turned = rock(90).rotation_euler
 turned.rotate_axis("Z", 0.4)
-car(100).scale = (1, 2, 3)
-car(110).scale.y = 3
-car(120).scale *= 2
-car(130).scale[2] *= 4
-car(140).dimensions = (5, 4, 3)
-car(150).dimensions.x = 6
-car(160).dimensions[1] = 7
-car(170).dimensions.xz = (3, 3)
+rock(100).scale = (1, 2, 3)
+rock(110).scale.y = 3
+rock(120).scale *= 2
+rock(130).scale[2] *= 4
+rock(140).dimensions = (5, 4, 3)
+rock(150).dimensions.x = 6
+rock(160).dimensions[1] = 7
+rock(170).dimensions.xz = (3, 3)
 for x in (180, 190, 200, 210, 220):
-    item = car(x)
+    item = rock(x)
     item.rotation_mode = "QUATERNION"
     if x == 180:
         item.rotation_quaternion = Quaternion((0, 0, 1), 0.7)
@@ -52,14 +52,14 @@ for x in (180, 190, 200, 210, 220):
         item.rotation_quaternion = (1, 0, 0, 0)
         item.rotation_mode = "XYZ"
         item.rotation_euler.x = 0.5
-car(230).matrix_world = Matrix.Translation((230, 3, 0)) @ Matrix.Rotation(0.5, 4, "Z")
-car(240).matrix_world.translation = (241, 1, 1)
-car(250).matrix_world.translation.y = 6
-car(260).matrix_world[2][3] = 5
-car(270, (1, 1, 1)).matrix_world @= Matrix.Rotation(0.3, 4, "X")
-car(280).rotation_euler = Euler((0.3, 0, 0)).to_quaternion().to_euler()
+rock(230).matrix_world = Matrix.Translation((230, 3, 0)) @ Matrix.Rotation(0.5, 4, "Z")
+rock(240).matrix_world.translation = (241, 1, 1)
+rock(250).matrix_world.translation.y = 6
+rock(260).matrix_world[2][3] = 5
+rock(270, (1, 1, 1)).matrix_world @= Matrix.Rotation(0.3, 4, "X")
+rock(280).rotation_euler = Euler((0.3, 0, 0)).to_quaternion().to_euler()
 for x in (290, 300, 310):
-    parent, child = car(x, (2, 2, 2)), car(x + 5)
+    parent, child = rock(x, (2, 2, 2)), rock(x + 5)
     child.parent = parent
     if x == 290:
         child.matrix_parent_inverse = parent.matrix_world.inverted()

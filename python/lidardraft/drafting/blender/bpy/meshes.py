@@ -27,6 +27,7 @@ from lidardraft.drafting.blender.script.values import (
     reals,
     whole,
 )
+from lidardraft.scene.mesh import triangles_of
 
 Polygons = list[np.ndarray]  # int64 [F, K] each: so many polygons of K corners
 # From so many corners on, a polyhedron stands for the round body that it comes close to: within 5 % of its radius.
@@ -51,10 +52,12 @@ class MeshShape:
     vertices: int
     make: Callable[[], tuple[np.ndarray, Polygons]]
 
-    def triangles(self) -> tuple[np.ndarray, np.ndarray]:
-        """Its vertices float64 [V, 3] and its faces as triangles int64 [F, 3]."""
+    def triangles(self, tick: Callable[[], object] = lambda: None) -> tuple[np.ndarray, np.ndarray]:
+        """Its vertices float64 [V, 3] and its faces as triangles int64 [F, 3]; `tick` is as in `triangles_of`."""
         vertices, polygons = self.make()
-        return vertices, fans(polygons)
+        counts = np.concatenate([np.zeros(0, dtype=np.int64), *(np.full(*each.shape) for each in polygons)])
+        corners = np.concatenate([counts[:0], *(each.ravel() for each in polygons)])
+        return vertices, triangles_of(vertices, corners, counts, tick=tick)
 
 
 def cube(size: float) -> MeshShape:
@@ -225,17 +228,6 @@ def polygons_of(faces: Sequence[Sequence[int]]) -> Polygons:
     """Faces of any numbers of corners, in their order; those of less than three corners are none."""
     runs = groupby((face for face in faces if len(face) > 2), key=len)
     return [np.array(list(run), dtype=np.int64) for _, run in runs]
-
-
-def fans(polygons: Polygons) -> np.ndarray:
-    """The triangles int64 [F, 3] of polygons, each a fan around its first corner: exact where they are convex."""
-    none = np.zeros((0, 3), dtype=np.int64)
-    return np.concatenate([none, *(_fans(each) for each in polygons)])
-
-
-def _fans(polygons: np.ndarray) -> np.ndarray:
-    first = np.broadcast_to(polygons[:, :1], polygons[:, 2:].shape)
-    return np.stack([first, polygons[:, 1:-1], polygons[:, 2:]], axis=-1).reshape(-1, 3)
 
 
 def _band(low: np.ndarray, high: np.ndarray) -> np.ndarray:

@@ -16,7 +16,7 @@ _MOST_NOTES = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Limits:
+class ScriptLimits:
     """The most that one script may ask for; what goes beyond is refused, whatever it is for.
 
     The defaults keep a script within a second and tens of megabytes on a laptop.
@@ -68,7 +68,7 @@ class Script:
     `notes` are lines about what was passed over, each with the line of the script where that was met first.
     """
 
-    def __init__(self, limits: Limits) -> None:
+    def __init__(self, limits: ScriptLimits) -> None:
         self.limits = limits
         self.steps = limits.steps
         self.end = time.thread_time() + limits.seconds

@@ -10,7 +10,7 @@ import warnings
 
 from lidardraft.drafting.blender.script.builtin_functions import builtin_functions
 from lidardraft.drafting.blender.script.definitions import Frame
-from lidardraft.drafting.blender.script.limits import Limits, RaisedError, RefusalError, Script
+from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script, ScriptLimits
 from lidardraft.drafting.blender.script.modules import SCRIPT_FILE
 from lidardraft.drafting.blender.script.statements import result_of
 from lidardraft.drafting.blender.script.values import lone_surrogate
@@ -23,10 +23,18 @@ _PART = re.compile(
     r"""|"(?:[^"\\\n]+|\\.)*(?:"|$|\\?\Z)|'(?:[^'\\\n]+|\\.)*(?:'|$|\\?\Z)""",
     re.DOTALL | re.MULTILINE,
 )
+# Blocks between the fences of Markdown, whether the last one is closed or not.
+_FENCED = re.compile(r"^[ \t]*(```|~~~)[^\n]*\n(.*?)(?:^[ \t]*\1[`~]*[ \t\r]*$|\Z)", re.MULTILINE | re.DOTALL)
 _IS_FORMATTED = re.compile(r"[fF][rR]?\Z")  # what stands before an f-string
 
 
-def parse(text: str, limits: Limits) -> ast.Module:
+def fenced(text: str) -> str | None:
+    """The longest block between fences of Markdown, in its lines; None where there is none."""
+    block = max(_FENCED.finditer(text), key=lambda block: len(block[2]), default=None)
+    return block and "\n" * text.count("\n", 0, block.start(2)) + block[2]
+
+
+def parse(text: str, limits: ScriptLimits) -> ast.Module:
     """The syntax tree of a script. Raises `RefusalError` naming the line where it is too long or no Python."""
     if len(text) > limits.file:
         line = text.count("\n", 0, limits.file) + 1
@@ -48,7 +56,7 @@ def parse(text: str, limits: Limits) -> ast.Module:
         raise RefusalError("nested too deeply to be read", longest + 1) from None
 
 
-def _check_code(text: str, limits: Limits) -> None:
+def _check_code(text: str, limits: ScriptLimits) -> None:
     """Refuse more code than a syntax tree of bounded size can be made from; a text or a comment counts as one sign."""
     size = 0
     for part in _PART.finditer(text):
@@ -66,7 +74,13 @@ def read(text: str, script: Script) -> None:
     collecting = gc.isenabled()
     gc.disable()  # it would go through the tree again and again; what is made is bounded
     try:
-        tree = parse(text, script.limits)
+        try:
+            tree = parse(text, script.limits)
+        except RefusalError:
+            if (inside := fenced(text)) is None:
+                raise
+            tree = parse(inside, script.limits)
+            script.note("what stands outside of the longest block between Markdown fences is no part of the script")
         builtins = Frame(None, builtin_functions(script), script)
         result_of(tree.body, Frame(builtins, {"__name__": "__main__", "__file__": SCRIPT_FILE}, script))
     except RaisedError as error:

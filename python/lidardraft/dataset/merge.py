@@ -1,0 +1,58 @@
+"""Shards of a format become one data set, of the same files and with one copy of what each of them lists."""
+
+from __future__ import annotations
+
+import filecmp
+import hashlib
+import json
+import os
+import shutil
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from lidardraft.errors import FormatError
+from lidardraft.files import new_folder, written_whole
+
+_ROWS = "data_list"  # of MMDetection3D's infos
+
+
+def merge(shards: Sequence[Path], output: Path) -> None:
+    """Link the files of the shards, or copy them where the disk has no links, into the new folder `output`.
+
+    Of files of one name, lines of texts and rows of tables follow one another, and rows that are the same are there
+    once. Raises `FormatError` where others differ, or `output` is there already or cannot be written.
+    """
+    with new_folder(output) as folder:
+        shared = dict[Path, list[Path]]()
+        for shard in shards:
+            for source in sorted(shard.rglob("*")):
+                target = folder / source.relative_to(shard)
+                if source.is_dir():
+                    target.mkdir(exist_ok=True)
+                elif target.exists() and source.suffix in (".json", ".txt"):
+                    shared.setdefault(target, [target]).append(source)
+                elif target.exists() and not filecmp.cmp(source, target, shallow=False):
+                    raise FormatError(f"{source} is in another shard too, and another file there; use another folder")
+                elif not target.exists():
+                    try:
+                        os.link(source, target)
+                    except OSError:
+                        shutil.copyfile(source, target)
+        for target, sources in shared.items():
+            with written_whole(target) as temporary, temporary.open("wb") as file:
+                file.writelines(_rows(sources) if target.suffix == ".json" else map(Path.read_bytes, sources))
+
+
+def _rows(sources: Sequence[Path]) -> Iterator[bytes]:
+    """A JSON list of all rows, or the first object with all rows in place of its own."""
+    first, seen = json.loads(sources[0].read_bytes()), set[bytes]()
+    head = "" if isinstance(first, list) else json.dumps(first | {_ROWS: []})[: -len("[]}")]
+    yield f"{head}[\n".encode()
+    for source in sources:
+        document = json.loads(source.read_bytes())
+        for row in document if isinstance(document, list) else document[_ROWS]:
+            text = json.dumps(row).encode()
+            if (digest := hashlib.sha256(text).digest()) not in seen:
+                yield b",\n" * bool(seen) + text
+                seen.add(digest)
+    yield b"\n]}" if head else b"\n]"

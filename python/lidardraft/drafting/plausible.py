@@ -1,0 +1,106 @@
+"""Whether a model, a script or a file of boxes is in metres and where the sensor sees it, by what stands in it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+from lidardraft.json_fields import is_number
+from lidardraft.scene.check import MAX_RANGE, SIZE_RANGES, LayoutGround
+from lidardraft.scene.class_names import says_many
+from lidardraft.scene.layout import Layout, corners_around
+from lidardraft.semantics import BY_NAME, GROUND
+
+_METRES = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet": 0.3048}
+_TOY = 3.0  # times the extents of a class that nothing of it has
+_STEP = 1.0  # m that the ground may lie over or under the road at the origin
+
+
+def check_scale(scale: float) -> None:
+    """Raise `LayoutError` unless a scale is the length of a unit in metres."""
+    if not (is_number(scale) and scale > 0):
+        raise LayoutError(f"scale is {scale}; it must be a finite number of metres > 0")
+
+
+def check_sizes(layout: Layout, scales: str = "--scale {:g} (`scale` in Python) makes metres of them; ") -> None:
+    """Raise `LayoutError` where a thing is so large or so small that it is in another unit than the metre.
+
+    All three extents have to be out, as many cars in one mesh are as high as one: too large where another unit makes
+    all of them usual, or by a factor of 3, and not called "Cars"; too small by that, as the largest of its class.
+    """
+    boxes = sorted(layout.boxes(), key=lambda box: max(box.size))
+    largest = {box.label: box for box in boxes}
+    for box in boxes:
+        if max(SIZE_RANGES[box.label][0]) / _TOY <= max(box.size) <= max(SIZE_RANGES[box.label][1]):
+            continue
+        (low, high), size = np.sort(SIZE_RANGES[box.label]), np.sort(box.size)
+        usual = np.sort(BY_NAME[box.label].size or ())
+        unit = min(_METRES, key=lambda unit: abs(math.log((size[2] or 1.0) * _METRES[unit] / usual[2])))
+        is_unit = bool((np.abs(size * _METRES[unit] - usual) <= usual / 3).all())
+        most = np.inf if says_many(box.id) else high if is_unit else _TOY * high
+        is_small = (size < low / _TOY).all() and box is largest[box.label]
+        if is_small or (size > most).all():
+            cause = "were they scaled twice? " if is_small else f"are these {unit}? "
+            said = [" x ".join(f"{extent:.3g}" for extent in one) for one in (box.size, *SIZE_RANGES[box.label])]
+            raise LayoutError(
+                f"{box.id} is {said[0]} m large, and a {box.label} {said[1]} to {said[2]} m; {cause}"
+                f"{scales.format(100 if is_small else _METRES[unit])}--as-is (`as_is`) takes them as they are"
+            )
+
+
+def out_of_reach(layout: Layout, remedy: str = "--recentre (`recentre` in Python) moves its ground there") -> list[str]:
+    """A line, with its remedy, where all that stands in it is further away than sensors see, or its ground is not near
+    the level of the road."""
+    shapes = [one for one in layout if not one.open]
+    if not shapes:
+        return []
+    (x, y, z), turn = np.array([one.center for one in shapes]).T, np.array([one.yaw for one in shapes])
+    from_it = np.stack([x * np.cos(turn) + y * np.sin(turn), y * np.cos(turn) - x * np.sin(turn), z], axis=1)
+    gaps = np.maximum(np.abs(from_it) - np.array([one.size for one in shapes]) / 2, 0.0)
+    away = float(np.linalg.norm(gaps, axis=1).min())
+    if away > MAX_RANGE:
+        said = f"all of it is {away:,.0f} m or more from the origin, where the sensor stands"
+        return [f"{said}; sensors reach {MAX_RANGE:.0f} m; {remedy}"]
+    low, high = corners_around([one for one in shapes if one.label in GROUND], 0.0)
+    if _STEP < low[2] < math.inf or -math.inf < high[2] < -_STEP:
+        return [f"its ground is at z = {low[2]:.1f} to {high[2]:.1f} m; the vehicle stands at z = 0; {remedy}"]
+    return []
+
+
+def recentred(layout: Layout) -> Layout:
+    """The layout moved so that the middle of its roads, or else of its ground, or else of all, is the origin, with a
+    note that says by how much."""
+    choices = ([one for one in layout if one.label in labels] for labels in (("road",), GROUND, tuple(BY_NAME)))
+    ground = next(filter(None, choices))
+    low, high = corners_around(ground, 0.0)
+    x, y = ((low[axis] + high[axis]) / 2 for axis in (0, 1))
+    under = LayoutGround(ground).at(x, y)
+    move = (-x, -y, -(low[2] if under is None else under[0]))
+    said = ", ".join(f"{round(value, 3) + 0.0:.3f}" for value in move)
+    return _mapped(layout, 1.0, move).noted(f"moved by ({said}) m: the middle of its ground is the origin")
+
+
+def _mapped(layout: Layout, scale: float, move: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Layout:
+    """The layout with all places and extents times `scale`, moved."""
+    centers = (np.array([one.center for one in layout]) * scale + move).tolist()
+    sizes = (np.array([one.size for one in layout]) * scale).tolist()
+    shapes = zip(layout, centers, sizes, strict=True)
+    return replace(layout, primitives=tuple(replace(one, center=center, size=size) for one, center, size in shapes))
+
+
+def settled(
+    layout: Layout, *, scale: float = 1.0, recentre: bool = False, as_is: bool = False, is_ours: bool = False
+) -> Layout:
+    """The layout of a model in its place, with what is said of that; of one that was written as a model, which
+    `is_ours`, nothing is. Raises `LayoutError` for a thing of another unit than the metre that is not meant `as_is`."""
+    check_scale(scale)
+    if scale != 1:
+        layout = _mapped(layout, scale)
+    if not (as_is or is_ours):
+        check_sizes(layout)
+    if recentre:
+        layout = recentred(layout)
+    return layout if is_ours else layout.noted(*out_of_reach(layout))

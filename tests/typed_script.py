@@ -1,0 +1,138 @@
+"""A script that uses every public name, with types as a user's `mypy --strict` sees them."""
+
+from collections.abc import Iterator, Mapping
+
+import numpy as np
+
+import lidardraft
+from lidardraft import (
+    CLASSES,
+    AlongLane,
+    Annotation,
+    Box,
+    Denoiser,
+    Edit,
+    Frame,
+    Hits,
+    Insert,
+    IntensityCurve,
+    Layout,
+    Motion,
+    Move,
+    ObjectSampling,
+    Pipeline,
+    Primitive,
+    RangeImage,
+    RangeImageBatch,
+    Raycaster,
+    RecordedScan,
+    Remove,
+    Replace,
+    Scan,
+    Scenario,
+    ScriptLimits,
+    SemanticClass,
+    Sensor,
+    SensorLimits,
+    SensorModel,
+    SequenceSimulator,
+    Simulator,
+    Straight,
+    StreetConfig,
+    StreetMix,
+    Track,
+    Tracks,
+    TriangleMesh,
+    Walk,
+    Waypoints,
+    Weather,
+    edit,
+    streets,
+)
+
+
+def layouts(file: str, points: np.ndarray, boxes: list[Box]) -> Iterator[Layout]:
+    """One of each input."""
+    yield lidardraft.layout_from_text("a bus ahead", seed=1, strict=True)
+    yield lidardraft.layout_from_llm("a bus ahead", seed=1, url="http://localhost:11434/v1", model="small")
+    yield lidardraft.layout_from_image(file, hfov=1.2)
+    yield lidardraft.layout_from_sketch(file, metres_per_pixel=0.1, seed=1)
+    yield lidardraft.layout_from_boxes(boxes, sensor_height=1.73)
+    yield lidardraft.layout_from_cloud(points, np.ones(len(points)), sensor_height=1.73)
+    yield lidardraft.layout_from_obj(file, up="z", scale=0.01)
+    yield lidardraft.layout_from_glb(file, classes={"Cube": "car"})
+    yield lidardraft.layout_from_blender(file, limits=ScriptLimits(steps=10**6))
+
+
+def errors() -> tuple[type[lidardraft.LidarDraftError], ...]:
+    """The family."""
+    about_input = (lidardraft.LayoutError, lidardraft.SensorError, lidardraft.FormatError, lidardraft.TextError)
+    about_networks = (lidardraft.CheckpointError, lidardraft.TrainingError, lidardraft.LanguageModelError)
+    return (*about_input, *about_networks, lidardraft.ScriptError, lidardraft.MissingExtraError)
+
+
+def edited(layout: Layout) -> Layout:
+    """An object goes, another comes."""
+    try:
+        first: Primitive = layout["car_1"]
+    except lidardraft.UnknownNameError:
+        return layout
+    mesh: TriangleMesh | None = first.mesh
+    ids: tuple[SemanticClass, ...] = CLASSES
+    assert mesh is None, ids
+    layout = edit.add(
+        edit.remove(layout, "tree_*"), Primitive(shape="box", center=(9, 0, 1), size=(4, 2, 2), label="car", id="c")
+    )
+    return lidardraft.detail(lidardraft.surround(edit.move(layout, "c", (1.0, 0.0, 0.0)), seed=1), seed=1)
+
+
+def sensors() -> Iterator[Sensor]:
+    """A preset, one of one's own, and one behind a bonnet."""
+    names: tuple[str, ...] = Sensor.presets()
+    curve = IntensityCurve(responses=(0.1, 1.0), readings=((0.0, 1.0),))
+    yield Sensor.preset(names[0])
+    yield Sensor(
+        name="mine", elevations=(0.1, 0.0), columns=8, model=SensorModel(rays_per_beam=1, intensity_curve=curve)
+    )
+    bonnet = Primitive(shape="box", center=(1, 0, 1), size=(2, 2, 0.2), label="car", id="bonnet", instance=1)
+    yield lidardraft.with_vehicle(Sensor.preset("vlp16"), Layout((bonnet,)))
+
+
+def scans(layout: Layout, sensor: Sensor, denoiser: Denoiser) -> Iterator[Scan]:
+    """Simulated, generated, in sequences, of streets, of points."""
+    yield lidardraft.simulate(layout, sensor, seed=3, weather=Weather(rain=5.0), model=SensorModel())
+    yield Simulator("a bus ahead", sensor).scan(sensor.pose(x=1.0), speed=5.0, seed=2)
+    motions: Mapping[str, Motion] = {"bus_1": AlongLane(speed=8.0), "person_1": Walk(to=(3.0, 4.0))}
+    scenario = Scenario(ego=Straight(8.0), actors=motions)
+    simulator = SequenceSimulator(layout, sensor, scenario, frames=3, seed=1)
+    tracks: Tracks = simulator.tracks
+    ego: Track = tracks.ego
+    yield from SequenceSimulator(layout, sensor, Scenario(ego=Waypoints(tuple(map(tuple, ego.places.tolist())))))
+    yield Pipeline(denoiser, trained=SensorLimits.from_sensor(sensor))("a bus ahead", seed=1, after=None)
+    config = StreetConfig(sensor=sensor, mix=StreetMix(traffic=2.0))
+    yield lidardraft.street_scan(3, seed=1, config=config)
+    pair = next(streets.streets(seed=1, config=config, workers=2))
+    yield Scan.from_points(pair.scan.points(), sensor, intensity=pair.scan.intensity, layout=pair.layout)
+
+
+def casts(layout: Layout, sensor: Sensor, points: np.ndarray) -> tuple[RangeImage, RangeImageBatch, Hits]:
+    """Casts, and what a sensor makes of those of others."""
+    caster = Raycaster(layout)
+    image = lidardraft.raycast(layout, sensor, incidence=True)
+    lidardraft.observe_cast(image.depth, image.label, sensor, materials={"car": "dark-paint"}, seed=1)
+    lidardraft.observe_points(points, np.ones(len(points), np.uint8), sensor, seed=1)
+    return image, caster.scan_batch(sensor, sensor.pose()[None]), caster.cast(np.zeros(3), np.eye(3), seed=1)
+
+
+def augmented(scan: Scan) -> RecordedScan:
+    """A recorded scan with other objects, and what data sets are written from."""
+    frame: Frame = scan.frame(as_seen=True)
+    lidardraft.export([scan], "nuscenes", "nuscenes", box_margin=0.02)
+    annotations: list[Annotation] = list(frame.annotations)
+    notes: tuple[str, ...] = scan.notes + scan.layout.notes
+    assert annotations, notes
+    recorded = RecordedScan.from_points(scan.points(), scan.image.sensor, boxes=scan.boxes())
+    ObjectSampling({"car": 3}, scan.image.sensor, seed=1)
+    edits: list[Edit] = [Insert("car", (9.0, 2.0)), Remove("car_1"), Move("car_2", (9.0, -2.0), yaw=0.1)]
+    edits.append(Replace("car_3", "truck"))
+    return lidardraft.edit_scan(recorded, edits, seed=1)
