@@ -65,7 +65,7 @@ class StreetBank:
     def _fill(self, kept: int, processes: Processes) -> None:
         config = StreetConfig(sensor=self.sensor, poses_per_street=_POSES, simulated=True)
         shard = (processes.rank, processes.count)
-        with closing(streets(self.seed, config, shard=shard, workers=self.workers)) as made:
+        with closing(streets(seed=self.seed, config=config, shard=shard, workers=self.workers)) as made:
             for pair in made:
                 if self._ended.is_set():
                     return
