@@ -243,23 +243,21 @@ def scan_files(given: Sequence[str]) -> list[Path]:
     """
     files = list[Path]()
     for path in map(Path, given):
-        found = [path]
         if not path.exists():
             raise FormatError(f"{path}: there is no such file or folder")
-        if path.is_dir():
-            for pattern in ("*", "**/*"):
-                found = sorted(file for file in path.glob(pattern) if file.name.endswith(_SCANS))
-                found = [file for file in found if file.suffix != ".npz" or not file.with_suffix(".bin").exists()]
-                found = [
-                    file for file in found if file.suffix != ".gz" or file.parent.name == "lidar"
-                ]  # not their boxes
-                if found:
-                    break
-            else:
-                kinds = f"{', '.join(_SCANS[:-1])} or {_SCANS[-1]}"
-                raise FormatError(f"{path}: there is no {kinds} file in this folder or below it")
+        inside = (sorted(filter(_is_scan, path.glob(pattern))) for pattern in ("*", "**/*"))
+        found = next(filter(None, inside), []) if path.is_dir() else [path]
+        if not found:
+            kinds = f"{', '.join(_SCANS[:-1])} or {_SCANS[-1]}"
+            raise FormatError(f"{path}: there is no {kinds} file in this folder or below it")
         files += found
     return files
+
+
+def _is_scan(file: Path) -> bool:
+    """Whether a file of a folder is a scan: no .npz beside a .bin, and of PandaSet's tables those in lidar/."""
+    is_another = file.with_suffix(".bin").exists() if file.suffix == ".npz" else file.parent.name != "lidar"
+    return file.name.endswith(_SCANS) and not (file.suffix in (".npz", ".gz") and is_another)
 
 
 def _sensor_height(arguments: argparse.Namespace, file: str) -> float:
