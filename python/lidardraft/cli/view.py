@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lidardraft.array_files import names_in
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_sensor, read_sensor, reading
 from lidardraft.cli.command import progress, say
 from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
@@ -139,12 +140,12 @@ def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _holds_points(path: Path) -> bool:
-    from lidardraft.formats.recording import SCAN_ENDINGS, is_points_file
+    from lidardraft.formats.recording import SCAN_ENDINGS
 
     if not path.name.endswith(SCAN_ENDINGS):
         kind = path.suffix or "a file without an ending"
         raise FormatError(f"{path}: there is no picture of {kind}; it must be {', '.join(SCAN_ENDINGS)} or .json")
-    return path.suffix != ".npz" or is_points_file(path)
+    return path.suffix != ".npz" or "xyz" in names_in(path)
 
 
 def _check_no_sensor(path: Path, name: str | None) -> None:

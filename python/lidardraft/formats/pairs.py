@@ -180,8 +180,7 @@ def write_pairs(
 
 def is_shard(path: str | os.PathLike[str]) -> bool:
     """Whether an .npz file is a shard of pairs, as far as its names of images tell; raises `FormatError`."""
-    with array_files.opened(path) as archive:
-        return all(array_files.holds(archive, name) for name in IMAGES)
+    return set(IMAGES).issubset(array_files.names_in(path))
 
 
 def read_shard(path: str | os.PathLike[str]) -> list[NotedPair]:
