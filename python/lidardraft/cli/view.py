@@ -96,14 +96,7 @@ def view_options(parser: argparse.ArgumentParser) -> None:
 
 def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
     from lidardraft.formats.pairs import is_shard, read_shard
-    from lidardraft.view import (
-        points_on_road,
-        render_large,
-        render_layout_and_cast,
-        render_pair,
-        render_returns,
-        sheet,
-    )
+    from lidardraft.view import points_on_road, render_large, render_layout_and_cast, render_pair, render_returns, sheet
 
     name: str | None = arguments.sensor
     if path.suffix == ".json":
@@ -163,7 +156,7 @@ def _read_scan(
 
     if _holds_points(path):
         points, fields = read_returns(path, needs_intensity=False, **reading(arguments))
-        known = {field: fields[field] for field in ("label", "instance", "intensity") if field in fields}
+        known = {field: values for field, values in fields.items() if field in ("label", "instance", "intensity")}
         return points, known, sensor_of_scan(path, arguments.sensor), None
     _check_no_sensor(path, arguments.sensor)
     image = RangeImage.load(path)

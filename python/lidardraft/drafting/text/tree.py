@@ -214,6 +214,8 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
     scale, size = NO_SCALE, list(NO_SIZE)
     for factor in values.get("scale", []):
         scale = tuple(a * b for a, b in zip(scale, factor, strict=True))
+    said: dict[str, Any] = {name: name in values for name in _SIGNS}
+    said |= {name: values[name][0] for name in ("motion", "speed", "road", "paint") if name in values}
     for axis, metres in values.get("size", []):
         size[axis] = metres
     for node in nodes:
@@ -232,8 +234,7 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
         long=False if "tall" in values else True if "long" in values else None,
         scale=scale,
         tokens=frozenset().union(*(tokens_of(node) for node in nodes)),
-        **{name: values[name][0] for name in ("motion", "speed", "road", "paint") if name in values},
-        **{name: name in values for name in _SIGNS},
+        **said,
     )
 
 
@@ -259,6 +260,7 @@ def noun_phrase(node: Node) -> NounPhrase:
     sides = [one.get("at") for one in attributes if one.symbol in ("side", "central")]
     spacing = node.get("spacing")
     of_nobody = [child for child in node.children if child.symbol == "state"]
+    marks: dict[str, Any] = {name: bool(node.get(name)) for name in _MARKS}
     return NounPhrase(
         kind=kind,
         count=count,
@@ -281,7 +283,7 @@ def noun_phrase(node: Node) -> NounPhrase:
         at=Position(spacing=spacing) if spacing else sides[0] if sides else None,
         manner=manner_of([*fits, *leaves(node, "collective", "kind", "traffic"), *of_nobody], kind),
         tokens=tokens,
-        **{name: bool(node.get(name)) for name in _MARKS},
+        **marks,
     )
 
 
