@@ -249,17 +249,13 @@ def _check_points(points: np.ndarray) -> None:
     if points.dtype.kind not in "fiu":
         raise LayoutError(f"points hold {points.dtype}; they must hold numbers")
     reach = np.abs(points.T, order="C").max(axis=0)
-    broken = np.flatnonzero(~np.isfinite(reach))
-    if len(broken):
-        raise LayoutError(f"point {broken[0]} is {points[broken[0]].tolist()}; every coordinate must be finite")
-    far = np.flatnonzero(reach > _FURTHEST)
-    if len(far):
-        raise LayoutError(f"point {far[0]} is {points[far[0]].tolist()}; a scan reaches {_FURTHEST:.0f} m")
-    near = np.flatnonzero(reach < _NEAREST)
-    if len(near):
-        raise LayoutError(
-            f"point {near[0]} is {points[near[0]].tolist()}, in the sensor itself; leave out what is no return"
-        )
+    for wrong, what in (
+        (~np.isfinite(reach), "every coordinate must be finite"),
+        (reach > _FURTHEST, f"a scan reaches {_FURTHEST:.0f} m"),
+        (reach < _NEAREST, "that is in the sensor itself; leave out what is no return"),
+    ):
+        if wrong.any():
+            raise LayoutError(f"point {np.argmax(wrong)} is {points[np.argmax(wrong)].tolist()}; {what}")
 
 
 def _check_spread(points: np.ndarray) -> None:
