@@ -19,8 +19,8 @@ from lidardraft import Box, Layout, Primitive, Scan, Sensor, Simulator, raycast
 from lidardraft.cli import main as cli
 from lidardraft.errors import FormatError
 from lidardraft.formats.boxes import write_boxes
-from lidardraft.formats.frame import AS_SEEN, FORMATS, UNBOXED, Annotation, Frame
-from lidardraft.formats.nuscenes import CATEGORIES, read_lidarseg, write_nuscenes
+from lidardraft.formats.frame import AS_SEEN, FORMATS, UNBOXED, Annotation, Frame, writer_of
+from lidardraft.formats.nuscenes import CATEGORIES, read_lidarseg
 from lidardraft.formats.semantickitti import RAW_FROM_CLASS, read_label
 from lidardraft.scene.scenario import Scenario, Straight, Waypoints
 from lidardraft.semantics import BY_NAME
@@ -182,7 +182,7 @@ def annotated(id: str, label: str, size: tuple, velocity: tuple | None = (0.0, 0
 
 
 def written(frames: list[Frame], output: Path) -> dict[str, list]:
-    write_nuscenes(output, [frames])
+    writer_of("nuscenes")(output, [frames])
     return {path.stem: json.loads(path.read_text()) for path in (output / "v1.0-trainval").iterdir()}
 
 
