@@ -275,8 +275,9 @@ def test_casts_are_observed_in_their_order(cast: RangeImage, capsys: pytest.Capt
     assert {path.name for path in Path("out").iterdir()} == {*names, "casts.json"}
 
 
+@pytest.mark.usefixtures("cast")
 def test_objects_of_a_cast_that_comes_without_any_are_found_by_their_classes(
-    cast: RangeImage, capsys: pytest.CaptureFixture[str]
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     Path("cast.layout.json").unlink()
     assert cli.main(["observe", "cast.npz", "-o", "out"]) == 0

@@ -6,7 +6,7 @@ import argparse
 import json
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -371,26 +371,16 @@ def _observed(
     from lidardraft.formats.cast import read_cast
     from lidardraft.simulation.observe_cast import observe_cast, observe_points
 
+    made: Callable[..., RangeImage] = observe_cast
     if Path(path).suffix == ".npz":
-        of_cast, images = read_cast(path, sensor)
-        depth, label = images.pop("depth"), images.pop("label")
-        with named(path):
-            options = images if not materials else images | {"materials": materials}
-            return observe_cast(depth, label, of_cast, seed=seed, weather=weather, **options)
-    if sensor is None:
+        sensor, given = read_cast(path, sensor)
+    elif sensor is None:
         raise FormatError(f"{path} does not name its sensor; give its --sensor")
-    cloud = read_carla(path, VERSIONS.get(tags or "", TAGS))
+    else:
+        made, given = observe_points, asdict(read_carla(path, VERSIONS.get(tags or "", TAGS)))
+    options = given | ({"materials": materials} if materials else {})
     with named(path):
-        return observe_points(
-            cloud.points,
-            cloud.label,
-            sensor,
-            instance=cloud.instance,
-            incidence=cloud.incidence,
-            materials=materials or cloud.materials,
-            seed=seed,
-            weather=weather,
-        )
+        return made(**options, sensor=sensor, seed=seed, weather=weather)
 
 
 def observe_options(parser: argparse.ArgumentParser) -> None:

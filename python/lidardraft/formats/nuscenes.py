@@ -285,9 +285,7 @@ def _fixed_tables() -> Tables:
         "visibility": [{"token": token, "level": level, "description": ""} for token, level, _ in _VISIBLE],
         "sensor": [{"token": _token("LIDAR_TOP"), "channel": "LIDAR_TOP", "modality": "lidar"}],
         "log": [log | {"location": "lidardraft"}],
-        "map": [
-            {"token": _token("map"), "log_tokens": [log["token"]], "category": "", "filename": "maps/none.png"},
-        ],
+        "map": [{"token": _token("map"), "log_tokens": [log["token"]], "category": "", "filename": "maps/none.png"}],
         **{name: [] for name in ("instance", "calibrated_sensor", "ego_pose", "scene", "sample", "sample_data")},
         **{name: [] for name in ("sample_annotation", "lidarseg")},
     }
@@ -305,18 +303,10 @@ def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame
         for annotation in frame.annotations:
             _annotate(tracks.setdefault(annotation.box.id, []), name, sample, frame, annotation)
     tables["sample"] += _linked(samples)
-    tables["scene"].append(
-        {
-            "token": _token(name),
-            "log_token": _token("log"),
-            "nbr_samples": len(samples),
-            "name": name,
-            "description": _description(world),
-        }
-        | {"first_sample_token": samples[0]["token"], "last_sample_token": samples[-1]["token"]}
-    )
-    sweeps = tables["sample_data"][-len(samples) :]
-    tables["sample_data"][-len(samples) :] = _linked(sweeps)
+    said = {"token": _token(name), "log_token": _token("log"), "nbr_samples": len(samples), "name": name}
+    ends = {"first_sample_token": samples[0]["token"], "last_sample_token": samples[-1]["token"]}
+    tables["scene"].append(said | {"description": _description(world)} | ends)
+    tables["sample_data"][-len(samples) :] = _linked(tables["sample_data"][-len(samples) :])
     for track in tracks.values():
         _set_apart_parked(track)
         tables["instance"].append(
@@ -380,8 +370,7 @@ def _annotate(
         | {"instance_token": _token(scene, box.id), "category_token": _token("category", _category(annotation))}
         | {"attribute_tokens": [_token("attribute", name) for name in _attributes(annotation)]}
         | {"visibility_token": next(token for token, _, least in _VISIBLE if 1 - annotation.occlusion >= least)}
-        | {"translation": pose[:3, 3].tolist(), "rotation": _quaternion(pose[:3, :3])}
-        | {"size": [width, length, height]}
+        | {"translation": pose[:3, 3].tolist(), "rotation": _quaternion(pose[:3, :3]), "size": [width, length, height]}
         | {"num_lidar_pts": annotation.num_points, "num_radar_pts": 0}
     )
 
