@@ -7,7 +7,7 @@ import json
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
 from dataclasses import asdict, dataclass
-from functools import cached_property, partial
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -103,48 +103,12 @@ def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather | None, thread
     return simulate(layout, sensor, seed=seed, weather=weather, speed=speed, threads=threads)
 
 
-@dataclass(frozen=True)
-class Frames:
-    """The frames of a sequence; each process that makes some prepares the scene for itself."""
-
-    layout: Layout
-    sensor: Sensor
-    scenario: Scenario
-    weather: Weather | None
-    arguments: argparse.Namespace
-    threads: int | None
-
-    def __call__(self, number: int) -> Scan:
-        """Frame `number`."""
-        return self.simulator.frame(number)
-
-    @cached_property
-    def simulator(self) -> SequenceSimulator:
-        """What makes them."""
-        from lidardraft.simulation.sequence import SequenceSimulator
-
-        arguments = self.arguments
-        return SequenceSimulator(
-            self.layout,
-            self.sensor,
-            self.scenario,
-            frames=arguments.frames,
-            hz=arguments.hz or _HZ,
-            speed=arguments.speed,
-            seed=arguments.seed,
-            weather=self.weather,
-            threads=self.threads,
-        )
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in vars(self).items() if name != "simulator"}
-
-
 def _write_sequence(
     arguments: argparse.Namespace, made: Callable[[SequenceSimulator], Iterator[Scan]] | None = None
 ) -> None:
     """Write the frames of a sequence, or what is made of them in their order."""
     from lidardraft.scan import Scan
+    from lidardraft.simulation.sequence import SequenceSimulator
 
     for option in ("num", "street", "text_file", "poses", "map", "after"):
         if getattr(arguments, option, None) is not None:
@@ -153,13 +117,22 @@ def _write_sequence(
     scenario = Scenario() if arguments.scenario is None else Scenario.load(arguments.scenario)
     layout, num = read_layout(arguments), arguments.frames
     jobs = jobs_of(arguments, num)
-    frames = Frames(layout, sensor, scenario, weather, arguments, 1 if jobs > 1 else None)
     with named(arguments.scenario) if arguments.scenario else nullcontext():
-        simulator = frames.simulator
+        simulator = SequenceSimulator(
+            layout,
+            sensor,
+            scenario,
+            frames=num,
+            hz=arguments.hz or _HZ,
+            speed=arguments.speed,
+            seed=arguments.seed,
+            weather=weather,
+            threads=1 if jobs > 1 else None,
+        )
     asked = arguments.scenario is not None or arguments.speed is not None
     if not (asked or simulator.tracks.actors or simulator.tracks.ego.moves()):
         say("nothing moves: the layout has no road whose lanes are known; --speed and --scenario say more")
-    make = frames if made is None else partial(_next, made(simulator))
+    make = simulator.frame if made is None else partial(_next, made(simulator))
     folder = ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save)
     with progress(num, "frame") as bar:
         for _ in folder.write(num, jobs=jobs):
