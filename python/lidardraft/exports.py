@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Iterator
-from itertools import chain, islice
+from itertools import chain, groupby
 from pathlib import Path
 
 from lidardraft.errors import FormatError
@@ -38,10 +38,10 @@ def export(
             boxes += len(frame.annotations)
             yield frame
 
-    those = iter(scans_in(Path(scans)) if isinstance(scans, str | os.PathLike) else scans)
-    begun = list(islice(those, 1))
-    one = any(isinstance(each, Scan | str | os.PathLike) for each in begun)
-    write(output, map(frames, [chain(begun, those)] if one else chain(begun, those)))  # type: ignore[arg-type]
+    those = scans_in(Path(scans)) if isinstance(scans, str | os.PathLike) else scans
+    runs = groupby(those, lambda each: isinstance(each, Scan | str | os.PathLike))
+    drives = chain.from_iterable([run] if of_scans else run for of_scans, run in runs)
+    write(output, map(frames, drives))  # type: ignore[arg-type]
     if not boxes and format not in UNBOXED:
         said = "no scan has a box; `observe` takes those of NAME.boxes.json or NAME.layout.json beside its casts"
         warnings.warn(f"{os.fspath(output)}: {said}", stacklevel=2)

@@ -281,7 +281,7 @@ def test_moves_that_cannot_be_change_nothing(id, pose, message):
     with pytest.raises(LayoutError, match=message):
         caster.move(id, pose)
     np.testing.assert_array_equal(caster.scan(FINE).depth, raycast(LAYOUT, FINE).depth)
-    with pytest.raises(LayoutError, match="the layout has none"):
+    with pytest.raises(LayoutError, match="no primitive has the id 'car_1'; it has none"):
         Raycaster(Layout()).move("car_1", np.eye(4))
 
 

@@ -207,9 +207,10 @@ def npy(array: np.ndarray) -> bytes:
     return buffer.getvalue()
 
 
-def write_image_sets(folder: Path, names: list[str]) -> None:
-    """Write ImageSets/train.txt, val.txt and trainval.txt; the last fifth of the frames, one at least, is for
-    validation."""
+def write_image_sets(folder: Path, frames: Path) -> None:
+    """Write ImageSets/train.txt, val.txt and trainval.txt of the frames that have a file in the folder `frames`; the
+    last fifth of them, one at least, is for validation."""
+    names = sorted(path.stem for path in frames.iterdir())
     split = min(len(names) - 1, round(len(names) * (1 - VALIDATION_SHARE)))
     for part, those in (("train", names[:split]), ("val", names[split:]), ("trainval", names)):
         (folder / "ImageSets").mkdir(exist_ok=True)

@@ -64,11 +64,9 @@ def write_kitti_object(folder: Path, drives: Drives, first: int) -> None:
     out."""
     for part in ("velodyne", "label_2", "calib", "image_2"):
         (folder / "training" / part).mkdir(parents=True)
-    names = []
     for name, frame in numbered(drives, first):
-        names.append(name)
         _write_frame(folder / "training", name, frame)
-    write_image_sets(folder, names)
+    write_image_sets(folder, folder / "training" / "velodyne")
 
 
 def _write_frame(folder: Path, name: str, frame: Frame) -> None:

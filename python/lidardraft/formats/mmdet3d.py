@@ -24,7 +24,7 @@ def write_mmdet3d(folder: Path, drives: Drives, first: int) -> None:
     for part in ("points", "labels", "semantic_mask"):
         (folder / part).mkdir()
     infos = {name: _write_frame(folder, name, frame) for name, frame in numbered(drives, first)}
-    write_image_sets(folder, list(infos))
+    write_image_sets(folder, folder / "points")
     for split in ("train", "val"):
         names = (folder / "ImageSets" / f"{split}.txt").read_text().split()
         metainfo = {"categories": {name: i for i, name in enumerate(CATEGORIES)}, "dataset": "lidardraft"}

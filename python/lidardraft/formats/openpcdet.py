@@ -18,12 +18,10 @@ def write_openpcdet(folder: Path, drives: Drives, first: int) -> None:
     """Write a data set for `CustomDataset`; objects without a point are left out."""
     for part in ("points", "labels"):
         (folder / part).mkdir()
-    names = []
     for name, frame in numbered(drives, first):
-        names.append(name)
         (folder / "points" / f"{name}.npy").write_bytes(npy(np.column_stack([frame.points, frame.intensity])))
         write_text(folder / "labels" / f"{name}.txt", "".join(map(_line, frame.seen())))
-    write_image_sets(folder, names)
+    write_image_sets(folder, folder / "points")
 
 
 def _line(annotation: Annotation) -> str:
