@@ -29,14 +29,7 @@ from lidardraft.cli.arguments import (
     whole_number,
 )
 from lidardraft.cli.command import progress, say
-from lidardraft.cli.inputs import (
-    add_inputs,
-    around_it,
-    check_inputs,
-    layout_of_text,
-    notes_on,
-    read_layout,
-)
+from lidardraft.cli.inputs import add_inputs, around_it, check_inputs, layout_of_text, notes_on, read_layout
 from lidardraft.cli.scan_folder import ScanFolder, add_folder, add_jobs, check_output, jobs_of
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_sentences, write_text

@@ -95,14 +95,7 @@ def view_options(parser: argparse.ArgumentParser) -> None:
 
 def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
     from lidardraft.formats.pairs import is_shard, read_shard
-    from lidardraft.view import (
-        points_on_road,
-        render_large,
-        render_layout_and_cast,
-        render_pair,
-        render_returns,
-        sheet,
-    )
+    from lidardraft.view import points_on_road, render_large, render_layout_and_cast, render_pair, render_returns, sheet
 
     name: str | None = arguments.sensor
     if path.suffix == ".json":

@@ -66,8 +66,7 @@ class DataSet:
 
     def scans_of(self, share: tuple[int, int]) -> int:
         """How many scans a share has."""
-        mine = self._of(share)
-        return sum(len(self._items(number)) for number in mine[-1:]) + len(mine[:-1]) * self.recipe.shard_size
+        return sum(len(self._items(number)) for number in self._of(share))
 
     def make(self, number: int) -> Tally:
         """Make a shard, unless it is done, and count what it holds."""
