@@ -450,6 +450,8 @@ def test_scans_names_folders_and_drives_are_exported(tmp_path: Path) -> None:
     assert all(each == found[0] for each in found)
     lidardraft.export([names, sequence()], "semantickitti", tmp_path / "two")
     assert sorted(os.listdir(tmp_path / "two/sequences")) == ["00", "01"]
+    lidardraft.export(sequence()[0], "pcd", tmp_path / "one")
+    assert os.listdir(tmp_path / "one") == ["000000.pcd"]
     with pytest.raises(FormatError, match=re.escape("format is 'nuscene'; it must be one of kitti, ")):
         lidardraft.export(names, "nuscene", tmp_path / "three")
     for margin in (-0.1, float("nan"), "1"):

@@ -81,9 +81,10 @@ class Scan:
         first invalid value.
         """
         check_type("sensor", sensor, Sensor)
+        check_type("layout", layout := Layout() if layout is None else layout, Layout)
         image = RangeImage.project(points, sensor, label=label, instance=instance, intensity=intensity)
-        if image.intensity is not None and not 0 <= image.intensity.min() <= image.intensity.max() <= 1:
-            low, high = image.intensity.min(), image.intensity.max()
+        low, high = (0, 0) if intensity is None else (np.min(intensity, initial=0), np.max(intensity, initial=0))
+        if low < 0 or high > 1:
             raise LayoutError(f"intensity holds {low:g} to {high:g}; it must be 0 to 1, as by a division by 255")
         pose = sensor.pose() if pose is None else finite_array("pose", pose, 4, 4)
         count, returns = len(points), int(np.count_nonzero(image.depth))
@@ -92,7 +93,7 @@ class Scan:
         lines = () if returns == count else (f"{count - returns} of {count} points are left out: {lost}",)
         for line in lines:
             warnings.warn(line, stacklevel=2)
-        return cls(image=image, layout=layout or Layout(), pose=pose, seed=0, assumed=lines)
+        return cls(image=image, layout=layout, pose=pose, seed=0, assumed=lines)
 
     @property
     def notes(self) -> tuple[str, ...]:
