@@ -66,7 +66,8 @@ class DataSet:
 
     def scans_of(self, share: tuple[int, int]) -> int:
         """How many scans a share has."""
-        return sum(len(self._items(number)) for number in self._of(share))
+        mine = self._of(share)
+        return sum(len(self._items(number)) for number in mine[-1:]) + len(mine[:-1]) * self.recipe.shard_size
 
     def make(self, number: int) -> Tally:
         """Make a shard, unless it is done, and count what it holds."""
