@@ -80,6 +80,15 @@ def test_a_layout_is_a_sequence_with_names():
         layout["zebra"]
     with pytest.raises(LayoutError, match=r"no primitive has the id 3; it has none$"):
         Layout()[3]  # type: ignore[index]
+    tree = Layout(primitives=tuple(dataclasses.replace(CAR, id=f"tree_3.{part}") for part in ("trunk", "crown")))
+    with pytest.raises(LayoutError, match=r"no primitive has the id 'tree_3'; it has tree_3\.trunk, tree_3\.crown$"):
+        tree["tree_3"]
+
+
+def test_a_provenance_of_others_gives_no_notes():
+    layout = Layout((), {"notes": "by hand", "surroundings": None, "ignored": 3, "nearest_words": None})
+    assert layout.notes == ()
+    assert layout.noted("one").notes == ("one",)
 
 
 @pytest.mark.parametrize("unused", [0, 1, 3])
