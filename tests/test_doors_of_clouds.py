@@ -352,6 +352,7 @@ def test_clouds_of_maps_are_refused_by_every_command(
         said = run(capsys, *argv, status=2)
         assert f"{path.name}: the nearest returns are 5837" in said
         assert "m from the origin, where the sensor should be; of a cloud in the frame of a map, subtract" in said
+        assert "and of one in other units make metres" in said
 
 
 def test_coarse_coordinates_of_maps_are_told(folder: Path) -> None:
@@ -421,7 +422,8 @@ def test_the_ground_says_how_high_the_sensor_stood(
         f"a.bin: the ground lies at z = {1.73 - height:.2f} m, as the sensor is taken to be 1.73 m over the road"
         in said
     )
-    assert f"it is {height:.2f} m: give sensor_height (--sensor-height)" in said
+    below = "; or does z point down in it?" if height < 0 else ""
+    assert f"it is {height:.2f} m: give sensor_height (--sensor-height){below}\n" in said
     assert len(Layout.load("l.json").notes) == 1
     said = run(capsys, *draft, "--sensor-height", f"{height}")
     assert "the ground lies" not in said

@@ -77,10 +77,8 @@ def out_of_reach(layout: Layout, remedy: str = "--recentre (`recentre` in Python
     surface = LayoutGround(layout)
     off = [box.center[2] - box.size[2] / 2 - surface.height(*box.center[:2]) for box in layout.boxes()]
     if off and (most := float(np.median(np.abs(off)))) > _STEP:
-        said = (
-            f"its vehicles and people are {most:.1f} m off the ground; is another axis up (--up, for models)? {remedy}"
-        )
-        return [said]
+        said = f"its vehicles and people are {most:.1f} m off the ground"
+        return [f"{said}; is another axis up (--up, for models)? {remedy}"]
     return []
 
 

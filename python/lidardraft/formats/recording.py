@@ -42,10 +42,8 @@ SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pk
 _FIELDS = ("label", "instance", "column", "made_up")  # of an .npz file, beside those of `NAMES`
 _OFF, _FURTHEST = 50.0, 1000.0  # m from the sensor: its nearest returns are hardly so far off, and never further
 _NEAR = 0.05  # of the returns are its nearest: a few of a map may lie near the map's origin
-_MAP = (
-    "the nearest returns are {:.0f} m from the origin, where the sensor should be; of a cloud in the frame of a map, "
-)
-_MAP += "subtract the sensor's place"
+_MAP = "the nearest returns are {:.0f} m from the origin, where the sensor should be; of a cloud in the frame of a map"
+_MAP += ", subtract the sensor's place, and of one in other units make metres"
 _COARSE = 0.01  # m: coarser steps of coordinates show
 _NO_LASERS = "nothing says which laser took a point: no field ring, no rows, not laser by laser as KITTI's files are"
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead

@@ -109,8 +109,9 @@ def _height_note(points: np.ndarray, labels: np.ndarray, sensor_height: float) -
     else:
         what, found, most = "the lowest point lies", float(np.percentile(points[:, 2], 1)), _LOWEST
     if abs(found) > most:
+        below = "; or does z point down in it?" if found > sensor_height else ""
         said = f"{what} at z = {found:.2f} m, as the sensor is taken to be {sensor_height:g} m over the road"
-        yield f"{said}; by the cloud it is {sensor_height - found:.2f} m: give sensor_height (--sensor-height)"
+        yield f"{said}; by the cloud it is {sensor_height - found:.2f} m: give sensor_height (--sensor-height){below}"
 
 
 class _Scan:
