@@ -71,6 +71,7 @@ def test_the_json_names_the_class_and_has_one_primitive_a_line():
 def test_a_layout_is_a_sequence_with_names():
     layout = Layout(primitives=(CAR,))
     assert (len(layout), list(layout), layout["car_1"]) == (1, [CAR], CAR)
+    assert ("car_1" in layout, CAR in layout, "car_9" in layout, "car" in layout) == (True, True, False, False)
     message = "no primitive has the id 'car_9'; did you mean 'car_1'?"
     for family in (KeyError, LayoutError, LidarDraftError):
         with pytest.raises(family) as caught:

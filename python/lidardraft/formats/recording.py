@@ -40,9 +40,10 @@ _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
 SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pkl.gz", ".pcap")
 _FIELDS = ("label", "instance", "column", "made_up")  # of an .npz file, beside those of `NAMES`
-_OFF, _FURTHEST = 50.0, 1000.0  # m from the sensor: its nearest return is hardly so far off, and no return further
-_MAP = "the nearest return is {:.0f} m from the origin, where the sensor should be; of a cloud in the frame of a map, "
-_MAP += "subtract the sensor's place"
+_OFF, _FURTHEST = 50.0, 1000.0  # m from the sensor: its nearest returns are hardly so far off, and never further
+_NEAR = 0.05  # of the returns are its nearest: a few of a map may lie near the map's origin
+_MAP = "the nearest returns are {:.0f} m from the origin, where the sensor should be; of a cloud in the frame of a map"
+_MAP += ", subtract the sensor's place, and of one in other units make metres"
 _COARSE = 0.01  # m: coarser steps of coordinates show
 _NO_LASERS = "nothing says which laser took a point: no field ring, no rows, not laser by laser as KITTI's files are"
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
@@ -214,7 +215,9 @@ def _ranges(points: np.ndarray) -> np.ndarray:
 
 
 def _nearest(ranges: np.ndarray) -> float:
-    return float(ranges[ranges > 0].min(initial=np.inf))
+    """How far the nearest returns of a scan are, infinitely far if it has none."""
+    there = ranges[ranges > 0]
+    return float(np.quantile(there, _NEAR)) if len(there) else np.inf
 
 
 def read_semantic_map(path: str | os.PathLike[str], sensor: Sensor) -> np.ndarray:

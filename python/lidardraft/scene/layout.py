@@ -212,6 +212,9 @@ class Layout:
         objects = len({p.instance for p in self.primitives if p.instance and BY_NAME[p.label].is_thing})
         return f"Layout({len(self)} shapes, {objects} objects with a box, from {self.provenance.get('source')})"
 
+    def __contains__(self, one: object) -> bool:
+        return any(one in (primitive.id, primitive) for primitive in self)
+
     def __getitem__(self, id: str) -> Primitive:
         """The primitive of that id; raises `UnknownNameError`, a `KeyError`, where there is none."""
         for primitive in self.primitives:
