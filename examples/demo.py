@@ -46,7 +46,10 @@ def main() -> None:
     write_boxes(folder / "boxes.json", simulated.boxes(), simulated.returns_per_box())
     view.save_png(folder / "condition.png", view.render_image(generated.condition_image))
     images = {"condition image": generated.condition_image, "simulated": simulated.image, "generated": generated.image}
-    view.save_png(folder / "preview.png", view.render_scans_of_layout(layout, generated.pose, images))
+    pictures = [view.caption(view.render_layout(layout), "layout")]
+    for name, image in images.items():
+        pictures.append(view.caption(view.render_scan(image, generated.pose), name))
+    view.save_png(folder / "preview.png", view.sheet(pictures))
     labelled = np.mean(generated.labels() > 0)
     say(f"{len(generated.points())} points, {labelled:.0%} of them labelled; look at {folder / 'preview.png'}")
 

@@ -350,8 +350,9 @@ def test_clouds_of_maps_are_refused_by_every_command(
         ["evaluate", "--protocol", "lidm", "--real", path.name, "--generated", path.name],
     ):
         said = run(capsys, *argv, status=2)
-        assert f"{path.name}: the nearest return is 5837" in said
+        assert f"{path.name}: the nearest returns are 5837" in said
         assert "m from the origin, where the sensor should be; of a cloud in the frame of a map, subtract" in said
+        assert "and of one in other units make metres" in said
 
 
 def test_coarse_coordinates_of_maps_are_told(folder: Path) -> None:
@@ -378,9 +379,34 @@ def test_pairs_say_what_is_applied_in_other_processes_too(capfd: pytest.CaptureF
 def test_clouds_that_are_not_around_the_sensor_are_told(folder: Path) -> None:
     write_ply(folder / "a.ply", columns_of(POINTS + np.float32([200, 0, 0])))
     with pytest.warns(
-        UserWarning, match=r"a\.ply: the nearest return is 180 m from the origin, where the sensor should"
+        UserWarning, match=r"a\.ply: the nearest returns are 18\d m from the origin, where the sensor should"
     ):
         read_points(folder / "a.ply")
+
+
+def test_clouds_around_the_origin_of_a_map_are_told(folder: Path) -> None:
+    few = np.float32([[3, 0, 0], [0, 4, 0], [-3, 0, 0]])
+    write_ply(folder / "a.ply", columns_of(np.concatenate([POINTS + np.float32([100, 50, 0]), few])))
+    with pytest.warns(UserWarning, match=r"a\.ply: the nearest returns are 9\d m from the origin"):
+        read_points(folder / "a.ply")
+    write_pcd(
+        folder / "a.pcd",
+        columns_of(np.concatenate([POINTS, POINTS[:3] + np.float32([100, 50, 0])])),
+        "100 50 0 1 0 0 0",
+    )
+    with pytest.warns(UserWarning, match=r"VIEWPOINT \[100.*\] is not applied"):
+        np.testing.assert_array_equal(read_points(folder / "a.pcd")[0][: len(POINTS)], POINTS)
+
+
+@pytest.mark.parametrize("nearest", [1.0, 12.0])
+@pytest.mark.parametrize("height", [0.3, 3.2])
+def test_a_ground_that_begins_far_away_says_the_height_too(nearest: float, height: float) -> None:
+    around = np.stack([np.cos(np.arange(0, 6.28, 0.01)), np.sin(np.arange(0, 6.28, 0.01))], axis=1)
+    rings = np.concatenate([around * radius for radius in (nearest, nearest + 2, nearest + 5)])
+    road = np.column_stack([rings, np.full(len(rings), -height)]).astype(np.float32)
+    (note,) = layout_from_cloud(road, np.full(len(road), ROAD, np.uint8), sensor_height=1.73).notes
+    assert f"by the cloud it is {height:.2f} m: give sensor_height (--sensor-height)" in note
+    assert layout_from_cloud(road, np.full(len(road), ROAD, np.uint8), sensor_height=height).notes == ()
 
 
 @pytest.mark.parametrize("height", [0.4, 32.0, -3.0])
@@ -396,7 +422,8 @@ def test_the_ground_says_how_high_the_sensor_stood(
         f"a.bin: the ground lies at z = {1.73 - height:.2f} m, as the sensor is taken to be 1.73 m over the road"
         in said
     )
-    assert f"it is {height:.2f} m: give sensor_height (--sensor-height)" in said
+    below = "; or does z point down in it?" if height < 0 else ""
+    assert f"it is {height:.2f} m: give sensor_height (--sensor-height){below}\n" in said
     assert len(Layout.load("l.json").notes) == 1
     said = run(capsys, *draft, "--sensor-height", f"{height}")
     assert "the ground lies" not in said

@@ -19,8 +19,8 @@ from lidardraft import Box, Layout, Primitive, Scan, Sensor, Simulator, raycast
 from lidardraft.cli import main as cli
 from lidardraft.errors import FormatError
 from lidardraft.formats.boxes import write_boxes
-from lidardraft.formats.frame import AS_SEEN, FORMATS, UNBOXED, Annotation, Frame
-from lidardraft.formats.nuscenes import CATEGORIES, read_lidarseg, write_nuscenes
+from lidardraft.formats.frame import AS_SEEN, FORMATS, UNBOXED, Annotation, Frame, writer_of
+from lidardraft.formats.nuscenes import CATEGORIES, read_lidarseg
 from lidardraft.formats.semantickitti import RAW_FROM_CLASS, read_label
 from lidardraft.scene.scenario import Scenario, Straight, Waypoints
 from lidardraft.semantics import BY_NAME
@@ -182,7 +182,7 @@ def annotated(id: str, label: str, size: tuple, velocity: tuple | None = (0.0, 0
 
 
 def written(frames: list[Frame], output: Path) -> dict[str, list]:
-    write_nuscenes(output, [frames])
+    writer_of("nuscenes")(output, [frames])
     return {path.stem: json.loads(path.read_text()) for path in (output / "v1.0-trainval").iterdir()}
 
 
@@ -450,6 +450,8 @@ def test_scans_names_folders_and_drives_are_exported(tmp_path: Path) -> None:
     assert all(each == found[0] for each in found)
     lidardraft.export([names, sequence()], "semantickitti", tmp_path / "two")
     assert sorted(os.listdir(tmp_path / "two/sequences")) == ["00", "01"]
+    lidardraft.export(sequence()[0], "pcd", tmp_path / "one")
+    assert os.listdir(tmp_path / "one") == ["000000.pcd"]
     with pytest.raises(FormatError, match=re.escape("format is 'nuscene'; it must be one of kitti, ")):
         lidardraft.export(names, "nuscene", tmp_path / "three")
     for margin in (-0.1, float("nan"), "1"):

@@ -193,6 +193,44 @@ def test_boxes_of_another_unit_or_place() -> None:
     (note,) = layout_from_boxes([Box("car_1", "car", 1, (5000.0, 0.0, 0.8), CAR[1], 0.0)]).notes
     assert note.startswith("all of it is 4,998 m or more from the origin")
     assert note.endswith("boxes are read in the frame of the sensor")
+    (note,) = layout_from_boxes([Box("car_1", "car", 1, (12.0, 0.0, 30.75), CAR[1], 0.0)], sensor_height=1.25).notes
+    assert note.startswith("its vehicles and people are 31.2 m off the ground")
+    assert note.endswith("boxes are read in the frame of the sensor")
+
+
+def test_yaws_in_degrees_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.txt"
+    path.write_text("12 3.5 -0.98 4.2 1.8 1.5 -3.1 Car\n20 3.5 -0.98 4.2 1.8 1.5 90 Car\n")
+    with pytest.raises(FormatError, match=r"a\.txt: line 2: yaw is 90; it must be radians, .*; are these degrees\?"):
+        read_box_file(path)
+    path.write_text("12 3.5 -0.98 4.2 1.8 1.5 -6.28 Car\n")
+    assert [box.yaw for box in read_box_file(path)] == [-6.28]
+
+
+@pytest.mark.parametrize("door", ["obj", "glb"])
+@pytest.mark.parametrize("has_ground", [False, True])
+def test_another_axis_is_up(tmp_path: Path, door: str, has_ground: bool) -> None:
+    write, read = READERS[door]
+    things = {"Car": CAR} | ({"Road": ROAD} if has_ground else {})
+    turned = {
+        name: ((x, z, -y), (length, height, width)) for name, ((x, y, z), (length, width, height)) in things.items()
+    }
+    if door == "glb":  # whose writer turns y up once more
+        turned = {name: ((x, -z, y), (a, c, b)) for name, ((x, y, z), (a, b, c)) in things.items()}
+    path = write(tmp_path, turned)
+    notes = read(path).notes
+    assert any("m off the ground; is another axis up (--up, for models)? --recentre" in note for note in notes)
+    layout = read(path, up="y" if door == "obj" else "z")
+    assert layout.notes == ()
+    assert np.allclose([layout["Car"].center, layout["Car"].size], CAR, atol=1e-6)
+
+
+@pytest.mark.parametrize("door", READERS)
+def test_houses_of_another_unit(tmp_path: Path, door: str) -> None:
+    write, read = READERS[door]
+    path = write(tmp_path, {"House": ((15000.0, 0.0, 4000.0), (30000.0, 6000.0, 8000.0))})
+    assert read(path).notes == ("House is 8,000 m high; --scale (`scale` in Python) is for units other than the metre",)
+    assert read(path, scale=0.001).notes == read(path, as_is=True).notes == ()
 
 
 @pytest.mark.parametrize("door", READERS)

@@ -81,6 +81,7 @@ def test_points_alone_are_enough() -> None:
     ("changes", "message"),
     [
         ({"intensity": [255.0]}, "intensity holds 0 to 255; it must be 0 to 1, as by a division by 255"),
+        ({"intensity": [1.0, 7.0], "points": [[5.0, 0, 0], [6.0, 0, 0]]}, "intensity holds 0 to 7; it must be 0 to 1"),
         ({"intensity": [-0.5]}, "intensity holds -0.5 to 0; it must be 0 to 1"),
         ({"intensity": [math.nan]}, "an intensity is not finite"),
         ({"label": [99]}, "label holds 99; it must be whole numbers of 0 to 20"),
@@ -98,6 +99,8 @@ def test_values_that_do_not_fit_are_one_line(changes: dict[str, Any], message: s
         Scan.from_points(**arguments)
 
 
-def test_the_sensor_is_a_sensor() -> None:
+def test_the_sensor_is_a_sensor_and_the_layout_a_layout() -> None:
     with pytest.raises(TypeError, match="sensor is a str; it must be a Sensor"):
         Scan.from_points(np.zeros((1, 3)), "hdl64e")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="layout is a str; it must be a Layout"):
+        Scan.from_points(np.zeros((1, 3)), FEW, layout="a car")  # type: ignore[arg-type]

@@ -26,6 +26,12 @@ def opened(path: str | os.PathLike[str]) -> Iterator[zipfile.ZipFile]:
         yield archive
 
 
+def names_in(path: str | os.PathLike[str]) -> list[str]:
+    """The names of the arrays in an .npz file; raises `FormatError` where it is broken."""
+    with opened(path) as archive:
+        return [name.removesuffix(".npy") for name in archive.namelist()]
+
+
 def holds(archive: zipfile.ZipFile, name: str) -> bool:
     """Whether there is an array of that name."""
     return f"{name}.npy" in archive.namelist()

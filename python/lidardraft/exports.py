@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import warnings
 from collections.abc import Iterable, Iterator
-from itertools import chain, islice
+from itertools import chain, groupby
 from pathlib import Path
 
 from lidardraft.errors import FormatError
@@ -16,15 +16,15 @@ Saved = Scan | str | os.PathLike[str]  # a scan, or the name of a saved one
 
 
 def export(
-    scans: str | os.PathLike[str] | Iterable[Saved | Iterable[Saved]],
+    scans: Saved | Iterable[Saved | Iterable[Saved]],
     format: str,
     output: str | os.PathLike[str],
     *,
     as_seen: bool | None = None,
     box_margin: float = 0.0,
 ) -> None:
-    """Write a drive of scans or of names of saved ones, all of a folder, or several drives, one scan after the other,
-    into the new folder `output` in a format of docs/formats.md ("kitti", "nuscenes", ...).
+    """Write a scan, a drive of scans or of names of saved ones, all of a folder, or several drives, one scan after the
+    other, into the new folder `output` in a format of docs/formats.md ("kitti", "nuscenes", ...).
 
     Points and boxes are those of `Scan.frame`, by default `as_seen` for "mcap" alone. No box at all is a `UserWarning`
     if the format has boxes. Raises `FormatError` for an unknown format, no scans, or an `output` that is there already.
@@ -38,10 +38,13 @@ def export(
             boxes += len(frame.annotations)
             yield frame
 
-    those = iter(scans_in(Path(scans)) if isinstance(scans, str | os.PathLike) else scans)
-    begun = list(islice(those, 1))
-    one = any(isinstance(each, Scan | str | os.PathLike) for each in begun)
-    write(output, map(frames, [chain(begun, those)] if one else chain(begun, those)))  # type: ignore[arg-type]
+    if isinstance(scans, Scan):
+        scans = [scans]
+    elif isinstance(scans, str | os.PathLike):
+        scans = scans_in(Path(scans))
+    runs = groupby(scans, lambda each: isinstance(each, Scan | str | os.PathLike))
+    drives = chain.from_iterable([run] if of_scans else run for of_scans, run in runs)
+    write(output, map(frames, drives))  # type: ignore[arg-type]
     if not boxes and format not in UNBOXED:
         said = "no scan has a box; `observe` takes those of NAME.boxes.json or NAME.layout.json beside its casts"
         warnings.warn(f"{os.fspath(output)}: {said}", stacklevel=2)

@@ -81,9 +81,10 @@ class Scan:
         first invalid value.
         """
         check_type("sensor", sensor, Sensor)
+        check_type("layout", layout := Layout() if layout is None else layout, Layout)
         image = RangeImage.project(points, sensor, label=label, instance=instance, intensity=intensity)
-        if image.intensity is not None and not 0 <= image.intensity.min() <= image.intensity.max() <= 1:
-            low, high = image.intensity.min(), image.intensity.max()
+        low, high = (0, 0) if intensity is None else (np.min(intensity, initial=0), np.max(intensity, initial=0))
+        if low < 0 or high > 1:
             raise LayoutError(f"intensity holds {low:g} to {high:g}; it must be 0 to 1, as by a division by 255")
         pose = sensor.pose() if pose is None else finite_array("pose", pose, 4, 4)
         count, returns = len(points), int(np.count_nonzero(image.depth))
@@ -92,7 +93,7 @@ class Scan:
         lines = () if returns == count else (f"{count - returns} of {count} points are left out: {lost}",)
         for line in lines:
             warnings.warn(line, stacklevel=2)
-        return cls(image=image, layout=layout or Layout(), pose=pose, seed=0, assumed=lines)
+        return cls(image=image, layout=layout, pose=pose, seed=0, assumed=lines)
 
     @property
     def notes(self) -> tuple[str, ...]:
@@ -124,7 +125,10 @@ class Scan:
 
     def intensities(self) -> np.ndarray:
         """Intensities in [0, 1] of `points()`, float32 [N]; raises `SensorError` where the image has none."""
-        return _intensities(self.image)
+        if self.image.intensity is None:
+            said = "`simulate` and `observe_cast` give one, `Scan.from_points` takes one"
+            raise SensorError(f"no intensity in the image; {said}")
+        return self.image.intensity[self.image.valid]
 
     def labels(self) -> np.ndarray:
         """Class ids of `points()`, uint8 [N]; 0 for points of nothing in the layout."""
@@ -198,34 +202,37 @@ class Scan:
     def save(self, name: str | os.PathLike[str], *, picture: bool = True) -> None:
         """Write `NAME.bin`, `.label`, `.npz`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png`.
 
-        The `.npz` is the range image, with pose, motion and seed: `load` reads it and the layout. An earlier scan of
-        that name is replaced whole. Raises `FormatError` where a file cannot be written and `SensorError` on an image
-        without intensity; then all stay as they were.
+        The `.npz` is the range image, with pose, motion and seed: `load` reads it and the layout. A scan of an empty
+        layout, whose objects nobody knows, has no `.boxes.json`. An earlier scan of that name is replaced whole. Raises
+        `FormatError` where a file cannot be written and `SensorError` on an image without intensity; then all stay as
+        they were.
         """
         with written_together(name, SCAN_ENDINGS) as stem:
-            _save_image(self.image, self.points(), stem)
+            kitti.write_bin(f"{stem}.bin", self.points(), self.intensities())
+            semantickitti.write_label(f"{stem}.label", self.labels(), self.instances())
             self.image.save(f"{stem}.npz", pose=self.pose, seed=np.int64(self.seed), **self._motion())
-            write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
+            Path(f"{stem}.sensor.json").write_text(self.image.sensor.to_json())
+            if self.layout.primitives:
+                write_boxes(f"{stem}.boxes.json", self.boxes(), self.returns_per_box())
             self.layout.save(f"{stem}.layout.json")
             if picture:
                 view.save_png(f"{stem}.png", self.picture())
 
-    def _motion(self) -> dict[str, np.ndarray]:
+    def _motion(self) -> dict[str, Any]:
         """What the .npz says of motion."""
-        said = {"speed": np.array(self.speed)}
-        if self.turn or self.time is not None:
-            said["turn"] = np.array(self.turn)
-        if self.time is not None:
-            said["time"] = np.array(self.time)
-        if self.velocities or self.time is not None:
-            said["velocities"] = np.array(json.dumps(dict(self.velocities)))
-        if self.heading is not None:
-            said["heading"] = np.array(self.heading)
-        return said
+        in_sequence = self.time is not None
+        said = {
+            "speed": (self.speed, True),
+            "turn": (self.turn, self.turn or in_sequence),
+            "time": (self.time, in_sequence),
+            "velocities": (json.dumps(dict(self.velocities)), self.velocities or in_sequence),
+            "heading": (self.heading, self.heading is not None),
+        }
+        return {name: value for name, (value, is_known) in said.items() if is_known}
 
     @classmethod
     def load(cls, name: str | os.PathLike[str]) -> Scan:
-        """The scan that was saved as `NAME`, which may end in .bin or .npz here; one of `save_observed` has an empty
+        """The scan that was saved as `NAME`, which may end in .bin or .npz here; one that says no pose has an empty
         layout. Raises `FormatError` where `NAME.npz` or `NAME.layout.json` is missing or broken.
         """
         name = os.fspath(name).removesuffix(".bin").removesuffix(".npz")
@@ -233,7 +240,7 @@ class Scan:
         image = RangeImage.load(file)
         motion = read_motion(file)
         if "pose" not in motion:
-            return cls(image=image, layout=Layout(()), pose=image.sensor.pose(), seed=0)
+            return cls(image=image, layout=Layout(), pose=image.sensor.pose(), seed=0)
         return cls(image=image, layout=Layout.load(f"{name}.layout.json"), **{"seed": 0, **motion})
 
     def __repr__(self) -> str:
@@ -255,26 +262,3 @@ def read_motion(path: str | os.PathLike[str]) -> dict[str, Any]:
             velocities = parse_object(array_files.read_text(archive, "velocities"))
             said["velocities"] = {key: checked_vector(key, "velocity", row) for key, row in velocities.items()}
     return said
-
-
-def save_observed(image: RangeImage, name: str | os.PathLike[str], *, picture: bool = True) -> None:
-    """Write an image with intensity as a `Scan` is saved, without the `.boxes.json` and `.layout.json` of a layout."""
-    with written_together(name, SCAN_ENDINGS) as stem:
-        _save_image(image, image.points(), stem)
-        image.save(f"{stem}.npz")
-        if picture:
-            view.save_png(f"{stem}.png", view.render_returns(image, view.points_on_road(image)))
-
-
-def _intensities(image: RangeImage) -> np.ndarray:
-    if image.intensity is None:
-        raise SensorError(
-            "no intensity in the image; `simulate` and `observe_cast` give one, `Scan.from_points` takes one"
-        )
-    return image.intensity[image.valid]
-
-
-def _save_image(image: RangeImage, points: np.ndarray, stem: str) -> None:
-    kitti.write_bin(f"{stem}.bin", points, _intensities(image))
-    semantickitti.write_label(f"{stem}.label", image.label[image.valid], image.instance[image.valid])
-    Path(f"{stem}.sensor.json").write_text(image.sensor.to_json())

@@ -12,7 +12,6 @@ import textwrap
 import zlib
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 
@@ -305,16 +304,6 @@ def render_preview(layout: Layout, scan: RangeImage, pose: np.ndarray) -> np.nda
         caption(render_scan(scan, pose, by_label=True), f"simulated scan, {scan.sensor.name}"),
     ]
     return stack(views, across=True)
-
-
-def render_scans_of_layout(layout: Layout, pose: np.ndarray, images: dict[str, RangeImage]) -> np.ndarray:
-    """A layout and scans of it from world_from_sensor `pose`, by their names: uint8 [H, W, 3].
-
-    The scans are shown beside the layout, and their range images below.
-    """
-    scans = [_over_strips(caption(render_scan(image, pose), name), image) for name, image in images.items()]
-    eye = replace(BEHIND, height=max(len(picture) for picture in scans))
-    return sheet([caption(render_layout(layout, eye), "layout"), *scans])
 
 
 def render_layout_and_cast(layout: Layout, sensor: Sensor) -> np.ndarray:

@@ -2,10 +2,13 @@
 
 use std::collections::HashMap;
 use std::fs::File;
-use std::io::{self, BufRead, BufReader, Cursor, Read};
+use std::io::Read;
 use std::path::Path;
 
 use crate::{Error, Result};
+
+/// The library that gives all materials, which the text as `tobj` reads it begins with.
+const LIBRARY: &str = "lidardraft names";
 
 /// A named part of an OBJ file: the faces of one object (`o` or `g`) with one material (`usemtl`).
 #[derive(Clone, Debug, PartialEq)]
@@ -52,10 +55,12 @@ pub fn read_obj(path: &Path) -> Result<Vec<ObjMesh>> {
     Ok(meshes)
 }
 
-/// The text as `tobj` reads it, with as many lines: those that end in a backslash go on in the next one, unless they are
-/// comments, and a `usemtl` without a name, as Rhino writes it, names a material that no library has.
+/// The text as `tobj` reads it, behind a line that names `LIBRARY`, with as many lines: those that end in a backslash go
+/// on in the next one, unless they are comments, and a `usemtl` without a name, as Rhino writes it, names a material that
+/// no library has.
 fn plain(text: &[u8]) -> Vec<u8> {
-    let (mut plain, mut joined) = (Vec::with_capacity(text.len()), 0);
+    let (mut plain, mut joined) = (format!("mtllib {LIBRARY}\n").into_bytes(), 0);
+    plain.reserve(text.len());
     for line in text.split(|&byte| byte == b'\n').map(<[u8]>::trim_ascii) {
         let begun = line.strip_suffix(b"\\").filter(|_| !line.starts_with(b"#"));
         plain.extend_from_slice(match line {
@@ -83,24 +88,25 @@ fn material_names(text: &[u8]) -> Vec<String> {
     names
 }
 
-/// The models of an OBJ text, or the line where it breaks.
+/// The models of a `plain` text, or the line where it breaks: the last one that was read.
 ///
-/// `tobj` forgets the name of a material that no library defines. So it is given a first line that names a library, and a
-/// loader that answers with all materials the text uses, and with nothing for the libraries of the text.
+/// `tobj` forgets the name of a material that no library defines. So `LIBRARY` has all materials that the text uses, and
+/// the libraries of the text have none.
 fn parse(text: &[u8], materials: &[String]) -> std::result::Result<Vec<tobj::Model>, (usize, tobj::LoadError)> {
-    const LIBRARY: &str = "lidardraft names";
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..Default::default() };
-    let first_line = format!("mtllib {LIBRARY}\n");
-    let mut reader = LineCounter { inner: BufReader::new(Cursor::new(first_line).chain(text)), ended: 0 };
+    let mut left = text;
     let library = |path: &Path| {
         let known = if path == Path::new(LIBRARY) { materials } else { &[] };
         let named = |name: &String| tobj::Material { name: name.clone(), ..Default::default() };
         let index: HashMap<String, usize> = known.iter().cloned().zip(0..).collect();
         Ok((known.iter().map(named).collect(), index))
     };
-    match tobj::load_obj_buf(&mut reader, &options, library) {
+    match tobj::load_obj_buf(&mut left, &options, library) {
         Ok((models, _)) => Ok(models),
-        Err(error) => Err((reader.ended.saturating_sub(1).max(1), error)),
+        Err(error) => {
+            let ended = text[..text.len() - left.len()].iter().filter(|&&byte| byte == b'\n').count();
+            Err((ended.saturating_sub(1).max(1), error))
+        }
     }
 }
 
@@ -118,28 +124,4 @@ fn named_mesh(path: &Path, model: tobj::Model, materials: &[String]) -> Result<O
     let material = model.mesh.material_id.and_then(|id| materials.get(id));
     let material = material.cloned().unwrap_or_default();
     Ok(ObjMesh { object: model.name, material, vertices, corners, counts })
-}
-
-/// Counts the lines that were read: the place of an error, which `tobj` does not tell.
-struct LineCounter<R> {
-    inner: R,
-    ended: usize,
-}
-
-impl<R: BufRead> Read for LineCounter<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.inner.read(buffer)
-    }
-}
-
-impl<R: BufRead> BufRead for LineCounter<R> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        self.inner.fill_buf()
-    }
-
-    fn consume(&mut self, amount: usize) {
-        let read = self.inner.fill_buf().unwrap_or_default();
-        self.ended += read.iter().take(amount).filter(|&&byte| byte == b'\n').count();
-        self.inner.consume(amount);
-    }
 }

@@ -15,7 +15,7 @@ from lidardraft.calibration.odd_scans import odd_scans, without_rare_lasers
 from lidardraft.errors import FormatError
 from lidardraft.formats.recording import Recording, read_recording, recording_of
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.scan import save_observed
+from lidardraft.scan import Scan
 from lidardraft.scene.sensor import PRESETS
 
 # a road, and walls at several distances all around
@@ -124,7 +124,8 @@ def test_scans_of_ours_tell_their_lasers_by_any_preset(tmp_path, name):
     recordings = []
     for number in range(2):
         image = raycast(ROOM, truth, truth.pose(x=3.0 * number, yaw=2.0 * number))
-        save_observed(replace(image, intensity=image.depth / 1000), tmp_path / f"{number}", picture=False)
+        image = replace(image, intensity=image.depth / 1000)
+        Scan(image=image, layout=Layout(), pose=truth.pose(), seed=0).save(tmp_path / f"{number}", picture=False)
         recordings.append(read_recording(tmp_path / f"{number}.bin"))
         np.testing.assert_array_equal(recordings[-1].ring, image.beams())
     assert odd_scans(recordings) == {}

@@ -281,7 +281,7 @@ def test_a_set_goes_on_with_the_version_and_the_weights_that_began_it(
     del kept["version"], kept["weights"]
     Path("set/recipe.json").write_text(json.dumps(kept, sort_keys=True))
     said = refused("dataset", "recipe.toml", "-n", "2", "-o", "set")
-    assert "set/recipe.json: an earlier lidardraft wrote it and noted no version, so scans of" in said
+    assert "set/recipe.json: an earlier lidardraft wrote it without a version, so scans of" in said
 
 
 def test_files_of_a_recipe_lie_beside_it_or_at_their_whole_path() -> None:

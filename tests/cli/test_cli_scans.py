@@ -275,6 +275,17 @@ def test_casts_are_observed_in_their_order(cast: RangeImage, capsys: pytest.Capt
     assert {path.name for path in Path("out").iterdir()} == {*names, "casts.json"}
 
 
+@pytest.mark.usefixtures("cast")
+def test_objects_of_a_cast_that_comes_without_any_are_found_by_their_classes(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    Path("cast.layout.json").unlink()
+    assert cli.main(["observe", "cast.npz", "-o", "out"]) == 0
+    assert "each with .label and .png; casts.json" in capsys.readouterr().out
+    assert cli.main(["edit", "out/000000.bin"]) == 0
+    assert "car_1: car at " in capsys.readouterr().out
+
+
 def test_a_cast_without_a_sensor_is_of_the_one_given(cast: RangeImage, refused: Callable[..., str]) -> None:
     np.savez("bare.npz", depth=cast.depth, label=cast.label.astype(np.int64))
     assert "bare.npz: it does not name its sensor" in refused("observe", "bare.npz", "-o", "out")

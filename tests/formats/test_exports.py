@@ -33,13 +33,9 @@ from foreign_readers import (
 from lidardraft import Layout, Primitive, Sensor, Simulator
 from lidardraft.errors import FormatError
 from lidardraft.formats.frame import FORMATS, Annotation, Frame, writer_of
-from lidardraft.formats.kitti_object import read_label_2, write_kitti_object
-from lidardraft.formats.las import write_las
-from lidardraft.formats.mcap import write_mcap
-from lidardraft.formats.mmdet3d import write_mmdet3d
-from lidardraft.formats.nuscenes import CATEGORY_OF_CLASS, write_nuscenes
-from lidardraft.formats.semantickitti import RAW_FROM_CLASS, write_sequences
-from lidardraft.formats.webdataset import write_webdataset
+from lidardraft.formats.kitti_object import read_label_2
+from lidardraft.formats.nuscenes import CATEGORY_OF_CLASS
+from lidardraft.formats.semantickitti import RAW_FROM_CLASS
 from lidardraft.scene import edit
 from lidardraft.semantics import CLASSES
 
@@ -131,7 +127,7 @@ def test_what_a_frame_says_of_its_objects(frames: list[Frame]) -> None:
 
 def test_kitti_object_hides_nothing(frames: list[Frame], tmp_path: Path) -> None:
     """Every point is in the picture, as loaders leave out what is not, and in the rectangle of its object."""
-    write_kitti_object(tmp_path / "out", [frames])
+    writer_of("kitti")(tmp_path / "out", [frames])
     assert (tmp_path / "out/ImageSets/train.txt").read_text() == "000000\n000001\n"
     assert (tmp_path / "out/ImageSets/val.txt").read_text() == "000002\n"
     folder = tmp_path / "out" / "training"
@@ -158,7 +154,7 @@ def test_kitti_object_hides_nothing(frames: list[Frame], tmp_path: Path) -> None
 
 def test_semantickitti_sequences(frames: list[Frame], tmp_path: Path) -> None:
     """As semantic-kitti-api's `parse_poses`: Tr takes the LiDAR's points to the camera whose poses the file has."""
-    write_sequences(tmp_path / "out", [frames, frames[:1]])
+    writer_of("semantickitti")(tmp_path / "out", [frames, frames[:1]])
     assert sorted(os.listdir(tmp_path / "out/sequences")) == ["00", "01"]
     folder = tmp_path / "out/sequences/00"
     rows = dict(line.split(": ") for line in (folder / "calib.txt").read_text().splitlines())
@@ -176,7 +172,7 @@ def test_semantickitti_sequences(frames: list[Frame], tmp_path: Path) -> None:
 
 
 def test_the_boxes_of_mmdet3d_are_a_text_too(frames: list[Frame], tmp_path: Path) -> None:
-    write_mmdet3d(tmp_path / "out", [frames])
+    writer_of("mmdet3d")(tmp_path / "out", [frames])
     for name, found in zip(("000000", "000001", "000002"), mmdet3d(tmp_path / "out"), strict=True):
         for text, box in zip(text_boxes(tmp_path / f"out/labels/{name}.txt"), found.boxes or [], strict=True):
             assert text.name == box.name
@@ -185,7 +181,7 @@ def test_the_boxes_of_mmdet3d_are_a_text_too(frames: list[Frame], tmp_path: Path
 
 def test_nuscenes_tables(frames: list[Frame], tmp_path: Path) -> None:
     """Every token that a row names exists, and boxes come back into the sensor's frame by the poses of the tables."""
-    write_nuscenes(tmp_path / "out", [frames])
+    writer_of("nuscenes")(tmp_path / "out", [frames])
     tables = {
         path.stem: {row["token"]: row for row in json.loads(path.read_text())}
         for path in (tmp_path / "out/v1.0-trainval").iterdir()
@@ -235,7 +231,7 @@ for sample in nuscenes.sample:
 
 @pytest.mark.skipif("NUSCENES_PYTHON" not in os.environ, reason="NUSCENES_PYTHON is no Python that has nuscenes-devkit")
 def test_nuscenes_by_its_devkit(frames: list[Frame], tmp_path: Path) -> None:
-    write_nuscenes(tmp_path / "out", [frames])
+    writer_of("nuscenes")(tmp_path / "out", [frames])
     command = [os.environ["NUSCENES_PYTHON"], "-c", _DEVKIT, str(tmp_path / "out")]
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     said = subprocess.run(command, check=True, capture_output=True, text=True, env=environment).stdout
@@ -251,14 +247,14 @@ def test_nuscenes_by_its_devkit(frames: list[Frame], tmp_path: Path) -> None:
 
 
 def test_classes_of_las(frames: list[Frame], tmp_path: Path) -> None:
-    write_las(tmp_path / "out", [frames])
+    writer_of("las")(tmp_path / "out", [frames])
     for frame, found in zip(frames, las(tmp_path / "out"), strict=True):
         for label, code in {1: 11, 4: 68, 13: 77}.items():  # roads; walls and cars, which ASPRS does not have
             assert set(found.fields["classification"][frame.label == label]) == {code}
 
 
 def test_topics_of_mcap_by_its_reader(frames: list[Frame], tmp_path: Path) -> None:
-    write_mcap(tmp_path / "out", [frames])
+    writer_of("mcap")(tmp_path / "out", [frames])
     with (tmp_path / "out/000000.mcap").open("rb") as file:
         found = list(make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages())
     schemas = {channel.topic: schema.name for schema, channel, *_ in found}
@@ -282,7 +278,7 @@ def test_shards_of_webdataset_by_its_library(
     frames: list[Frame], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("lidardraft.formats.webdataset.SHARD", 2)
-    write_webdataset(tmp_path / "out", [frames])
+    writer_of("webdataset")(tmp_path / "out", [frames])
     assert json.loads((tmp_path / "out/index.json").read_text()) == {"000000.tar": 2, "000001.tar": 1}
     urls = [str(tmp_path / f"out/{k:06d}.tar") for k in range(2)]
     samples = list(webdataset.WebDataset(urls, shardshuffle=False, empty_check=False).decode())
@@ -327,12 +323,14 @@ def test_a_data_set_is_there_whole_or_not_at_all(name: str, frames: list[Frame],
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
     with pytest.raises(FormatError, match="there are no scans to write"):
         write(tmp_path / "none", [])
+    with pytest.raises(FormatError, match="there are no scans to write"):
+        write(tmp_path / "none", [frames[:1], []])
     assert [path.name for path in tmp_path.iterdir()] == ["out"]
 
 
 def test_worlds_are_scenes_of_nuscenes(frames: list[Frame], tmp_path: Path) -> None:
     other = [replace(frame, world='{"sentence": "another"}') for frame in frames]
-    write_nuscenes(tmp_path / "out", [[*frames, *other[:1]], other])
+    writer_of("nuscenes")(tmp_path / "out", [[*frames, *other[:1]], other])
     scenes = json.loads((tmp_path / "out/v1.0-trainval/scene.json").read_text())
     assert [scene["nbr_samples"] for scene in scenes] == [3, 1, 3]
     assert [scene["description"] for scene in scenes] == ["", "another", "another"]

@@ -14,18 +14,9 @@ from lidardraft import Layout, Primitive, Sensor, simulate
 from lidardraft.cli.arguments import read_sensor
 from lidardraft.errors import FormatError
 from lidardraft.formats.box_files import read_box_file
-from lidardraft.formats.frame import Frame
-from lidardraft.formats.kitti_object import write_kitti_object
-from lidardraft.formats.las import write_las
-from lidardraft.formats.mmdet3d import write_mmdet3d
-from lidardraft.formats.nuscenes import write_nuscenes
-from lidardraft.formats.openpcdet import write_openpcdet
+from lidardraft.formats.frame import Frame, writer_of
 from lidardraft.formats.ouster import read_ouster_metadata
-from lidardraft.formats.pcd import write_pcd_folder
-from lidardraft.formats.ply import write_ply_folder
 from lidardraft.formats.recording import read_labels, read_points
-from lidardraft.formats.semantickitti import write_sequences
-from lidardraft.formats.webdataset import write_webdataset
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.semantics import BY_NAME
 
@@ -49,24 +40,24 @@ def _untarred(folder: Path) -> Path:
     return folder
 
 
-# The writer, the file of points, and that of boxes, with whether it has the classes too.
+# The file of points, and that of boxes, with whether it has the classes too.
 WRITTEN = {
-    "kitti": (write_kitti_object, "training/velodyne/000000.bin", "training/label_2/000000.txt", False),
-    "semantickitti": (write_sequences, "sequences/00/velodyne/000000.bin", None, True),
-    "nuscenes": (write_nuscenes, "samples/LIDAR_TOP/*.pcd.bin", "samples/LIDAR_TOP/*.pcd.bin", True),
-    "openpcdet": (write_openpcdet, "points/000000.npy", "labels/000000.txt", False),
-    "mmdet3d": (write_mmdet3d, "points/000000.bin", "labels/000000.txt", True),
-    "pcd": (write_pcd_folder, "000000.pcd", None, True),
-    "ply": (write_ply_folder, "000000.ply", None, True),
-    "las": (write_las, "000000.las", None, True),
-    "webdataset": (write_webdataset, "000000.points.npy", "000000.json", True),
+    "kitti": ("training/velodyne/000000.bin", "training/label_2/000000.txt", False),
+    "semantickitti": ("sequences/00/velodyne/000000.bin", None, True),
+    "nuscenes": ("samples/LIDAR_TOP/*.pcd.bin", "samples/LIDAR_TOP/*.pcd.bin", True),
+    "openpcdet": ("points/000000.npy", "labels/000000.txt", False),
+    "mmdet3d": ("points/000000.bin", "labels/000000.txt", True),
+    "pcd": ("000000.pcd", None, True),
+    "ply": ("000000.ply", None, True),
+    "las": ("000000.las", None, True),
+    "webdataset": ("000000.points.npy", "000000.json", True),
 }
 
 
 @pytest.mark.parametrize("name", WRITTEN)
 def test_what_is_written_is_read(name: str, frame: Frame, tmp_path: Path) -> None:
-    write, scan, boxes, has_classes = WRITTEN[name]
-    write(tmp_path / "set", [[frame]])
+    scan, boxes, has_classes = WRITTEN[name]
+    writer_of(name)(tmp_path / "set", [[frame]])
     if name == "webdataset":
         _untarred(tmp_path / "set")
     (path,) = (tmp_path / "set").glob(scan)

@@ -71,6 +71,7 @@ def test_the_json_names_the_class_and_has_one_primitive_a_line():
 def test_a_layout_is_a_sequence_with_names():
     layout = Layout(primitives=(CAR,))
     assert (len(layout), list(layout), layout["car_1"]) == (1, [CAR], CAR)
+    assert ("car_1" in layout, CAR in layout, "car_9" in layout, "car" in layout) == (True, True, False, False)
     message = "no primitive has the id 'car_9'; did you mean 'car_1'?"
     for family in (KeyError, LayoutError, LidarDraftError):
         with pytest.raises(family) as caught:
@@ -80,6 +81,15 @@ def test_a_layout_is_a_sequence_with_names():
         layout["zebra"]
     with pytest.raises(LayoutError, match=r"no primitive has the id 3; it has none$"):
         Layout()[3]  # type: ignore[index]
+    tree = Layout(primitives=tuple(dataclasses.replace(CAR, id=f"tree_3.{part}") for part in ("trunk", "crown")))
+    with pytest.raises(LayoutError, match=r"no primitive has the id 'tree_3'; it has tree_3\.trunk, tree_3\.crown$"):
+        tree["tree_3"]
+
+
+def test_a_provenance_of_others_gives_no_notes():
+    layout = Layout((), {"notes": "by hand", "surroundings": None, "ignored": 3, "nearest_words": None})
+    assert layout.notes == ()
+    assert layout.noted("one").notes == ("one",)
 
 
 @pytest.mark.parametrize("unused", [0, 1, 3])

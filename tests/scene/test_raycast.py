@@ -268,7 +268,7 @@ def test_a_name_of_parts_is_the_object_before_it_is_a_part():
 @pytest.mark.parametrize(
     ("id", "pose", "message"),
     [
-        ("car_9", np.eye(4), r"no object or primitive has the id 'car_9'; the layout has road, car_1, van_2$"),
+        ("car_9", np.eye(4), r"no primitive has the id 'car_9'; did you mean 'car_1'\?$"),
         ("car_1", np.eye(3), r"pose has shape \(3, 3\); it must be \[4, 4\]"),
         ("car_1", np.full((4, 4), np.nan), r"pose\[0, 0\] is nan; it must be finite"),
         ("car_1", np.diag([2.0, 2, 2, 1]), r"world_from_primitive\[0\]: .*R\^T R"),
@@ -281,7 +281,7 @@ def test_moves_that_cannot_be_change_nothing(id, pose, message):
     with pytest.raises(LayoutError, match=message):
         caster.move(id, pose)
     np.testing.assert_array_equal(caster.scan(FINE).depth, raycast(LAYOUT, FINE).depth)
-    with pytest.raises(LayoutError, match="the layout has none"):
+    with pytest.raises(LayoutError, match="no primitive has the id 'car_1'; it has none"):
         Raycaster(Layout()).move("car_1", np.eye(4))
 
 

@@ -22,39 +22,82 @@ from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
 from lidardraft.scene.sensor import Sensor
 
-# Options that say more about an input, by the option that names the input.
-_GOES_WITH = {
-    "labels": ("points",),
-    **dict.fromkeys(("segmenter", "intensity_scale", "carla_tags"), ("points",)),
-    "sensor_height": ("points", "boxes"),
-    "detail": ("points",),
-    "metres_per_pixel": ("sketch",),
-    "scale_bar": ("sketch",),
-    "classes": ("obj", "glb", "blender"),
-    "strict": ("blender",),
-    "up": ("obj", "glb"),
-    "scale": ("obj", "glb", "blender"),
-    "recentre": ("obj", "glb", "blender"),
-    "as_is": ("obj", "glb", "blender", "boxes"),
-    "frame": ("boxes",),
-    **dict.fromkeys(("depth", "semantics", "masks", "intrinsics", "hfov", "camera_height", "metric_depth"), ("image",)),
-}
-_GOES_WITH |= {f"llm_{name}": ("text", "text_file") for name in ("url", "model", "blender", "cache", "timeout")}
-_GOES_WITH["explain"] = ("text", "text_file")
-_GOES_WITH["poses"] = ("street",)
-
-# Endings of the files of inputs.
 _PICTURES = (".png", ".jpg", ".jpeg", ".webp")
-_ENDINGS = {
-    "image": _PICTURES,
-    "points": (".bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".gz", ".pcap"),
-    "sketch": (".svg", *_PICTURES),
-    "boxes": (".json", ".txt", ".gz"),
-    "obj": (".obj",),
-    "glb": (".glb", ".gltf"),
-    "blender": (".py",),
-    "layout": (".json",),
-}
+_MODELS = ("obj", "glb", "blender")
+_TEXTS = ("text", "text_file")
+_FILE, _METRES, _FLAG = {"metavar": "FILE"}, {"type": number, "metavar": "M"}, {"action": "store_true", "default": None}
+
+# The inputs by their options: what a value is called, the endings of its files, and what it is.
+_INPUTS: dict[str, tuple[str, tuple[str, ...], str]] = {
+    "text": ("SENTENCE", (), 'what is on the road, in English: "two cars on the left"'),
+    "image": ("PHOTO.jpg", _PICTURES, "a picture of a road: JPEG, PNG or WebP"),
+    "points": ("SCAN", (".bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".gz", ".pcap"),
+        "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, PandaSet .pkl.gz, .pcd, .ply, .npz, "
+        ".npy, .las, or an Ouster's .pcap with its metadata .json beside it"),
+    "sketch": ("FILE", (".svg", *_PICTURES), "a sketch from above: .svg, or a painted picture (.png, .jpg)"),
+    "boxes": ("FILE", (".json", ".txt", ".gz"), "boxes around objects: .boxes.json, KITTI's label_2, ..."),
+    "obj": ("FILE.obj", (".obj",), "a 3D model: Wavefront OBJ with the ego vehicle at its origin"),
+    "glb": ("FILE.glb", (".glb", ".gltf"), "a 3D model: binary glTF, as Blender exports it"),
+    "blender": ("FILE.py", (".py",), "a Blender Python script; it is read as data, never run"),
+    "layout": ("LAYOUT.json", (".json",),
+        "a layout, as `lidardraft draft` writes it; by itself it gets no street (see --surroundings)"),
+}  # fmt: skip
+
+# Options that say more about inputs: the inputs, how a value is read, and what it says.
+_OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
+    "labels": (("points",), _FILE,
+        "labels of --points: SemanticKITTI's .label, lidarseg or masks (default: those in it or beside it)"),
+    "segmenter": (("points",), _FILE,
+        "weights of `lidardraft-train segmenter` for --points without labels (default: the packaged ones)"),
+    "detail": (("points",), {"choices": ("fine", "objects")},
+        "fine: as near to --points as their cast can be (default); objects: few whole ones, to edit by hand"),
+    "sensor_height": (("points", "boxes"), _METRES,
+        "height over the road of the sensor in whose frame --points or --boxes are (default that of its sensor)"),
+    "metres_per_pixel": (("sketch",), _METRES, "length of a pixel of --sketch, in metres"),
+    "scale_bar": (("sketch",), _METRES, "length of the black bar in a painted --sketch"),
+    "class": (_MODELS, {"dest": "classes", "action": "append", "metavar": "NAME=CLASS"},
+        "class of the objects, materials or collections of that name in --obj, --glb or --blender, where their names "
+        "say none or another; repeatable"),
+    "strict": (("blender",), _FLAG,
+        "refuse a --blender script in which the names of an object say no class, in place of a note"),
+    "up": (("obj", "glb"), {"choices": ("y", "z")}, "axis that points up in --obj (default z) or --glb (default y)"),
+    "scale": (_MODELS, _METRES,
+        "length of a unit of --obj, --glb or --blender, in metres (default 1; 0.01 for centimetres)"),
+    "recentre": (_MODELS, _FLAG,
+        "move --obj, --glb or --blender: the middle of its ground becomes the origin, where the sensor stands"),
+    "as_is": ((*_MODELS, "boxes"), _FLAG,
+        "read --obj, --glb, --blender or --boxes whatever the sizes of vehicles and people in it say of its unit"),
+    "frame": (("boxes",), {"type": int, "metavar": "N"}, "frame of KITTI's tracking labels in --boxes (default 0)"),
+    "explain": (_TEXTS, _FLAG, "say what each word of --text became, and which were not understood"),
+    "depth": (("image",), {"metavar": "MODEL"},
+        "depth of --image: a metric depth network (id or folder), or an .npy file [m], 0 where unknown (default: Depth "
+        "Anything V2, outdoor, small)"),
+    "semantics": (("image",), {"metavar": "MODEL"},
+        "classes of --image: a segmentation network (id or folder), or an .npy or .png file of Cityscapes train ids "
+        "(default: EoMT on Cityscapes)"),
+    "masks": (("image",), _FILE,
+        "objects of --image: an .npz, .npy or .png file of masks, or a network for them such as SAM (id or folder) "
+        "(default: points that touch)"),
+    "intrinsics": (("image",), {"metavar": "FX,FY,CX,CY"},
+        "camera of --image in pixels, or a file that says it: .json, or a calibration of KITTI"),
+    "hfov": (("image",), {"type": number, "metavar": "DEGREES"},
+        "horizontal field of view of --image (default: what the file says of its focal length)"),
+    "camera_height": (("image",), _METRES, "height of the camera over the road, which sets the scale (default 1.65)"),
+    "metric_depth": (("image",), _FLAG,
+        "take depth of --image as metres: it sets the scale, and the height of the camera"),
+    "llm_url": (_TEXTS, {"metavar": "URL"},
+        "server that answers as OpenAI's does, as in http://localhost:11434/v1 (default $LIDARDRAFT_LLM_URL; '' is "
+        "none); its key, if it wants one, is read from $LIDARDRAFT_LLM_KEY alone"),
+    "llm_model": (_TEXTS, {"metavar": "NAME"}, "model of the server (default $LIDARDRAFT_LLM_MODEL)"),
+    "llm_blender": (_TEXTS, _FLAG,
+        "have the model write a Blender script, which is read as data, instead of relations"),
+    "llm_cache": (_TEXTS, {"metavar": "FOLDER"},
+        "where replies are kept; the same request is not sent again (default: the user's cache folder)"),
+    "llm_timeout": (_TEXTS, {"type": number, "metavar": "SECONDS"},
+        "how long all replies together may take (default 120)"),
+}  # fmt: skip
+# Those of `add_reading` and of commands.
+_OTHERS = {"intensity_scale": ("points",), "carla_tags": ("points",), "poses": ("street",)}
 
 _SCANS = (".bin", ".pcd", ".ply", ".npz", ".las", ".pkl.gz", ".pcap")  # in folders, where an .npy may be anything
 
@@ -75,43 +118,20 @@ _MANY = {
 def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> argparse._ArgumentGroup:
     """The inputs, of which a command takes one, in a group of their own; `many` are those of `_MANY` that it takes,
     and `bare` is why it adds no street by default."""
-    names = ", ".join(f"--{name}" for name in (*_READERS, *many))
+    names = ", ".join(f"--{name}" for name in (*_INPUTS, *many))
     group = parser.add_argument_group(f"input (exactly one of {names})")
     one = group.add_mutually_exclusive_group(required=True)
-    one.add_argument("--text", metavar="SENTENCE", help='what is on the road, in English: "two cars on the left"')
-    one.add_argument("--image", metavar="PHOTO.jpg", help="a picture of a road: JPEG, PNG or WebP")
-    text = (
-        "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, PandaSet .pkl.gz, .pcd, .ply, .npz, "
-    )
-    text += ".npy, .las, or an Ouster's .pcap with its metadata .json beside it"
-    one.add_argument("--points", metavar="SCAN", help=text)
-    one.add_argument("--sketch", metavar="FILE", help="a sketch from above: .svg, or a painted picture (.png, .jpg)")
-    one.add_argument("--boxes", metavar="FILE", help="boxes around objects: .boxes.json, KITTI's label_2, ...")
-    one.add_argument("--obj", metavar="FILE.obj", help="a 3D model: Wavefront OBJ with the ego vehicle at its origin")
-    one.add_argument("--glb", metavar="FILE.glb", help="a 3D model: binary glTF, as Blender exports it")
-    one.add_argument("--blender", metavar="FILE.py", help="a Blender Python script; it is read as data, never run")
-    text = "a layout, as `lidardraft draft` writes it; by itself it gets no street (see --surroundings)"
-    one.add_argument("--layout", metavar="LAYOUT.json", help=text)
-    for option in many:
-        value, text = _MANY[option]
-        choices = (*DISTRICTS, "any") if option == "street" else None
-        one.add_argument(f"--{option}", metavar=value, choices=choices, help=text)
-    text = "labels of --points: SemanticKITTI's .label, lidarseg or masks (default: those in it or beside it)"
-    group.add_argument("--labels", metavar="FILE", help=text)
-    text = "weights of `lidardraft-train segmenter` for --points without labels (default: the packaged ones)"
-    group.add_argument("--segmenter", metavar="FILE", help=text)
-    text = "fine: as near to --points as their cast can be (default); objects: few whole ones, to edit by hand"
-    group.add_argument("--detail", choices=("fine", "objects"), help=text)
+    for name, (value, _, text) in _INPUTS.items():
+        one.add_argument(f"--{name}", metavar=value, help=text)
+    for name in many:
+        value, text = _MANY[name]
+        choices = (*DISTRICTS, "any") if name == "street" else None
+        one.add_argument(f"--{name}", metavar=value, choices=choices, help=text)
     add_reading(group)
-    text = "height over the road of the sensor in whose frame --points or --boxes are (default that of its sensor)"
-    group.add_argument("--sensor-height", type=number, metavar="M", help=text)
-    text = "length of a pixel of --sketch, in metres"
-    group.add_argument("--metres-per-pixel", type=number, metavar="M", help=text)
-    group.add_argument("--scale-bar", type=number, metavar="M", help="length of the black bar in a painted --sketch")
-    _add_model_options(group)
-    text = "say what each word of --text became, and which were not understood"
-    group.add_argument("--explain", action="store_true", default=None, help=text)
-    _add_image_options(group)
+    title = "language model (reads --text where its URL is given; else nothing is sent)"
+    model = parser.add_argument_group(title)
+    for name, (_, how, text) in _OPTIONS.items():
+        (model if name.startswith("llm_") else group).add_argument(f"--{name.replace('_', '-')}", help=text, **how)
     usual = bare or f"street with {', '.join(f'--{name}' for name in _STREET_AROUND)}, else bare"
     text = "street: buildings, plants, traffic and people around what is given, which stays as it is and in sight; "
     text += f"their ids begin with {AROUND}; bare: nothing is added (default: {usual})"
@@ -119,18 +139,16 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
         "--surroundings", choices=("street", "bare"), default="bare" if bare else None, help=text.replace("%", "%%")
     )
     add_seed(group)
-    _add_language_model(parser)
     return group
 
 
 def check_inputs(arguments: argparse.Namespace) -> None:
     """Raises `FormatError` where an option says more about an input that is not given."""
     given = {name for name, value in vars(arguments).items() if value is not None}
-    for name, inputs in _GOES_WITH.items():
-        if name in given and not given & set(inputs):
+    for name, inputs in ({name: inputs for name, (inputs, *_) in _OPTIONS.items()} | _OTHERS).items():
+        if ("classes" if name == "class" else name) in given and not given & set(inputs):
             needed = " or ".join(f"--{each.replace('_', '-')}" for each in inputs if hasattr(arguments, each))
-            option = "class" if name == "classes" else name.replace("_", "-")
-            raise FormatError(f"--{option} goes with {needed}")
+            raise FormatError(f"--{name.replace('_', '-')} goes with {needed}")
 
 
 def read_layout(arguments: argparse.Namespace) -> Layout:
@@ -177,7 +195,7 @@ def input_of(arguments: argparse.Namespace) -> str:
 def _other_option(name: str, file: str) -> str:
     """What a message on an input ends in: the options that read files of its ending, where this one does not."""
     ending = Path(file).suffix.lower()
-    others = [f"--{other}" for other, endings in _ENDINGS.items() if ending in endings]
+    others = [f"--{other}" for other, (_, endings, _) in _INPUTS.items() if ending in endings]
     return f"; {ending} is read by {' or '.join(others)}" if others and f"--{name}" not in ["--text", *others] else ""
 
 
@@ -225,23 +243,21 @@ def scan_files(given: Sequence[str]) -> list[Path]:
     """
     files = list[Path]()
     for path in map(Path, given):
-        found = [path]
         if not path.exists():
             raise FormatError(f"{path}: there is no such file or folder")
-        if path.is_dir():
-            for pattern in ("*", "**/*"):
-                found = sorted(file for file in path.glob(pattern) if file.name.endswith(_SCANS))
-                found = [file for file in found if file.suffix != ".npz" or not file.with_suffix(".bin").exists()]
-                found = [
-                    file for file in found if file.suffix != ".gz" or file.parent.name == "lidar"
-                ]  # not their boxes
-                if found:
-                    break
-            else:
-                kinds = f"{', '.join(_SCANS[:-1])} or {_SCANS[-1]}"
-                raise FormatError(f"{path}: there is no {kinds} file in this folder or below it")
+        inside = (sorted(filter(_is_scan, path.glob(pattern))) for pattern in ("*", "**/*"))
+        found = next(filter(None, inside), []) if path.is_dir() else [path]
+        if not found:
+            kinds = f"{', '.join(_SCANS[:-1])} or {_SCANS[-1]}"
+            raise FormatError(f"{path}: there is no {kinds} file in this folder or below it")
         files += found
     return files
+
+
+def _is_scan(file: Path) -> bool:
+    """Whether a file of a folder is a scan: no .npz beside a .bin, and of PandaSet's tables those in lidar/."""
+    is_another = file.with_suffix(".bin").exists() if file.suffix == ".npz" else file.parent.name != "lidar"
+    return file.name.endswith(_SCANS) and not (file.suffix in (".npz", ".gz") and is_another)
 
 
 def _sensor_height(arguments: argparse.Namespace, file: str) -> float:
@@ -249,10 +265,6 @@ def _sensor_height(arguments: argparse.Namespace, file: str) -> float:
     if arguments.sensor_height is not None:
         return float(arguments.sensor_height)
     return (sensor_of_file(file) or read_sensor(arguments.sensor)).mount_height
-
-
-def _classes(arguments: argparse.Namespace) -> dict[str, str]:
-    return assignments(arguments.classes or [], "--class", "NAME=CLASS, as in Cube.001=car")
 
 
 def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> Layout:
@@ -355,75 +367,33 @@ def _from_boxes(arguments: argparse.Namespace) -> Layout:
         return layout_from_boxes(boxes, sensor_height=height, as_is=bool(arguments.as_is))
 
 
-def _placing(arguments: argparse.Namespace) -> dict[str, Any]:
-    """What the options say of the unit and the place of a model."""
+def _of_model(arguments: argparse.Namespace) -> dict[str, Any]:
+    """What the options say of the classes, the unit and the place of a model."""
+    classes = assignments(arguments.classes or [], "--class", "NAME=CLASS, as in Cube.001=car")
     scale = 1.0 if arguments.scale is None else arguments.scale
-    return {"scale": scale, "recentre": bool(arguments.recentre), "as_is": bool(arguments.as_is)}
+    return {"classes": classes, "scale": scale, "recentre": bool(arguments.recentre), "as_is": bool(arguments.as_is)}
 
 
 def _from_obj(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.models import layout_from_obj
 
-    up = arguments.up or "z"
-    return layout_from_obj(arguments.obj, classes=_classes(arguments), up=up, **_placing(arguments))
+    return layout_from_obj(arguments.obj, up=arguments.up or "z", **_of_model(arguments))
 
 
 def _from_glb(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.models import layout_from_glb
 
-    up = arguments.up or "y"
-    return layout_from_glb(arguments.glb, classes=_classes(arguments), up=up, **_placing(arguments))
+    return layout_from_glb(arguments.glb, up=arguments.up or "y", **_of_model(arguments))
 
 
 def _from_blender(arguments: argparse.Namespace) -> Layout:
     from lidardraft.drafting.blender.layout import layout_from_blender
 
-    path, strict = Path(arguments.blender), bool(arguments.strict)
-    return layout_from_blender(path, classes=_classes(arguments), strict=strict, **_placing(arguments))
+    return layout_from_blender(Path(arguments.blender), strict=bool(arguments.strict), **_of_model(arguments))
 
 
 def _from_layout(arguments: argparse.Namespace) -> Layout:
     return Layout.load(arguments.layout)
-
-
-def _add_model_options(group: argparse._ArgumentGroup) -> None:
-    """What says more about --obj, --glb, --blender and --boxes."""
-    group.add_argument(
-        "--class",
-        dest="classes",
-        action="append",
-        metavar="NAME=CLASS",
-        help="class of the objects, materials or collections of that name in --obj, --glb or --blender, where their "
-        "names say none or another; repeatable",
-    )
-    text = "refuse a --blender script in which the names of an object say no class, in place of a note"
-    group.add_argument("--strict", action="store_true", default=None, help=text)
-    group.add_argument("--up", choices=("y", "z"), help="axis that points up in --obj (default z) or --glb (default y)")
-    text = "length of a unit of --obj, --glb or --blender, in metres (default 1; 0.01 for centimetres)"
-    group.add_argument("--scale", type=number, metavar="M", help=text)
-    text = "move --obj, --glb or --blender: the middle of its ground becomes the origin, where the sensor stands"
-    group.add_argument("--recentre", action="store_true", default=None, help=text)
-    text = "read --obj, --glb, --blender or --boxes whatever the sizes of vehicles and people in it say of its unit"
-    group.add_argument("--as-is", action="store_true", default=None, help=text)
-    group.add_argument("--frame", type=int, metavar="N", help="frame of KITTI's tracking labels in --boxes (default 0)")
-
-
-def _add_image_options(group: argparse._ArgumentGroup) -> None:
-    """What says more about --image."""
-    text = "depth of --image: a metric depth network (id or folder), or an .npy file [m], 0 where unknown"
-    group.add_argument("--depth", metavar="MODEL", help=f"{text} (default: Depth Anything V2, outdoor, small)")
-    text = "classes of --image: a segmentation network (id or folder), or an .npy or .png file of Cityscapes train ids"
-    group.add_argument("--semantics", metavar="MODEL", help=f"{text} (default: EoMT on Cityscapes)")
-    text = "objects of --image: an .npz, .npy or .png file of masks, or a network for them such as SAM (id or folder)"
-    group.add_argument("--masks", metavar="FILE", help=f"{text} (default: points that touch)")
-    text = "camera of --image in pixels, or a file that says it: .json, or a calibration of KITTI"
-    group.add_argument("--intrinsics", metavar="FX,FY,CX,CY", help=text)
-    text = "horizontal field of view of --image (default: what the file says of its focal length)"
-    group.add_argument("--hfov", type=number, metavar="DEGREES", help=text)
-    text = "height of the camera over the road, which sets the scale (default 1.65)"
-    group.add_argument("--camera-height", type=number, metavar="M", help=text)
-    text = "take depth of --image as metres: it sets the scale, and the height of the camera"
-    group.add_argument("--metric-depth", action="store_true", default=None, help=text)
 
 
 def _from_image(arguments: argparse.Namespace) -> Layout:
@@ -475,21 +445,6 @@ def _intrinsics(given: str | None) -> object | None:
     if len(values) != 4:
         raise FormatError(f"--intrinsics is {given!r}; it must be FX,FY,CX,CY in pixels, or a file")
     return values
-
-
-def _add_language_model(parser: argparse.ArgumentParser) -> None:
-    """--llm-url, --llm-model, --llm-blender, --llm-cache and --llm-timeout, in a group of their own."""
-    group = parser.add_argument_group("language model (reads --text where its URL is given; else nothing is sent)")
-    text = "server that answers as OpenAI's does, as in http://localhost:11434/v1 (default $LIDARDRAFT_LLM_URL; '' is "
-    text += "none); its key, if it wants one, is read from $LIDARDRAFT_LLM_KEY alone"
-    group.add_argument("--llm-url", metavar="URL", help=text)
-    group.add_argument("--llm-model", metavar="NAME", help="model of the server (default $LIDARDRAFT_LLM_MODEL)")
-    text = "have the model write a Blender script, which is read as data, instead of relations"
-    group.add_argument("--llm-blender", action="store_const", const=True, help=text)
-    text = "where replies are kept; the same request is not sent again (default: the user's cache folder)"
-    group.add_argument("--llm-cache", metavar="FOLDER", help=text)
-    text = "how long all replies together may take (default 120)"
-    group.add_argument("--llm-timeout", type=number, metavar="SECONDS", help=text)
 
 
 def _asks_language_model(arguments: argparse.Namespace) -> bool:

@@ -6,10 +6,12 @@ import argparse
 import json
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
-from dataclasses import dataclass
-from functools import cached_property, partial
+from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli.arguments import (
@@ -27,14 +29,7 @@ from lidardraft.cli.arguments import (
     whole_number,
 )
 from lidardraft.cli.command import progress, say
-from lidardraft.cli.inputs import (
-    add_inputs,
-    around_it,
-    check_inputs,
-    layout_of_text,
-    notes_on,
-    read_layout,
-)
+from lidardraft.cli.inputs import add_inputs, around_it, check_inputs, layout_of_text, notes_on, read_layout
 from lidardraft.cli.scan_folder import ScanFolder, add_folder, add_jobs, check_output, jobs_of
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_sentences, write_text
@@ -101,48 +96,12 @@ def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather | None, thread
     return simulate(layout, sensor, seed=seed, weather=weather, speed=speed, threads=threads)
 
 
-@dataclass(frozen=True)
-class Frames:
-    """The frames of a sequence; each process that makes some prepares the scene for itself."""
-
-    layout: Layout
-    sensor: Sensor
-    scenario: Scenario
-    weather: Weather | None
-    arguments: argparse.Namespace
-    threads: int | None
-
-    def __call__(self, number: int) -> Scan:
-        """Frame `number`."""
-        return self.simulator.frame(number)
-
-    @cached_property
-    def simulator(self) -> SequenceSimulator:
-        """What makes them."""
-        from lidardraft.simulation.sequence import SequenceSimulator
-
-        arguments = self.arguments
-        return SequenceSimulator(
-            self.layout,
-            self.sensor,
-            self.scenario,
-            frames=arguments.frames,
-            hz=arguments.hz or _HZ,
-            speed=arguments.speed,
-            seed=arguments.seed,
-            weather=self.weather,
-            threads=self.threads,
-        )
-
-    def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in vars(self).items() if name != "simulator"}
-
-
 def _write_sequence(
     arguments: argparse.Namespace, made: Callable[[SequenceSimulator], Iterator[Scan]] | None = None
 ) -> None:
     """Write the frames of a sequence, or what is made of them in their order."""
     from lidardraft.scan import Scan
+    from lidardraft.simulation.sequence import SequenceSimulator
 
     for option in ("num", "street", "text_file", "poses", "map", "after"):
         if getattr(arguments, option, None) is not None:
@@ -151,20 +110,29 @@ def _write_sequence(
     scenario = Scenario() if arguments.scenario is None else Scenario.load(arguments.scenario)
     layout, num = read_layout(arguments), arguments.frames
     jobs = jobs_of(arguments, num)
-    frames = Frames(layout, sensor, scenario, weather, arguments, 1 if jobs > 1 else None)
     with named(arguments.scenario) if arguments.scenario else nullcontext():
-        simulator = frames.simulator
+        simulator = SequenceSimulator(
+            layout,
+            sensor,
+            scenario,
+            frames=num,
+            hz=arguments.hz or _HZ,
+            speed=arguments.speed,
+            seed=arguments.seed,
+            weather=weather,
+            threads=1 if jobs > 1 else None,
+        )
     asked = arguments.scenario is not None or arguments.speed is not None
     if not (asked or simulator.tracks.actors or simulator.tracks.ego.moves()):
         say("nothing moves: the layout has no road whose lanes are known; --speed and --scenario say more")
-    make = frames if made is None else partial(_next, made(simulator))
+    make = simulator.frame if made is None else partial(_next, made(simulator))
     folder = ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save)
     with progress(num, "frame") as bar:
         for _ in folder.write(num, jobs=jobs):
             bar.update()
     simulator.save_tracks(arguments.output)
     files = "; poses.txt, times.txt and tracks.json"
-    _report(arguments, num, (".label", ".boxes.json"), f"{files}{around_it(layout)}")
+    _report(arguments, num, f"{files}{around_it(layout)}")
 
 
 def _next(frames: Iterator[Scan], _: int) -> Scan:
@@ -206,7 +174,7 @@ def simulate(arguments: argparse.Namespace) -> None:
     with progress(num, "scan") as bar:
         for _ in ScanFolder(output, pictures, make, Scan.save, notes).write(num, jobs=jobs, run=poses):
             bar.update()
-    _report(arguments, num, (".label", ".boxes.json"), around)
+    _report(arguments, num, around)
 
 
 def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None, poses: int) -> StreetConfig:
@@ -252,11 +220,11 @@ def generate(arguments: argparse.Namespace) -> None:
         _write_sequence(arguments, read_pipeline(arguments, langevin=arguments.langevin).frames)
         return
     _check_alone(arguments)
-    if arguments.map is not None:
-        _generate_of_map(arguments, sensor)
-        return
-    layouts = Layouts.read(arguments)
-    num = arguments.num or len(layouts.sentences) or 1
+    if arguments.map is None:
+        layouts = Layouts.read(arguments)
+        num, notes, around = arguments.num or len(layouts.sentences) or 1, layouts.notes, around_it(layouts.first)
+    else:
+        label, num, notes, around = _read_map(arguments, sensor), arguments.num or 1, None, ""
 
     from lidardraft.scan import Scan
 
@@ -266,34 +234,27 @@ def generate(arguments: argparse.Namespace) -> None:
 
         def make(number: int) -> Scan:
             bar.set_description(f"scan {number + 1} of {num}")
-            seed, layout = layouts.of(number)
-            return pipeline(
-                layout, sensor=sensor, seed=seed, speed=arguments.speed or 0.0, after=after, on_step=bar.update
-            )
+            if arguments.map is None:
+                seed, layout = layouts.of(number)
+                speed = arguments.speed or 0.0
+                return pipeline(layout, sensor=sensor, seed=seed, speed=speed, after=after, on_step=bar.update)
+            seed = arguments.seed + number
+            with named(arguments.map):
+                image = pipeline.from_map(label, sensor=sensor, seed=seed, on_step=bar.update)
+            return Scan(image=image, layout=Layout(), pose=sensor.pose(), seed=seed)
 
-        for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save, layouts.notes).write(num):
+        for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save, notes).write(num):
             pass
-    _report(arguments, num, (".label", ".boxes.json"), around_it(layouts.first))
+    _report(arguments, num, around)
 
 
-def _generate_of_map(arguments: argparse.Namespace, sensor: Sensor) -> None:
+def _read_map(arguments: argparse.Namespace, sensor: Sensor) -> np.ndarray:
     from lidardraft.formats.recording import read_semantic_map
-    from lidardraft.scan import save_observed
 
     check_inputs(arguments)
     if arguments.speed is not None or arguments.surroundings != "bare" or arguments.after is not None:
         raise FormatError("--speed, --after and --surroundings go with a layout; a semantic map has none")
-    label, num = read_semantic_map(arguments.map, sensor), arguments.num or 1
-    pipeline = read_pipeline(arguments, langevin=arguments.langevin)
-    with progress(num * pipeline.steps, "step") as bar, named(arguments.map):
-
-        def make(number: int) -> RangeImage:
-            bar.set_description(f"scan {number + 1} of {num}")
-            return pipeline.from_map(label, sensor=sensor, seed=arguments.seed + number, on_step=bar.update)
-
-        for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, save_observed).write(num):
-            pass
-    _report(arguments, num, (".label",))
+    return read_semantic_map(arguments.map, sensor)
 
 
 def generate_options(parser: argparse.ArgumentParser) -> None:
@@ -343,7 +304,7 @@ def observe(arguments: argparse.Namespace) -> None:
             bar.update()
     names = {f"{number:06d}": path for number, path in enumerate(arguments.casts)}
     write_text(Path(arguments.output, CASTS_FILE), json.dumps(names, indent=1) + "\n")
-    _report(arguments, num, (".label", ".boxes.json"), f"; {CASTS_FILE}")
+    _report(arguments, num, f"; {CASTS_FILE}")
 
 
 def _with_its_scene(path: str, image: RangeImage, seed: int) -> Scan:
@@ -354,7 +315,7 @@ def _with_its_scene(path: str, image: RangeImage, seed: int) -> Scan:
     from lidardraft.scan import Scan, read_motion
 
     stem = Path(path).with_suffix("")
-    told: dict[str, Any] = {"pose": image.sensor.pose(), "layout": Layout(())}
+    told: dict[str, Any] = {"pose": image.sensor.pose(), "layout": Layout()}
     if Path(path).suffix == ".npz":
         told |= read_motion(path)
     if (beside := Path(f"{stem}.layout.json")).exists():
@@ -376,26 +337,16 @@ def _observed(
     from lidardraft.formats.cast import read_cast
     from lidardraft.simulation.observe_cast import observe_cast, observe_points
 
+    made: Callable[..., RangeImage] = observe_cast
     if Path(path).suffix == ".npz":
-        of_cast, images = read_cast(path, sensor)
-        depth, label = images.pop("depth"), images.pop("label")
-        with named(path):
-            options = images if not materials else images | {"materials": materials}
-            return observe_cast(depth, label, of_cast, seed=seed, weather=weather, **options)
-    if sensor is None:
+        sensor, given = read_cast(path, sensor)
+    elif sensor is None:
         raise FormatError(f"{path} does not name its sensor; give its --sensor")
-    cloud = read_carla(path, VERSIONS.get(tags or "", TAGS))
+    else:
+        made, given = observe_points, asdict(read_carla(path, VERSIONS.get(tags or "", TAGS)))
+    options = given | ({"materials": materials} if materials else {})
     with named(path):
-        return observe_points(
-            cloud.points,
-            cloud.label,
-            sensor,
-            instance=cloud.instance,
-            incidence=cloud.incidence,
-            materials=materials or cloud.materials,
-            seed=seed,
-            weather=weather,
-        )
+        return made(**options, sensor=sensor, seed=seed, weather=weather)
 
 
 def observe_options(parser: argparse.ArgumentParser) -> None:
@@ -428,10 +379,12 @@ def _add_scan_output(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup
     return output
 
 
-def _report(arguments: argparse.Namespace, num: int, beside: tuple[str, ...], around: str = "") -> None:
+def _report(arguments: argparse.Namespace, num: int, more: str = "") -> None:
     """Say what is in the folder."""
-    last, pictures = f" to {num - 1:06d}.bin" if num > 1 else "", min(arguments.pictures, num)
-    each = [*beside, *[".png"] * (pictures == num)]
+    names, pictures = [f"{number:06d}" for number in range(num)], min(arguments.pictures, num)
+    beside = (".label", ".boxes.json", ".png")
+    each = [ending for ending in beside if all(Path(arguments.output, f"{name}{ending}").exists() for name in names)]
     listed = " and ".join(filter(None, (", ".join(each[:-1]), each[-1])))
+    last = f" to {names[-1]}.bin" if num > 1 else ""
     some = f"; the first {pictures} with .png" if 0 < pictures < num else ""
-    print(f"{arguments.output}: {num} scan{'s' * (num > 1)}, 000000.bin{last}, each with {listed}{some}{around}")
+    print(f"{arguments.output}: {num} scan{'s' * (num > 1)}, 000000.bin{last}, each with {listed}{some}{more}")

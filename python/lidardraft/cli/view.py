@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from lidardraft.array_files import names_in
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_sensor, read_sensor, reading
 from lidardraft.cli.command import progress, say
 from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
@@ -95,14 +96,7 @@ def view_options(parser: argparse.ArgumentParser) -> None:
 
 def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
     from lidardraft.formats.pairs import is_shard, read_shard
-    from lidardraft.view import (
-        points_on_road,
-        render_large,
-        render_layout_and_cast,
-        render_pair,
-        render_returns,
-        sheet,
-    )
+    from lidardraft.view import points_on_road, render_large, render_layout_and_cast, render_pair, render_returns, sheet
 
     name: str | None = arguments.sensor
     if path.suffix == ".json":
@@ -113,38 +107,33 @@ def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
         if len(pairs) > _PAIRS_SHOWN:
             say(f"{path} holds {len(pairs)} pairs; the picture shows the first {_PAIRS_SHOWN}")
         return sheet([render_pair(pair.scan, pair.condition_image) for pair, _ in pairs[:_PAIRS_SHOWN]])
-    image, boxes = _read_scan(path, arguments)
-    render = render_large if arguments.large else render_returns
+    points, fields, sensor, image = _read_scan(path, arguments)
+    if image is None:
+        with named(path):
+            image = RangeImage.project(points, sensor, **fields)
+    boxes, render = _boxes(path, arguments, sensor), render_large if arguments.large else render_returns
     return render(image, points_on_road(image), boxes=boxes, title=_title(path), by_label=arguments.classes)
 
 
 def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
     """What `html_page` shows of a scan: every return, over the road."""
     from lidardraft.formats.pairs import is_shard
-    from lidardraft.view import points_on_road
 
     if path.suffix == ".json" or (not _holds_points(path) and is_shard(path)):
         raise FormatError(f"{path} is not a scan; a page of HTML shows scans alone")
-    if _holds_points(path):
-        points, fields, sensor = _read_points(path, arguments)
-        points = np.add(points, (0.0, 0.0, sensor.mount_height))
-        boxes = _boxes(path, arguments, sensor)
-    else:
-        image, boxes = _read_scan(path, arguments)
-        points, fields = points_on_road(image), {"label": image.label[image.valid]}
-        if image.intensity is not None:
-            fields["intensity"] = image.intensity[image.valid]
+    points, fields, sensor, _ = _read_scan(path, arguments)
     found: dict[str, Any] = {field: fields[field] for field in ("label", "intensity") if field in fields}
-    return found | {"points": points, "boxes": boxes, "title": _title(path)}
+    found |= {"points": np.add(points, (0.0, 0.0, sensor.mount_height)), "boxes": _boxes(path, arguments, sensor)}
+    return found | {"title": _title(path)}
 
 
 def _holds_points(path: Path) -> bool:
-    from lidardraft.formats.recording import SCAN_ENDINGS, is_points_file
+    from lidardraft.formats.recording import SCAN_ENDINGS
 
     if not path.name.endswith(SCAN_ENDINGS):
         kind = path.suffix or "a file without an ending"
         raise FormatError(f"{path}: there is no picture of {kind}; it must be {', '.join(SCAN_ENDINGS)} or .json")
-    return path.suffix != ".npz" or is_points_file(path)
+    return path.suffix != ".npz" or "xyz" in names_in(path)
 
 
 def _check_no_sensor(path: Path, name: str | None) -> None:
@@ -159,24 +148,21 @@ def _title(path: Path) -> str:
     return (title_of(Layout.load(beside)) if beside.exists() else "") or path.name
 
 
-def _read_scan(path: Path, arguments: argparse.Namespace) -> tuple[RangeImage, list[Box]]:
-    """A scan in any form that --points reads, or a range image, and its boxes over the road."""
-    if not _holds_points(path):
-        _check_no_sensor(path, arguments.sensor)
-        image = RangeImage.load(path)
-        return image, _boxes(path, arguments, image.sensor)
-    points, fields, sensor = _read_points(path, arguments)
-    with named(path):
-        known = {field: fields[field] for field in ("label", "instance", "intensity") if field in fields}
-        image = RangeImage.project(points, sensor, **known)
-    return image, _boxes(path, arguments, sensor)
-
-
-def _read_points(path: Path, arguments: argparse.Namespace) -> tuple[np.ndarray, dict[str, np.ndarray], Sensor]:
+def _read_scan(
+    path: Path, arguments: argparse.Namespace
+) -> tuple[np.ndarray, dict[str, np.ndarray], Sensor, RangeImage | None]:
+    """The returns [N, 3] of a scan in any form that --points reads, or of a range image, which comes with them."""
     from lidardraft.formats.recording import read_returns
 
-    points, fields = read_returns(path, needs_intensity=False, **reading(arguments))
-    return points, fields, sensor_of_scan(path, arguments.sensor)
+    if _holds_points(path):
+        points, fields = read_returns(path, needs_intensity=False, **reading(arguments))
+        known = {field: values for field, values in fields.items() if field in ("label", "instance", "intensity")}
+        return points, known, sensor_of_scan(path, arguments.sensor), None
+    _check_no_sensor(path, arguments.sensor)
+    image = RangeImage.load(path)
+    images = {"label": image.label, "intensity": image.intensity}
+    known = {field: values[image.valid] for field, values in images.items() if values is not None}
+    return image.points(), known, image.sensor, image
 
 
 def _boxes(path: Path, arguments: argparse.Namespace, sensor: Sensor) -> list[Box]:

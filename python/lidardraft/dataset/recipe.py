@@ -263,9 +263,7 @@ def _scene(table: Table, folder: Path) -> Scene:
     if source == "street":
         values = table.names(source, list(DISTRICTS))
         more = {field.name: 1.0 for field in dataclasses.fields(StreetMix) if field.name not in DISTRICTS}
-        scene = Scene(source=source, values=values, numbers=_numbers(table, more, 0.0))
-        table.end()
-        return scene
+        return Scene(source=source, values=values, numbers=_numbers(table, more, 0.0))
     if source == "layout":
         values = _files(table, folder)
     else:
@@ -277,7 +275,7 @@ def _scene(table: Table, folder: Path) -> Scene:
     if weights and (folder / weights).is_file():
         weights = os.fspath(folder / weights)
     usual = "bare" if weights or source == "layout" else "street"
-    scene = Scene(
+    return Scene(
         source="layout" if source == "layout" else "text",
         values=values,
         numbers=_numbers(table, {"speed": 0.0}),
@@ -286,8 +284,6 @@ def _scene(table: Table, folder: Path) -> Scene:
         weights=weights,
         edits=tuple(map(_edit, table.tables("edit"))),
     )
-    table.end()
-    return scene
 
 
 def _numbers(
@@ -324,22 +320,16 @@ def _edit(table: Table) -> Edit:
         allowed = {"label": list(BY_NAME)[1:], "material": [material.name for material in MATERIALS]}
         values = {name: table.names(name, names) for name, names in allowed.items() if name in table}
     chance = table.numbers("chance", 1.0, 0.0, 1.0)
-    change = Edit(kind=kind, pattern=table.text(kind), chance=chance, values=values)
-    table.end()
-    return change
+    return Edit(kind=kind, pattern=table.text(kind), chance=chance, values=values)
 
 
 def _sensor(table: Table, folder: Path) -> tuple[Sensor, Values]:
     name = table.text("name")
     with named(f"{table.place}name"):
         sensor = Sensor.load(folder / name) if name.endswith(".json") else Sensor.preset(name)
-    heights = table.numbers("mount_height", 0.0, 0.1, 100.0) if "mount_height" in table else None
-    table.end()
-    return sensor, heights
+    return sensor, table.numbers("mount_height", 0.0, 0.1, 100.0) if "mount_height" in table else None
 
 
 def _weather(table: Table) -> dict[str, Values]:
     limits = {"rain": (0.0, 200.0), "snow": (0.0, 200.0), "visibility": (1.0, 1e6), "wetness": (0.0, 1.0)}
-    values = {name: table.numbers(name, 0.0, *ends) for name, ends in limits.items() if name in table}
-    table.end()
-    return values
+    return {name: table.numbers(name, 0.0, *ends) for name, ends in limits.items() if name in table}

@@ -23,7 +23,7 @@ import numpy as np
 
 from lidardraft.dataset.merge import merge
 from lidardraft.dataset.recipe import SCANS, Recipe
-from lidardraft.errors import FormatError, extra
+from lidardraft.errors import FormatError
 from lidardraft.files import locked_folder, named, new_folder, read_text, write_text
 from lidardraft.formats.frame import AS_SEEN, writer_of
 from lidardraft.formats.webdataset import write_shard
@@ -200,9 +200,7 @@ def _difference(begun: Tally, asked: Tally) -> str:
     """How the recipe that a folder was begun with differs from the one asked for, and what goes on with it."""
     version, here = begun.get("version"), asked["version"]
     if version is None:
-        said = (
-            f"an earlier lidardraft wrote it and noted no version, so scans of {here} may differ; go on with that one"
-        )
+        said = f"an earlier lidardraft wrote it without a version, so scans of {here} may differ; go on with that one"
     elif version != here:
         said = f"the folder holds scans of lidardraft {version}, and this is {here}; go on with {version}"
     elif begun | {"weights": asked["weights"]} == asked:
@@ -252,8 +250,7 @@ def on_cluster(make: Callable[[Item], T], items: Iterable[Item], address: str) -
     What was at work on a machine that is lost is made again on another. Raises as `make` does, and `FormatError` where
     there is no such cluster.
     """
-    with extra():
-        import ray
+    import ray
 
     try:
         ray.init(address=address, log_to_driver=False, logging_level="error")

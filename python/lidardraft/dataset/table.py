@@ -130,12 +130,14 @@ class Table:
         return Table(value, f"{self.place}{key}, ")
 
     def tables(self, key: str) -> Iterator[Table]:
-        """The tables [[key]], which count from 1."""
+        """The tables [[key]], which count from 1; each ends when the next one is asked for."""
         value = self.get(key, [])
         if not isinstance(value, list) or not all(isinstance(each, dict) for each in value):
             self.refuse(key, f"tables, each begun by [[{key}]]")
         for number, each in enumerate(value, 1):
-            yield Table(each, f"{self.place}{key} {number}, ")
+            table = Table(each, f"{self.place}{key} {number}, ")
+            yield table
+            table.end()
 
     def end(self) -> None:
         """Raise `FormatError` on a key that nobody has asked for."""

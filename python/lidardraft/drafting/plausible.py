@@ -51,9 +51,16 @@ def check_sizes(layout: Layout, scales: str = "--scale {:g} (`scale` in Python) 
             )
 
 
+def _too_high(layout: Layout) -> list[str]:
+    """A line where something that `check_sizes` does not judge, such as a house, is higher than sensors see."""
+    height, id = max(((one.size[2], one.id) for one in layout if one.label not in GROUND), default=(0.0, ""))
+    said = f"{id} is {height:,.0f} m high; --scale (`scale` in Python) is for units other than the metre"
+    return [said] if height > MAX_RANGE else []
+
+
 def out_of_reach(layout: Layout, remedy: str = "--recentre (`recentre` in Python) moves its ground there") -> list[str]:
-    """A line, with its remedy, where all that stands in it is further away than sensors see, or its ground is not near
-    the level of the road."""
+    """A line, with its remedy, where all that stands in it is further away than sensors see, its ground is not near the
+    level of the road, or what should stand on it does not."""
     shapes = [one for one in layout if not one.open]
     if not shapes:
         return []
@@ -67,6 +74,11 @@ def out_of_reach(layout: Layout, remedy: str = "--recentre (`recentre` in Python
     low, high = corners_around([one for one in shapes if one.label in GROUND], 0.0)
     if _STEP < low[2] < math.inf or -math.inf < high[2] < -_STEP:
         return [f"its ground is at z = {low[2]:.1f} to {high[2]:.1f} m; the vehicle stands at z = 0; {remedy}"]
+    surface = LayoutGround(layout)
+    off = [box.center[2] - box.size[2] / 2 - surface.height(*box.center[:2]) for box in layout.boxes()]
+    if off and (most := float(np.median(np.abs(off)))) > _STEP:
+        said = f"its vehicles and people are {most:.1f} m off the ground"
+        return [f"{said}; is another axis up (--up, for models)? {remedy}"]
     return []
 
 
@@ -101,6 +113,7 @@ def settled(
         layout = _mapped(layout, scale)
     if not (as_is or is_ours):
         check_sizes(layout)
+        layout = layout.noted(*_too_high(layout))
     if recentre:
         layout = recentred(layout)
     return layout if is_ours else layout.noted(*out_of_reach(layout))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from pathlib import Path
 
@@ -46,6 +47,8 @@ def read_custom_labels(path: str | os.PathLike[str]) -> list[Box]:
         if label is None:
             raise FormatError(f"{' '.join(words)!r:.80} is not a box: x y z length width height yaw and a class")
         x, y, z, length, width, height, yaw = numbers_of(words[:7], 7)
+        if abs(yaw) > math.tau:
+            raise FormatError(f"yaw is {yaw:g}; it must be radians, within -2 pi to 2 pi; are these degrees?")
         center = (x, y, z + height / 2 if is_bottom else z)
         return Box(f"{label}_{number}", label, number, center, (length, width, height), yaw)
 

@@ -55,16 +55,11 @@ TAGS: Tags = {
     27: ("terrain", "gravel"),  # rail track
     28: ("fence", "metal"),  # guard rail
 }
-# The number that each tag had before; 10 were all vehicles, 4 people with or without one.
-TAGS_BEFORE_0_9_14: Tags = {
-    before: TAGS[tag]
-    for before, tag in enumerate(
-        (0, 3, 5, 22, 12, 6, 24, 1, 2, 9, 14, 4, 8, 11, 25, 26, 27, 28, 7, 20, 21, 23, 10),
-    )
-}
+# What the tags from 0 on were before, by those of today; 10 were all vehicles, 4 people with or without one.
+_BEFORE = (0, 3, 5, 22, 12, 6, 24, 1, 2, 9, 14, 4, 8, 11, 25, 26, 27, 28, 7, 20, 21, 23, 10)
+TAGS_BEFORE_0_9_14: Tags = {before: TAGS[tag] for before, tag in enumerate(_BEFORE)}
 VERSIONS = {"0.9.13": TAGS_BEFORE_0_9_14, "0.9.14": TAGS}  # of CARLA, by which tags changed
 FIELDS = ("x", "y", "z", "CosAngle", "ObjIdx", "ObjTag")
-_RECORD = np.dtype([(name, "<u4" if name.startswith("Obj") else "<f4") for name in FIELDS])
 _LOW = -0.5  # m from the sensor; what is lower is mostly ground
 _RAISED = ("pole", "traffic-light", "traffic-sign")  # by tags that were those of ground
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
@@ -90,13 +85,20 @@ def read_carla(path: str | os.PathLike[str], tags: Tags = TAGS) -> CarlaCloud:
     """
     data = read_bytes(path)
     with named(path):
-        hits = _from_ply(data) if data.startswith(b"ply") else _from_npy(data)
-        return carla_cloud({name: hits[name] for name in FIELDS}, tags, of=path)
+        if data.startswith(b"ply"):
+            hits = parse_ply(data)
+        else:
+            with named("neither a .ply nor an .npy file"):
+                hits = parse_npy(data)
+        return carla_cloud({name: hits[name] for name in hits.dtype.names or ()}, tags, of=path)
 
 
 def carla_cloud(hits: Mapping[str, np.ndarray], tags: Tags, *, of: str | os.PathLike[str]) -> CarlaCloud:
     """The cloud of the columns [N] of `FIELDS`. A `UserWarning` says if poles, lights and signs lie where the ground
     should: the tags are older ones. `of` is what messages call the file; raises as `read_carla`."""
+    for name in FIELDS:
+        if name not in hits or hits[name].ndim != 1 or hits[name].dtype.kind not in "fiu":
+            raise FormatError(f"it has no {name} of one number a hit; CARLA's semantic LiDAR has {' '.join(FIELDS)}")
     table = np.full((max(tags) + 2, 2), -1)
     for tag, (name, material) in tags.items():
         table[tag] = BY_NAME[name].id, -1 if material is None else _INDEX[material]
@@ -154,18 +156,3 @@ def carla_sensor(
         range_sigma=0.01,
         sweep_time=1.0 / rotation_frequency,
     )
-
-
-def _from_ply(data: bytes) -> np.ndarray:
-    hits = parse_ply(data)
-    if hits.dtype != _RECORD:
-        raise FormatError(f"the fields of a hit must be {' '.join(FIELDS)}, as the semantic LiDAR has them")
-    return hits
-
-
-def _from_npy(data: bytes) -> np.ndarray:
-    with named("neither a .ply nor an .npy file"):
-        hits = parse_npy(data)
-    if hits.dtype != _RECORD or hits.ndim != 1:
-        raise FormatError(f"the array is {hits.dtype} {hits.shape}; it must hold N records of {' '.join(FIELDS)}")
-    return hits

@@ -10,6 +10,7 @@ import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -19,7 +20,7 @@ from lidardraft.scene.box import Box
 from lidardraft.scene.pose import in_upright_frame, upright
 from lidardraft.scene.sensor import Sensor
 
-# The module of `formats` and the function that writes each format, and what it is.
+# The module of `formats`, its function that writes drives into an empty folder, and what the format is.
 FORMATS = {
     "kitti": ("kitti_object", "write_kitti_object", "KITTI's 3D object benchmark"),
     "semantickitti": ("semantickitti", "write_sequences", "SemanticKITTI, a sequence a folder"),
@@ -34,12 +35,12 @@ FORMATS = {
 }
 AS_SEEN = ("mcap",)  # formats whose points are as the sensor saw them, for consumers that take its motion out
 UNBOXED = ("semantickitti", "pcd", "ply", "las")  # formats that have no place for boxes
-NO_SCANS = "there are no scans to write"
 MOVING = 0.3  # m/s from which on what stands in one place is thought to move; estimate
 VALIDATION_SHARE = 0.2  # of a data set's frames, its last ones
 _RECORD = [(name, "<f4") for name in ("x", "y", "z", "intensity")]
 _RECORD += [("ring", "<u2"), ("time", "<f4"), ("label", "u1"), ("instance", "<u4")]
 _RIDDEN = ("bicycle", "motorcycle")
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,32 +151,43 @@ def timed(drive: Iterable[Frame]) -> Iterator[tuple[float, Frame]]:
 
 
 def writer_of(format: str) -> Callable[..., None]:
-    """The function that writes drives in one of `FORMATS`, `write(output, drives, first=0)`; a part of a data set
-    numbers frames, and drives, from `first` on. Raises `FormatError` for another name."""
+    """What writes drives in one of `FORMATS` into a new folder, `write(output, drives, first=0)`; a part of a data set
+    numbers frames, and drives, from `first` on.
+
+    Raises `FormatError` for another name; and when it writes, where `output` is there already or cannot be written, and
+    where there are no drives or one without frames. Then nothing is there.
+    """
     if format not in FORMATS:
         raise FormatError(f"format is {format!r}; it must be {one_of(FORMATS, format)}")
     module, function, _ = FORMATS[format]
-    write: Callable[..., None] = getattr(importlib.import_module(f"lidardraft.formats.{module}"), function)
+    fill = getattr(importlib.import_module(f"lidardraft.formats.{module}"), function)
+
+    def write(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
+        with new_folder(output) as folder:
+            fill(folder, _some(map(_some, drives)), first)
+
     return write
 
 
+def _some(items: Iterable[T]) -> Iterator[T]:
+    """The items; raises `FormatError` at their end where there were none."""
+    none = True
+    for item in items:
+        none = False
+        yield item
+    if none:
+        raise FormatError("there are no scans to write")
+
+
 def numbered(drives: Drives, first: int) -> Iterator[tuple[str, Frame]]:
-    """All frames with the names 000000, 000001, ...; raises `FormatError` where there are none."""
-    number = None
-    for number, frame in enumerate(itertools.chain.from_iterable(drives), first):
-        yield f"{number:06d}", frame
-    if number is None:
-        raise FormatError(NO_SCANS)
+    """All frames with the names 000000, 000001, ..."""
+    return ((f"{number:06d}", frame) for number, frame in enumerate(itertools.chain.from_iterable(drives), first))
 
 
-def write_each(
-    output: str | os.PathLike[str], drives: Drives, first: int, ending: str, write: Callable[[Path, np.ndarray], None]
-) -> None:
-    """Write a new folder with a file for each frame, of its `point_records`. Raises `FormatError` where it is there
-    already or cannot be written."""
-    with new_folder(output) as folder:
-        for name, frame in numbered(drives, first):
-            write(folder / f"{name}{ending}", point_records(frame))
+def write_each(ending: str, by: Callable[[Path, np.ndarray], None], folder: Path, drives: Drives, first: int) -> None:
+    """Write a file for each frame, of its `point_records`."""
+    for name, frame in numbered(drives, first):
+        by(folder / f"{name}{ending}", point_records(frame))
 
 
 def point_records(frame: Frame) -> np.ndarray:
@@ -195,9 +207,10 @@ def npy(array: np.ndarray) -> bytes:
     return buffer.getvalue()
 
 
-def write_image_sets(folder: Path, names: list[str]) -> None:
-    """Write ImageSets/train.txt, val.txt and trainval.txt; the last fifth of the frames, one at least, is for
-    validation."""
+def write_image_sets(folder: Path, frames: Path) -> None:
+    """Write ImageSets/train.txt, val.txt and trainval.txt of the frames that have a file in the folder `frames`; the
+    last fifth of them, one at least, is for validation."""
+    names = sorted(path.stem for path in frames.iterdir())
     split = min(len(names) - 1, round(len(names) * (1 - VALIDATION_SHARE)))
     for part, those in (("train", names[:split]), ("val", names[split:]), ("trainval", names)):
         (folder / "ImageSets").mkdir(exist_ok=True)

@@ -112,9 +112,8 @@ class GlbFile:
     def pieces(self, world: np.ndarray) -> Iterator[Piece]:
         """The parts of one material of all nodes that have a mesh, from the roots of the scene down; `world` [4, 4] is
         the frame of the scene."""
-        no_names: tuple[str, ...] = ()
-        no_indices: tuple[int, ...] = ()
-        waiting = [(i, world, no_names, no_indices) for i in reversed(_indices(self.scene, "nodes"))]
+        waiting: list[tuple[Any, np.ndarray, tuple[str, ...], tuple[int, ...]]]
+        waiting = [(index, world, (), ()) for index in reversed(_indices(self.scene, "nodes"))]
         nodes = pieces = 0
         while waiting:
             index, parent, names, above = waiting.pop()

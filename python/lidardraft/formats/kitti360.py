@@ -33,21 +33,8 @@ SPLITS = {
     "lidargen-test": ("0000", "0002"),
     "all": _ALL,
 }
-_CLASSES = {
-    "car": "car",
-    "truck": "truck",
-    "bus": "bus",
-    "train": "train",
-    "motorcycle": "motorcycle",
-    "bicycle": "bicycle",
-    "person": "person",
-    "rider": "rider",
-    "pole": "pole",
-    "smallpole": "pole",
-    "bigpole": "pole",
-    "trafficsign": "traffic-sign",
-    "trafficlight": "traffic-light",
-}
+_CLASSES = {name: name for name in ("car", "truck", "bus", "train", "motorcycle", "bicycle", "person", "rider", "pole")}
+_CLASSES |= {"smallpole": "pole", "bigpole": "pole", "trafficsign": "traffic-sign", "trafficlight": "traffic-light"}
 _FAR = 130.0  # m from the scanner
 
 
@@ -147,12 +134,8 @@ def _objects_in(root: Element) -> Iterator[_Object]:
                 f"object {number} ({label}) has no transform of 16 numbers, or vertices of 3 each"
             ) from None
         lengths = np.linalg.norm(transform[:3, :3], axis=0)
-        if (
-            not np.isfinite(transform).all()
-            or not np.isfinite(vertices).all()
-            or not len(vertices)
-            or not lengths.all()
-        ):
+        numbers = np.concatenate([transform, vertices], axis=None)
+        if not (np.isfinite(numbers).all() and len(vertices) and lengths.all()):
             raise FormatError(f"object {number} ({label}) has no extent, or numbers that are not finite")
         low, high = vertices.min(axis=0), vertices.max(axis=0)
         pose = np.eye(4)

@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import named, new_folder, read_text, write_text
+from lidardraft.files import named, read_text, write_text
 from lidardraft.formats.frame import Annotation, Drives, Frame, numbered, write_image_sets
 from lidardraft.formats.kitti import calibration_of, numbers_of, write_bin
 from lidardraft.scene.box import Box
@@ -59,17 +59,14 @@ _PARTLY, _LARGELY = 0.1, 0.5  # occluded shares from which an object counts as p
 _LONGEST = 10_000  # lines of a label file
 
 
-def write_kitti_object(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
+def write_kitti_object(folder: Path, drives: Drives, first: int) -> None:
     """Write training/ with velodyne/, label_2/, calib/ and image_2/, and ImageSets/; objects without a point are left
-    out. Raises `FormatError` where `output` is there already or cannot be written."""
-    with new_folder(output) as folder:
-        for part in ("velodyne", "label_2", "calib", "image_2"):
-            (folder / "training" / part).mkdir(parents=True)
-        names = []
-        for name, frame in numbered(drives, first):
-            names.append(name)
-            _write_frame(folder / "training", name, frame)
-        write_image_sets(folder, names)
+    out."""
+    for part in ("velodyne", "label_2", "calib", "image_2"):
+        (folder / "training" / part).mkdir(parents=True)
+    for name, frame in numbered(drives, first):
+        _write_frame(folder / "training", name, frame)
+    write_image_sets(folder, folder / "training" / "velodyne")
 
 
 def _write_frame(folder: Path, name: str, frame: Frame) -> None:

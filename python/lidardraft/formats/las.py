@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.errors import FormatError, extra
-from lidardraft.files import expecting, named, new_folder, regular_size
+from lidardraft.files import expecting, named, regular_size
 from lidardraft.formats.frame import Drives, Frame, numbered
 from lidardraft.formats.point_fields import named_fields
 from lidardraft.semantics import BY_NAME, CLASSES
@@ -62,21 +62,19 @@ def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nda
         return np.array(points.xyz), fields
 
 
-def write_las(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
-    """Write a .las file for each frame. Raises `FormatError` where `output` is there already or cannot be written,
-    `MissingExtraError` where laspy is not installed."""
+def write_las(folder: Path, drives: Drives, first: int) -> None:
+    """Write a .las file for each frame. Raises `MissingExtraError` where laspy is not installed."""
     with extra():
         import laspy
-    with new_folder(output) as folder:
-        for name, frame in numbered(drives, first):
-            header = laspy.LasHeader(point_format=6, version="1.4")
-            header.scales = np.full(3, _MILLIMETRE)
-            header.add_extra_dims([laspy.ExtraBytesParams(field, kind) for field, kind in _EXTRA.items()])
-            points = laspy.LasData(header)
-            for field, values in _columns(frame).items():
-                points[field] = values
-            with (folder / f"{name}.las").open("wb") as file:
-                points.write(file)
+    for name, frame in numbered(drives, first):
+        header = laspy.LasHeader(point_format=6, version="1.4")
+        header.scales = np.full(3, _MILLIMETRE)
+        header.add_extra_dims([laspy.ExtraBytesParams(field, kind) for field, kind in _EXTRA.items()])
+        points = laspy.LasData(header)
+        for field, values in _columns(frame).items():
+            points[field] = values
+        with (folder / f"{name}.las").open("wb") as file:
+            points.write(file)
 
 
 _EXTRA = {"ring": "u2", "label": "u1", "instance": "u4"}

@@ -8,16 +8,15 @@ column, from which its `time` counts.
 from __future__ import annotations
 
 import logging
-import os
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from lidardraft.errors import FormatError, extra
-from lidardraft.files import new_folder
-from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, point_records, timed
+from lidardraft.formats.frame import Annotation, Drives, Frame, point_records, timed
 from lidardraft.scene.pose import upright
 from lidardraft.semantics import BY_NAME
 
@@ -25,22 +24,18 @@ _START = 1_600_000_000_000_000_000  # ns, the first frame's time
 _TYPES = {"f4": "Float32", "u1": "Uint8", "u2": "Uint16", "u4": "Uint32"}
 
 
-def write_mcap(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
-    """Write 000000.mcap and so on, one for each drive. Raises `FormatError` where `output` is there already or cannot
-    be written, `MissingExtraError` where foxglove-sdk is not installed."""
+def write_mcap(folder: Path, drives: Drives, first: int) -> None:
+    """Write 000000.mcap and so on, one for each drive. Raises `MissingExtraError` where foxglove-sdk is missing."""
     with extra():
         import foxglove
     logging.getLogger("foxglove").addHandler(logging.NullHandler())  # its warnings are those of the error below
-    with new_folder(output) as folder:
-        for number, drive in enumerate(drives, first):
-            context = foxglove.Context()
-            try:
-                with foxglove.open_mcap(folder / f"{number:06d}.mcap", context=context):
-                    _log_drive(drive, context)
-            except RuntimeError as error:
-                raise FormatError(f"{os.fspath(output)} cannot be written, as on a full disk: {error}") from None
-        if not any(folder.iterdir()):
-            raise FormatError(NO_SCANS)
+    for number, drive in enumerate(drives, first):
+        context = foxglove.Context()
+        try:
+            with foxglove.open_mcap(folder / f"{number:06d}.mcap", context=context):
+                _log_drive(drive, context)
+        except RuntimeError as error:
+            raise FormatError(f"{folder} cannot be written, as on a full disk: {error}") from None
 
 
 def _log_drive(drive: Iterable[Frame], context: Any) -> None:
@@ -50,7 +45,6 @@ def _log_drive(drive: Iterable[Frame], context: Any) -> None:
     clouds = channels.PointCloudChannel("/lidar", context=context)
     boxes = channels.SceneUpdateChannel("/boxes", context=context)
     transforms = channels.FrameTransformsChannel("/tf", context=context)
-    at = 0
     for time, frame in timed(drive):
         begun = _START + round(1e9 * time)
         at = begun + round(1e9 * frame.sensor.sweep_time / 2)
@@ -59,8 +53,6 @@ def _log_drive(drive: Iterable[Frame], context: Any) -> None:
         transforms.log(FrameTransforms(transforms=[_transform(at, *pose) for pose in poses]), log_time=at)
         clouds.log(_cloud(at if frame.time is None else begun, frame), log_time=at)
         boxes.log(_scene(at, frame), log_time=at)
-    if not at:
-        raise FormatError(NO_SCANS)
 
 
 def _cloud(at: int, frame: Frame) -> Any:
@@ -108,24 +100,25 @@ def _entity(at: int, annotation: Annotation) -> Any:
 
 
 def _transform(at: int, parent: str, child: str, pose: np.ndarray) -> Any:
-    from foxglove.messages import FrameTransform, Quaternion, Vector3
+    from foxglove.messages import FrameTransform
 
-    x, y, z, w = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
-    return FrameTransform(
-        timestamp=_stamp(at),
-        parent_frame_id=parent,
-        child_frame_id=child,
-        translation=Vector3(**dict(zip("xyz", pose[:3, 3].tolist(), strict=True))),
-        rotation=Quaternion(x=x, y=y, z=z, w=w),
-    )
+    place, turn = _place_and_turn(pose)
+    frames = {"parent_frame_id": parent, "child_frame_id": child}
+    return FrameTransform(timestamp=_stamp(at), **frames, translation=place, rotation=turn)
 
 
 def _pose(pose: np.ndarray) -> Any:
-    from foxglove.messages import Pose, Quaternion, Vector3
+    from foxglove.messages import Pose
+
+    place, turn = _place_and_turn(pose)
+    return Pose(position=place, orientation=turn)
+
+
+def _place_and_turn(pose: np.ndarray) -> tuple[Any, Any]:
+    from foxglove.messages import Quaternion, Vector3
 
     x, y, z, w = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
-    position = Vector3(**dict(zip("xyz", pose[:3, 3].tolist(), strict=True)))
-    return Pose(position=position, orientation=Quaternion(x=x, y=y, z=z, w=w))
+    return Vector3(**dict(zip("xyz", pose[:3, 3].tolist(), strict=True))), Quaternion(x=x, y=y, z=z, w=w)
 
 
 def _stamp(at: int) -> Any:

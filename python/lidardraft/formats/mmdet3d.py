@@ -8,11 +8,10 @@ infos of version 2, which `Det3DDataset` and `Seg3DDataset` load as they are. Ma
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 from typing import Any
 
-from lidardraft.files import new_folder, write_text
+from lidardraft.files import write_text
 from lidardraft.formats.frame import Annotation, Drives, Frame, numbered, write_image_sets
 from lidardraft.formats.kitti import write_bin
 from lidardraft.semantics import CLASSES
@@ -20,19 +19,17 @@ from lidardraft.semantics import CLASSES
 CATEGORIES = tuple(row.name for row in CLASSES if row.is_thing)
 
 
-def write_mmdet3d(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
-    """Write a data set; objects without a point are left out. Raises `FormatError` where `output` is there already or
-    cannot be written."""
-    with new_folder(output) as folder:
-        for part in ("points", "labels", "semantic_mask"):
-            (folder / part).mkdir()
-        infos = {name: _write_frame(folder, name, frame) for name, frame in numbered(drives, first)}
-        write_image_sets(folder, list(infos))
-        for split in ("train", "val"):
-            names = (folder / "ImageSets" / f"{split}.txt").read_text().split()
-            metainfo = {"categories": {name: i for i, name in enumerate(CATEGORIES)}, "dataset": "lidardraft"}
-            document = {"metainfo": metainfo, "data_list": [infos[name] for name in names]}
-            (folder / f"lidardraft_infos_{split}.json").write_text(json.dumps(document))
+def write_mmdet3d(folder: Path, drives: Drives, first: int) -> None:
+    """Write a data set; objects without a point are left out."""
+    for part in ("points", "labels", "semantic_mask"):
+        (folder / part).mkdir()
+    infos = {name: _write_frame(folder, name, frame) for name, frame in numbered(drives, first)}
+    write_image_sets(folder, folder / "points")
+    for split in ("train", "val"):
+        names = (folder / "ImageSets" / f"{split}.txt").read_text().split()
+        metainfo = {"categories": {name: i for i, name in enumerate(CATEGORIES)}, "dataset": "lidardraft"}
+        document = {"metainfo": metainfo, "data_list": [infos[name] for name in names]}
+        (folder / f"lidardraft_infos_{split}.json").write_text(json.dumps(document))
 
 
 def _write_frame(folder: Path, name: str, frame: Frame) -> dict[str, Any]:

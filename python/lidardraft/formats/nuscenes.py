@@ -21,8 +21,8 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import MAX_BYTES, expecting, named, new_folder, read_bytes, read_text, written_whole
-from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, timed
+from lidardraft.files import MAX_BYTES, expecting, named, read_bytes, read_text, written_whole
+from lidardraft.formats.frame import Annotation, Drives, Frame, timed
 from lidardraft.formats.point_fields import SCALES
 from lidardraft.json_fields import parse_list
 from lidardraft.scene.box import Box
@@ -203,25 +203,19 @@ def _check(name: str, sweep: np.ndarray, scale: float = _SCALE) -> None:
             raise FormatError(f"{name}: point {first} is {sweep[first].tolist()}; {limit}")
 
 
-def write_nuscenes(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
-    """Write v1.0-trainval/*.json, samples/LIDAR_TOP/, lidarseg/ and maps/.
-
-    Raises `FormatError` where `output` is there already or cannot be written.
-    """
+def write_nuscenes(folder: Path, drives: Drives, first: int) -> None:
+    """Write v1.0-trainval/*.json, samples/LIDAR_TOP/, lidarseg/ and maps/."""
     from PIL import Image  # which no --help waits for
 
-    with new_folder(output) as folder:
-        for part in (VERSION, "samples/LIDAR_TOP", f"lidarseg/{VERSION}", "maps"):
-            (folder / part).mkdir(parents=True)
-        Image.new("L", (1, 1)).save(folder / "maps" / "none.png")
-        tables, start, number = _fixed_tables(), _START + _APART * first, None
-        scenes = (scene for drive in drives for _, scene in itertools.groupby(drive, lambda frame: frame.world))
-        for number, scene in enumerate(scenes, first + 1):
-            start = _write_scene(folder, tables, f"scene-{number:04d}", scene, start)
-        if number is None:
-            raise FormatError(NO_SCANS)
-        for name, rows in tables.items():
-            (folder / VERSION / f"{name}.json").write_text(json.dumps(rows, indent=0))
+    for part in (VERSION, "samples/LIDAR_TOP", f"lidarseg/{VERSION}", "maps"):
+        (folder / part).mkdir(parents=True)
+    Image.new("L", (1, 1)).save(folder / "maps" / "none.png")
+    tables, start = _fixed_tables(), _START + _APART * first
+    scenes = (scene for drive in drives for _, scene in itertools.groupby(drive, lambda frame: frame.world))
+    for number, scene in enumerate(scenes, first + 1):
+        start = _write_scene(folder, tables, f"scene-{number:04d}", scene, start)
+    for name, rows in tables.items():
+        (folder / VERSION / f"{name}.json").write_text(json.dumps(rows, indent=0))
 
 
 def read_annotations(sweep: str | os.PathLike[str]) -> list[Box]:
@@ -291,9 +285,7 @@ def _fixed_tables() -> Tables:
         "visibility": [{"token": token, "level": level, "description": ""} for token, level, _ in _VISIBLE],
         "sensor": [{"token": _token("LIDAR_TOP"), "channel": "LIDAR_TOP", "modality": "lidar"}],
         "log": [log | {"location": "lidardraft"}],
-        "map": [
-            {"token": _token("map"), "log_tokens": [log["token"]], "category": "", "filename": "maps/none.png"},
-        ],
+        "map": [{"token": _token("map"), "log_tokens": [log["token"]], "category": "", "filename": "maps/none.png"}],
         **{name: [] for name in ("instance", "calibrated_sensor", "ego_pose", "scene", "sample", "sample_data")},
         **{name: [] for name in ("sample_annotation", "lidarseg")},
     }
@@ -311,18 +303,10 @@ def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame
         for annotation in frame.annotations:
             _annotate(tracks.setdefault(annotation.box.id, []), name, sample, frame, annotation)
     tables["sample"] += _linked(samples)
-    tables["scene"].append(
-        {
-            "token": _token(name),
-            "log_token": _token("log"),
-            "nbr_samples": len(samples),
-            "name": name,
-            "description": _description(world),
-        }
-        | {"first_sample_token": samples[0]["token"], "last_sample_token": samples[-1]["token"]}
-    )
-    sweeps = tables["sample_data"][-len(samples) :]
-    tables["sample_data"][-len(samples) :] = _linked(sweeps)
+    said = {"token": _token(name), "log_token": _token("log"), "nbr_samples": len(samples), "name": name}
+    ends = {"first_sample_token": samples[0]["token"], "last_sample_token": samples[-1]["token"]}
+    tables["scene"].append(said | {"description": _description(world)} | ends)
+    tables["sample_data"][-len(samples) :] = _linked(tables["sample_data"][-len(samples) :])
     for track in tracks.values():
         _set_apart_parked(track)
         tables["instance"].append(
@@ -386,8 +370,7 @@ def _annotate(
         | {"instance_token": _token(scene, box.id), "category_token": _token("category", _category(annotation))}
         | {"attribute_tokens": [_token("attribute", name) for name in _attributes(annotation)]}
         | {"visibility_token": next(token for token, _, least in _VISIBLE if 1 - annotation.occlusion >= least)}
-        | {"translation": pose[:3, 3].tolist(), "rotation": _quaternion(pose[:3, :3])}
-        | {"size": [width, length, height]}
+        | {"translation": pose[:3, 3].tolist(), "rotation": _quaternion(pose[:3, :3]), "size": [width, length, height]}
         | {"num_lidar_pts": annotation.num_points, "num_radar_pts": 0}
     )
 

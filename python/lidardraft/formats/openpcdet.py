@@ -6,26 +6,22 @@ heading counter-clockwise from x; classes have our names, and a rider includes w
 
 from __future__ import annotations
 
-import os
+from pathlib import Path
 
 import numpy as np
 
-from lidardraft.files import new_folder, write_text
+from lidardraft.files import write_text
 from lidardraft.formats.frame import Annotation, Drives, npy, numbered, write_image_sets
 
 
-def write_openpcdet(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
-    """Write a data set for `CustomDataset`; objects without a point are left out. Raises `FormatError` where `output`
-    is there already or cannot be written."""
-    with new_folder(output) as folder:
-        for part in ("points", "labels"):
-            (folder / part).mkdir()
-        names = []
-        for name, frame in numbered(drives, first):
-            names.append(name)
-            (folder / "points" / f"{name}.npy").write_bytes(npy(np.column_stack([frame.points, frame.intensity])))
-            write_text(folder / "labels" / f"{name}.txt", "".join(map(_line, frame.seen())))
-        write_image_sets(folder, names)
+def write_openpcdet(folder: Path, drives: Drives, first: int) -> None:
+    """Write a data set for `CustomDataset`; objects without a point are left out."""
+    for part in ("points", "labels"):
+        (folder / part).mkdir()
+    for name, frame in numbered(drives, first):
+        (folder / "points" / f"{name}.npy").write_bytes(npy(np.column_stack([frame.points, frame.intensity])))
+        write_text(folder / "labels" / f"{name}.txt", "".join(map(_line, frame.seen())))
+    write_image_sets(folder, folder / "points")
 
 
 def _line(annotation: Annotation) -> str:

@@ -75,15 +75,8 @@ class Pair(NamedTuple):
         finite."""
         if not all(image.intensity is None or np.isfinite(image.intensity).all() for image in self):
             raise FormatError("a pair holds an intensity that is not finite")
-        return {
-            "scan_depth": _compact_depth(self.scan),
-            "scan_label": self.scan.label,
-            "scan_intensity": _compact_intensity(self.scan),
-            "condition_depth": _compact_depth(self.condition_image),
-            "condition_label": self.condition_image.label,
-            "simulated_depth": _compact_depth(self.simulated),
-            "simulated_intensity": _compact_intensity(self.simulated),
-        }
+        images = {"scan": self.scan, "condition": self.condition_image, "simulated": self.simulated}
+        return {name: _COMPACT[part](images[of]) for name in IMAGES for of, part in [name.split("_")]}
 
 
 NotedPair = tuple[Pair, dict[str, Any]]
@@ -191,8 +184,7 @@ def write_pairs(
 
 def is_shard(path: str | os.PathLike[str]) -> bool:
     """Whether an .npz file is a shard of pairs, as far as its names of images tell; raises `FormatError`."""
-    with array_files.opened(path) as archive:
-        return all(array_files.holds(archive, name) for name in IMAGES)
+    return set(IMAGES).issubset(array_files.names_in(path))
 
 
 def read_shard(path: str | os.PathLike[str]) -> list[NotedPair]:
@@ -230,6 +222,9 @@ def _compact_depth(image: RangeImage) -> np.ndarray:
     # the furthest that fits is beyond what a network tells apart (`codec.MAX_DEPTH`)
     steps = np.minimum(np.rint(image.depth / DEPTH_STEP), 65535)
     return np.where(image.valid, np.maximum(steps, 1), 0).astype(np.uint16)
+
+
+_COMPACT = {"depth": _compact_depth, "label": lambda image: image.label, "intensity": _compact_intensity}
 
 
 def _write(path: Path, images: Images, notes: Notes) -> None:

@@ -12,12 +12,13 @@ import re
 import struct
 import warnings
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import MAX_WHOLE, expecting, named, read_bytes, written_whole
-from lidardraft.formats.frame import Drives, write_each
+from lidardraft.formats.frame import write_each
 from lidardraft.formats.kitti import numbers_of
 
 _KEYS = ("FIELDS", "SIZE", "TYPE", "COUNT", "POINTS", "DATA")
@@ -94,9 +95,7 @@ def write_pcd(path: str | os.PathLike[str], records: np.ndarray) -> None:
         temporary.write_bytes(text.encode() + records.tobytes())
 
 
-def write_pcd_folder(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
-    """As `write_each`."""
-    write_each(output, drives, first, ".pcd", write_pcd)
+write_pcd_folder = partial(write_each, ".pcd", write_pcd)
 
 
 def text_records(text: bytes, record: np.dtype, count: int) -> np.ndarray:

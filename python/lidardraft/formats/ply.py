@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import re
+from functools import partial
 
 import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import named, read_bytes, written_whole
-from lidardraft.formats.frame import Drives, write_each
+from lidardraft.formats.frame import write_each
 from lidardraft.formats.pcd import binary_records, text_records
 
 _TYPES = {
@@ -72,6 +73,4 @@ def write_ply(path: str | os.PathLike[str], records: np.ndarray) -> None:
         temporary.write_bytes(header.encode() + records.tobytes())
 
 
-def write_ply_folder(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
-    """As `write_each`."""
-    write_each(output, drives, first, ".ply", write_ply)
+write_ply_folder = partial(write_each, ".ply", write_ply)

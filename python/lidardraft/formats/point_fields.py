@@ -54,7 +54,7 @@ def unit_intensity(
         said = f"intensities of 16 bits are divided by {known:g}, but the largest is {most:g}"
         warnings.warn(f"{os.fspath(of)}: {said}: give --intensity-scale {likely:g} if that stands for 1", stacklevel=2)
     if over:
-        said = f"{over} of {len(seen)} intensities are over {known:g}, at most {most:g}; they are clipped"
+        said = f"{over} of {len(seen)} intensities are over {known:g}, at most {most:.9g}; they are clipped"
         warnings.warn(f"{os.fspath(of)}: {said}", stacklevel=2)
     unit: np.ndarray = np.minimum(values.astype(np.float32) / np.float32(known), np.float32(1))
     return unit

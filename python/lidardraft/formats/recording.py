@@ -40,9 +40,10 @@ _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
 SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pkl.gz", ".pcap")
 _FIELDS = ("label", "instance", "column", "made_up")  # of an .npz file, beside those of `NAMES`
-_OFF, _FURTHEST = 50.0, 1000.0  # m from the sensor: its nearest return is hardly so far off, and no return further
-_MAP = "the nearest return is {:.0f} m from the origin, where the sensor should be; of a cloud in the frame of a map, "
-_MAP += "subtract the sensor's place"
+_OFF, _FURTHEST = 50.0, 1000.0  # m from the sensor: its nearest returns are hardly so far off, and never further
+_NEAR = 0.05  # of the returns are its nearest: a few of a map may lie near the map's origin
+_MAP = "the nearest returns are {:.0f} m from the origin, where the sensor should be; of a cloud in the frame of a map"
+_MAP += ", subtract the sensor's place, and of one in other units make metres"
 _COARSE = 0.01  # m: coarser steps of coordinates show
 _NO_LASERS = "nothing says which laser took a point: no field ring, no rows, not laser by laser as KITTI's files are"
 _ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
@@ -70,22 +71,21 @@ class Recording:
 def read_recording(
     path: str | os.PathLike[str], *, intensity_scale: float | None = None, carla_tags: Tags = TAGS
 ) -> Recording:
-    """A scan out of a file: `.bin` of KITTI, with SemanticKITTI's labels if they lie beside it, `.pcd.bin` of nuScenes,
-    `.pcd`, `.ply`, `.npz`, PandaSet's `.pkl.gz` or an Ouster's `.pcap`.
+    """A scan out of a file of one of `SCAN_ENDINGS`, with the labels that data sets have beside it.
 
-    A KITTI file has its points laser by laser. A PCD or PLY file has x, y, z and a field `ring`, or is organised (its
-    HEIGHT lasers are rows) or in KITTI's order; fields may have any name of `point_fields.NAMES`. An .npz file has
-    `xyz` [N, 3], and `ring`, `intensity`, `label` (our classes), `instance`, `column` [N] where they are known, or is a
-    range image; that of a scan that lidardraft wrote is read in place of its `.bin`, which does not say which laser
-    took a point. `intensity_scale` is the number that stands for an intensity of 1, where the format does not say it,
-    and `carla_tags` the tags of a cloud of CARLA's. Raises `FormatError` where the file is something else,
-    has no points, or where nothing says which laser took them, or what scale its intensities have.
+    A PCD or PLY file has x, y, z and a field `ring`, or is organised (its HEIGHT lasers are rows), or has its points
+    laser by laser, as KITTI's files do; fields may have any name of `point_fields.NAMES`. An .npz file has `xyz`
+    [N, 3], and `ring`, `intensity`, `label` (our classes), `instance`, `column` [N] where they are known, or is a range
+    image; that of a scan that lidardraft wrote is read in place of its `.bin`, which does not say the lasers.
+    `intensity_scale` is the number that stands for an intensity of 1, by default that of the format, and `carla_tags`
+    are the tags of a cloud of CARLA. Raises `FormatError` if the file is something else or has no points, or if nothing
+    says their lasers or the scale of their intensities.
     """
     path = Path(path)
     image = path.with_suffix(".npz")
     if path.suffix == ".bin" and image.exists() and path.with_suffix(".sensor.json").exists():
         path = image
-    if path.suffix == ".npz" and _is_range_image(path):
+    if path.suffix == ".npz" and {"depth", "sensor"}.issubset(array_files.names_in(path)):
         return _of_image(os.fspath(path), RangeImage.load(path))
     points, fields = read_points(path, intensity_scale=intensity_scale, carla_tags=carla_tags)
     fields = {field: values for field, values in fields.items() if field not in ("instance", "made_up")}
@@ -178,28 +178,14 @@ def _of_image(name: str, image: RangeImage) -> Recording:
         return recording_of(name, image.points(), **known)
 
 
-def _is_range_image(path: Path) -> bool:
-    with array_files.opened(path) as archive:
-        return array_files.holds(archive, "depth") and array_files.holds(archive, "sensor")
-
-
-def is_points_file(path: str | os.PathLike[str]) -> bool:
-    """Whether an .npz file holds points. Raises `FormatError` where it is not a whole one."""
-    with array_files.opened(path) as archive:
-        return array_files.holds(archive, "xyz")
-
-
 def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The points f32 [N, 3] that are returns, finite and not at the origin, with their fields; intensities in 0 to 1.
 
     Raises `FormatError` where there are none, where the arrays do not fit or hold what cannot be, where intensities are
     over 1, and where no point is so near that a sensor at the origin sees it."""
     points = np.asarray(points)
-    if (
-        points.ndim != 2
-        or points.shape[1] != 3
-        or any(np.shape(each)[:1] != points.shape[:1] for each in fields.values())
-    ):
+    counts = {np.shape(each)[:1] for each in (points, *fields.values())}
+    if points.ndim != 2 or points.shape[1] != 3 or len(counts) > 1:
         raise FormatError(f"points {points.shape} must be [N, 3], with a value of each field for each")
     if len(points) > _MOST_POINTS:
         raise FormatError(f"{len(points)} points; scans of up to {_MOST_POINTS} are read")
@@ -229,7 +215,9 @@ def _ranges(points: np.ndarray) -> np.ndarray:
 
 
 def _nearest(ranges: np.ndarray) -> float:
-    return float(ranges[ranges > 0].min(initial=np.inf))
+    """How far the nearest returns of a scan are, infinitely far if it has none."""
+    there = ranges[ranges > 0]
+    return float(np.quantile(there, _NEAR)) if len(there) else np.inf
 
 
 def read_semantic_map(path: str | os.PathLike[str], sensor: Sensor) -> np.ndarray:
@@ -312,8 +300,7 @@ def with_fields(path: str | os.PathLike[str]) -> str:
     """The end of a message: the fields of a file that names them."""
     names = list[str]()
     if (suffix := Path(path).suffix) == ".npz":
-        with array_files.opened(path) as archive:
-            names = [name.removesuffix(".npy") for name in archive.namelist()]
+        names = array_files.names_in(path)
     elif suffix in (".pcd", ".ply"):
         names = list(read_pcd(path).columns if suffix == ".pcd" else read_ply(path).dtype.names or ())
     return f"; its fields are {', '.join(names)}" if names else ""
@@ -379,9 +366,9 @@ def _from_columns(
 
 
 def _from_npz(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    names = array_files.names_in(path)
+    found = {field: name for field, name in named_fields(names).items() if field not in "xyz"}
+    found |= {field: field for field in _FIELDS if field in names}
     with array_files.opened(path) as archive:
         points = array_files.read_numbers(archive, "xyz")
-        names = [name.removesuffix(".npy") for name in archive.namelist()]
-        found = {field: name for field, name in named_fields(names).items() if field not in "xyz"}
-        found |= {field: field for field in _FIELDS if field in names}
         return points, {field: array_files.read_numbers(archive, name) for field, name in found.items()}

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from lidardraft.errors import FormatError
-from lidardraft.files import new_folder, read_bytes, write_text, written_whole
-from lidardraft.formats.frame import NO_SCANS, Annotation, Drives, Frame, timed
+from lidardraft.files import read_bytes, write_text, written_whole
+from lidardraft.formats.frame import Annotation, Drives, Frame, timed
 from lidardraft.formats.kitti import write_bin
 from lidardraft.scene.pose import inverse
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
@@ -119,18 +119,14 @@ def write_label(
         temporary.write_bytes(words.astype("<u4").tobytes())
 
 
-def write_sequences(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
+def write_sequences(folder: Path, drives: Drives, first: int) -> None:
     """Write sequences/00, 01, ... of the drives: velodyne/, labels/, poses.txt, times.txt and calib.txt.
 
     Poses are those of the camera relative to its first one, as KITTI's odometry has them; `Tr` says where it stands:
-    at the sensor, with x right, y down and z ahead. Raises `FormatError` where `output` is there already or cannot be
-    written.
+    at the sensor, with x right, y down and z ahead.
     """
-    with new_folder(output) as folder:
-        for number, drive in enumerate(drives, first):
-            _write_sequence(folder / "sequences" / f"{number:02d}", drive)
-        if not any(folder.iterdir()):
-            raise FormatError(NO_SCANS)
+    for number, drive in enumerate(drives, first):
+        _write_sequence(folder / "sequences" / f"{number:02d}", drive)
 
 
 def _write_sequence(folder: Path, drive: Iterable[Frame]) -> None:
@@ -145,8 +141,6 @@ def _write_sequence(folder: Path, drive: Iterable[Frame]) -> None:
         write_label(folder / "labels" / f"{number:06d}.label", frame.label, frame.instance, raw=raw)
         poses.append(frame.pose)
         times.append(time)
-    if not poses:
-        raise FormatError(NO_SCANS)
     of_camera = [_CAMERA @ inverse(poses[0]) @ pose @ _CAMERA.T for pose in poses]
     write_text(folder / "poses.txt", "".join(f"{_row(pose)}\n" for pose in of_camera))
     write_text(folder / "times.txt", "".join(f"{time:.6e}\n" for time in times))

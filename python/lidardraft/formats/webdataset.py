@@ -10,29 +10,26 @@ from __future__ import annotations
 import io
 import itertools
 import json
-import os
 import tarfile
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import numpy as np
 
-from lidardraft.files import new_folder, written_whole
+from lidardraft.files import written_whole
 from lidardraft.formats.boxes import fields_of
 from lidardraft.formats.frame import Drives, Frame, npy, numbered
 
 SHARD = 256  # frames of a shard
 
 
-def write_webdataset(output: str | os.PathLike[str], drives: Drives, first: int = 0) -> None:
-    """Write 000000.tar, 000001.tar, ... and index.json. Raises `FormatError` where `output` is there already or cannot
-    be written."""
-    with new_folder(output) as folder:
-        frames, counts = iter(numbered(drives, first)), dict[str, int]()
-        while head := next(frames, None):
-            shard = f"{len(counts):06d}.tar"
-            counts[shard] = write_shard(folder / shard, itertools.chain([head], itertools.islice(frames, SHARD - 1)))
-        (folder / "index.json").write_text(json.dumps(counts))
+def write_webdataset(folder: Path, drives: Drives, first: int) -> None:
+    """Write 000000.tar, 000001.tar, ... and index.json."""
+    frames, counts = iter(numbered(drives, first)), dict[str, int]()
+    while head := next(frames, None):
+        shard = f"{len(counts):06d}.tar"
+        counts[shard] = write_shard(folder / shard, itertools.chain([head], itertools.islice(frames, SHARD - 1)))
+    (folder / "index.json").write_text(json.dumps(counts))
 
 
 def write_shard(path: Path, frames: Iterable[tuple[str, Frame]]) -> int:

@@ -212,6 +212,9 @@ class Layout:
         objects = len({p.instance for p in self.primitives if p.instance and BY_NAME[p.label].is_thing})
         return f"Layout({len(self)} shapes, {objects} objects with a box, from {self.provenance.get('source')})"
 
+    def __contains__(self, one: object) -> bool:
+        return any(one in (primitive.id, primitive) for primitive in self)
+
     def __getitem__(self, id: str) -> Primitive:
         """The primitive of that id; raises `UnknownNameError`, a `KeyError`, where there is none."""
         for primitive in self.primitives:
@@ -222,31 +225,39 @@ class Layout:
     def unknown(self, pattern: str) -> UnknownNameError:
         """The error for an id or pattern that no primitive has."""
         names = list(dict.fromkeys(map(object_of, self)))
-        near = did_you_mean([*names, *(primitive.id for primitive in self)], pattern)
-        known = near or f"; it has {', '.join(names[:8]) or 'none'}{', ...' if len(names) > 8 else ''}"
+        parts = [primitive.id for primitive in self if object_of(primitive) == pattern]
+        near = "" if parts else did_you_mean([*names, *(primitive.id for primitive in self)], pattern)
+        some = parts or names
+        known = near or f"; it has {', '.join(some[:8]) or 'none'}{', ...' if len(some) > 8 else ''}"
         return UnknownNameError(f"no primitive has the id {pattern!r}{known}")
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What of the input was not understood, left out or assumed, and what cannot be seen: a line each."""
-        told = self.provenance
-        around = told.get("surroundings", {})
-        lines = [f"ignored: {line}" for line in told.get("ignored", ())]
-        lines += [*told.get("notes", ()), *told.get("findings", ())]
-        lines += [around["note"]] if "note" in around else []
-        lines += [f"{name} cannot be seen: {by} stands before it" for name, by in around.get("hidden", {}).items()]
-        if told.get("not_shown"):
-            lines.insert(0, f"not shown: {', '.join(told['not_shown'])}")
-        if told.get("not_understood"):
-            near = "".join(f"; did you mean {known!r}?" for known in told.get("nearest_words", {}).values())
-            lines.insert(0, f"not understood: {', '.join(told['not_understood'])}{near}")
+        lines = list[str]()
+        if words := self._told("not_understood"):
+            nearest = self.provenance.get("nearest_words")
+            near = "".join(f"; did you mean {known!r}?" for known in nearest.values()) if nearest else ""
+            lines.append(f"not understood: {', '.join(words)}{near}")
+        if words := self._told("not_shown"):
+            lines.append(f"not shown: {', '.join(words)}")
+        lines += [f"ignored: {line}" for line in self._told("ignored")]
+        lines += [*self._told("notes"), *self._told("findings")]
+        if isinstance(around := self.provenance.get("surroundings"), dict):
+            lines += [around["note"]] if "note" in around else []
+            lines += [f"{name} cannot be seen: {by} stands before it" for name, by in around.get("hidden", {}).items()]
         return tuple(lines)
+
+    def _told(self, name: str) -> list[str]:
+        """The lines of that name in the provenance; none where others wrote something else there."""
+        lines = self.provenance.get(name)
+        return list(map(str, lines)) if isinstance(lines, list | tuple) else []
 
     def noted(self, *lines: str) -> Layout:
         """The layout with more notes, which `provenance["notes"]` holds; itself without any."""
         if not lines:
             return self
-        return replace(self, provenance=self.provenance | {"notes": [*self.provenance.get("notes", ()), *lines]})
+        return replace(self, provenance=self.provenance | {"notes": [*self._told("notes"), *lines]})
 
     def boxes(self) -> list[Box]:
         """One box around each thing (instance > 0), with the yaw of its largest part, in the order of instances."""

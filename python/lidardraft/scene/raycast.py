@@ -171,8 +171,11 @@ class Raycaster:
         indices = self._indices(id)
         parts = [self.layout.primitives[i] for i in indices]
         poses = pose[None] if len(parts) == 1 else pose @ _parts_in_object(parts)
-        self._scene = self._scene.moved(np.array(indices, dtype=np.uint32), poses)
-        self._places.update(zip(indices, poses, strict=True))
+        self._put(dict(zip(indices, poses, strict=True)))
+
+    def _put(self, places: dict[int, np.ndarray]) -> None:
+        self._scene = self._scene.moved(np.array(list(places), dtype=np.uint32), np.array(list(places.values())))
+        self._places |= places
 
     def __getstate__(self) -> dict[str, Any]:
         # the core's scene cannot go to another process; it is compiled again there
@@ -180,17 +183,13 @@ class Raycaster:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__init__(state["layout"], by_id=state["by_id"])  # type: ignore[misc]
-        self._places = dict(state["places"])
-        if self._places:
-            indices, poses = np.array(list(self._places), dtype=np.uint32), np.array(list(self._places.values()))
-            self._scene = self._scene.moved(indices, poses)
+        if state["places"]:
+            self._put(state["places"])
 
     def _indices(self, id: str) -> list[int]:
         found = self._parts.get(id) or [i for i, p in enumerate(self.layout) if p.id == id]
         if not found:
-            names = list(self._parts)
-            some = f"{', '.join(names[:8]) or 'none'}{', ...' if len(names) > 8 else ''}"
-            raise LayoutError(f"no object or primitive has the id {id!r}; the layout has {some}")
+            raise self.layout.unknown(id)
         return found
 
     @cached_property

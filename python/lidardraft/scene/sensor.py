@@ -295,19 +295,19 @@ def _turned(degrees: Sequence[float] | np.ndarray) -> tuple[float, ...]:
 
 def _ouster(
     name: str,
-    elevations: tuple[float, ...],
+    elevations: Sequence[float] | np.ndarray,
     azimuths: Sequence[float] | np.ndarray,
     forward: float,
     nearest: float,
     furthest: float,
 ) -> Sensor:
-    """An Ouster; `forward` is how far ahead of the axis its beams start [m] (lidar_origin_to_beam_origin_mm).
+    """An Ouster, of angles in degrees; its beams start `forward` [m] of the axis (lidar_origin_to_beam_origin_mm).
 
     Azimuths are rounded to a tenth of a degree, less than a third of a column: beams of one azimuth are cast together.
     """
     return Sensor(
         name=name,
-        elevations=elevations,
+        elevations=_table(elevations),
         azimuth_offsets=_turned(np.round(azimuths, 1)),
         origin_forwards=(forward,) * len(elevations),
         columns=1024,
@@ -379,20 +379,17 @@ PRESETS: dict[str, Sensor] = {
             range_sigma=0.0045,
         ),
         # Ouster data sheets: ranges, precision; 1024 columns at 10 Hz.
-        _ouster("os0-128", _table(beam_tables.OS0_128_ELEVATIONS), beam_tables.OS0_128_AZIMUTHS, 0.02767, 0.5, 100.0),
+        _ouster("os0-128", beam_tables.OS0_128_ELEVATIONS, beam_tables.OS0_128_AZIMUTHS, 0.02767, 0.5, 100.0),
         # Of the sensors with 64 beams nobody's table is at hand: nominal ones, every other beam of 128.
-        _ouster(
-            "os0-64",
-            _table(beam_tables.OS0_128_ELEVATIONS[::2]),
-            beam_tables.OS0_128_AZIMUTHS[::2],
-            0.02767,
-            0.5,
-            100.0,
-        ),
+        _ouster("os0-64", beam_tables.OS0_128_ELEVATIONS[::2], beam_tables.OS0_128_AZIMUTHS[::2], 0.02767, 0.5, 100.0),
         # OS1-128: 45 degrees of elevation; the four columns of lasers look 2.82 degrees apart.
-        _ouster("os1-128", _beams(22.5, -22.5, 128), np.resize([4.23, 1.41, -1.41, -4.23], 128), 0.015806, 0.5, 120.0),
-        _ouster("os1-64", _beams(22.5, -22.5, 64), np.resize([4.23, 1.41, -1.41, -4.23], 64), 0.015806, 0.5, 120.0),
-        _ouster("os1-32", _table(beam_tables.OS1_32_ELEVATIONS), beam_tables.OS1_32_AZIMUTHS, 0.015806, 0.5, 120.0),
-        _ouster("os2-128", _table(beam_tables.OS2_128_ELEVATIONS), beam_tables.OS2_128_AZIMUTHS, 0.013762, 1.0, 240.0),
+        _ouster(
+            "os1-128", np.linspace(22.5, -22.5, 128), np.resize([4.23, 1.41, -1.41, -4.23], 128), 0.015806, 0.5, 120.0
+        ),
+        _ouster(
+            "os1-64", np.linspace(22.5, -22.5, 64), np.resize([4.23, 1.41, -1.41, -4.23], 64), 0.015806, 0.5, 120.0
+        ),
+        _ouster("os1-32", beam_tables.OS1_32_ELEVATIONS, beam_tables.OS1_32_AZIMUTHS, 0.015806, 0.5, 120.0),
+        _ouster("os2-128", beam_tables.OS2_128_ELEVATIONS, beam_tables.OS2_128_AZIMUTHS, 0.013762, 1.0, 240.0),
     )
 }

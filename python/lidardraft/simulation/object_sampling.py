@@ -24,14 +24,8 @@ from lidardraft.simulation.scan_edits import check_room, inserted
 from lidardraft.simulation.solid_object import SolidObject
 
 _CLASS_OF_NAME = {"pedestrian": "person", "cyclist": "rider", "van": "car"}  # of others' names in lower case
-_NAME_OF_KIND = {
-    "car": "Car",
-    "van": "Car",
-    "truck": "Truck",
-    "bus": "Bus",
-    "person": "Pedestrian",
-    "cyclist": "Cyclist",
-}
+_NAME_OF_KIND = {kind: kind.title() for kind in ("car", "truck", "bus", "cyclist")}
+_NAME_OF_KIND |= {"van": "Car", "person": "Pedestrian"}
 _TRIES = 16  # places that are looked at for an object
 _ROOM = 0.3  # m around it without returns of other things
 _CELL, _HALF = 0.4, 200  # m; cells on each side: where things stand
@@ -46,8 +40,7 @@ class ObjectSampling:
     SAMPLE_GROUPS do; they stand on free ground that the sensor sees, between `distances` [m]. Of each kind there are
     `models` different ones, made once. `names` says what each kind is called in `gt_names`, and `intensity_scale` which
     number stands for an intensity of 1, as 255 in nuScenes (default 1). Equal instances give the same samples in the
-    same order of calls; each worker needs a `seed` of its own. Raises `LayoutError` for an unknown
-    kind.
+    same order of calls; each worker needs a `seed` of its own. Raises `LayoutError` for an unknown kind.
     """
 
     def __init__(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
@@ -35,6 +35,7 @@ _MOST_LOST = 4.0  # rays without a return, in returns: more are none
 _LEAST_STEP = 2e-4  # rad between two firings of one laser
 _LEAST_AWAY = 1e-3  # m: a point straight below the sensor is as steep as one so far aside
 _SECTORS = 72
+_KINDS = {"intensity": np.float32, "label": np.uint8, "instance": np.uint32, "made_up": np.uint8}
 RAY_FIELDS = ("points", "distance", "intensity", "label", "instance", "made_up", "source")
 
 
@@ -86,30 +87,16 @@ class RecordedScan:
         if "intensity" in known:
             known["intensity"] = unit_intensity(known["intensity"], intensity_scale, of="the scan")
         points, known = returns(points, known | {"source": np.arange(len(points))})
-        count = len(points)
-        label = known.get("label", np.zeros(count)).astype(np.uint8)
-        instance = known.get("instance", np.zeros(count)).astype(np.uint32)
+        rays = {name: known.get(name, np.zeros(len(points))).astype(kind) for name, kind in _KINDS.items()}
+        rays |= {"points": points, "distance": np.linalg.norm(points, axis=1), "source": known["source"]}
         if boxes is None:
-            boxes = _boxes_of(points, label, instance, sensor)
-        scan = cls(
-            sensor=sensor,
-            boxes=tuple(boxes),
-            points=points,
-            distance=np.linalg.norm(points, axis=1),
-            intensity=known.get("intensity", np.zeros(count, np.float32)),
-            label=label,
-            instance=instance,
-            made_up=known.get("made_up", np.zeros(count)).astype(np.uint8),
-            source=known["source"],
-        )
+            boxes = _boxes_of(points, rays["label"], rays["instance"], sensor)
         directions, places = _lost_rays(points, known.get("ring"), sensor)
-        if len(places) > _MOST_LOST * count:
-            return scan
-        lost = {name: np.zeros(len(places), getattr(scan, name).dtype) for name in RAY_FIELDS[1:]}
-        lost |= {"points": directions.astype(np.float32), "source": scan.source[places - 1]}
-        return replace(
-            scan, **{name: np.insert(getattr(scan, name), places, lost[name], axis=0) for name in RAY_FIELDS}
-        )
+        if len(places) <= _MOST_LOST * len(points):
+            lost = {name: np.zeros(len(places), values.dtype) for name, values in rays.items()}
+            lost |= {"points": directions.astype(np.float32), "source": known["source"][places - 1]}
+            rays = {name: np.insert(values, places, lost[name], axis=0) for name, values in rays.items()}
+        return cls(sensor=sensor, boxes=tuple(boxes), **rays)
 
     def __repr__(self) -> str:
         returns, made = np.count_nonzero(self.returned), np.count_nonzero(self.made_up)

@@ -50,7 +50,6 @@ class Insert:
     id: str = ""
 
     def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
-        """The scan with this edit."""
         id = self.id or _free_id(scan, self.kind)
         solid = SolidObject.of_kind(self.kind, size=self.size, name=id, seed=seed)
         return _with_object(scan, solid, id, self.at, self.yaw, seed)
@@ -63,7 +62,6 @@ class Remove:
     id: str
 
     def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
-        """The scan with this edit."""
         return _without_object(scan, scan.box(self.id), seed)
 
 
@@ -77,7 +75,6 @@ class Move:
     yaw: float | None = None
 
     def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
-        """The scan with this edit."""
         box = scan.box(self.id)
         solid = SolidObject.of_class(box.label, box.size, name=box.id, seed=seed)
         yaw = box.yaw if self.yaw is None else self.yaw
@@ -92,7 +89,6 @@ class Replace:
     kind: str
 
     def _apply(self, scan: RecordedScan, *, seed: int) -> RecordedScan:
-        """The scan with this edit."""
         box = scan.box(self.id)
         rest = _without_object(scan, box, seed)
         return Insert(self.kind, box.center[:2], box.yaw)._apply(rest, seed=seed)

@@ -41,7 +41,7 @@ _NEIGHBOUR = 15.0  # m; objects no further apart are likely to be headed the sam
 _FURTHEST, _NEAREST = 1000.0, 1e-6  # m; no sensor sees further, or nearer
 _GROUND_POINTS = 200  # the nearest of the ground, which tell how high over it the sensor stands
 _LOWEST = 8.0  # m from the road: without a class of the ground, the lowest point is not so far off
-_OFF_GROUND, _SLOPE = 0.5, 0.08  # m off the ground, and for each metre of their distance, that a road may be
+_OFF_GROUND, _SLOPE = 0.5, 0.08  # m off the ground, and for each metre that it lies to one side, that a road may be
 _ROUNDING = 0.01  # m, more than rounding makes of a distance
 _KNOWN = 2.0  # m; so near to ground that was seen, its height is known
 _VEGETATION = BY_NAME["vegetation"].id
@@ -105,12 +105,13 @@ def _height_note(points: np.ndarray, labels: np.ndarray, sensor_height: float) -
         away, last = np.hypot(*ground[:, :2].T), min(len(ground), _GROUND_POINTS) - 1
         near = away <= np.partition(away, last)[last]
         what, found = "the ground lies", float(np.median(ground[near, 2]))
-        most = _OFF_GROUND + _SLOPE * float(np.median(away[near]))
+        most = _OFF_GROUND + _SLOPE * math.hypot(*ground[near, :2].mean(axis=0))
     else:
         what, found, most = "the lowest point lies", float(np.percentile(points[:, 2], 1)), _LOWEST
     if abs(found) > most:
+        below = "; or does z point down in it?" if found > sensor_height else ""
         said = f"{what} at z = {found:.2f} m, as the sensor is taken to be {sensor_height:g} m over the road"
-        yield f"{said}; by the cloud it is {sensor_height - found:.2f} m: give sensor_height (--sensor-height)"
+        yield f"{said}; by the cloud it is {sensor_height - found:.2f} m: give sensor_height (--sensor-height){below}"
 
 
 class _Scan:
@@ -249,17 +250,13 @@ def _check_points(points: np.ndarray) -> None:
     if points.dtype.kind not in "fiu":
         raise LayoutError(f"points hold {points.dtype}; they must hold numbers")
     reach = np.abs(points.T, order="C").max(axis=0)
-    broken = np.flatnonzero(~np.isfinite(reach))
-    if len(broken):
-        raise LayoutError(f"point {broken[0]} is {points[broken[0]].tolist()}; every coordinate must be finite")
-    far = np.flatnonzero(reach > _FURTHEST)
-    if len(far):
-        raise LayoutError(f"point {far[0]} is {points[far[0]].tolist()}; a scan reaches {_FURTHEST:.0f} m")
-    near = np.flatnonzero(reach < _NEAREST)
-    if len(near):
-        raise LayoutError(
-            f"point {near[0]} is {points[near[0]].tolist()}, in the sensor itself; leave out what is no return"
-        )
+    for wrong, what in (
+        (~np.isfinite(reach), "every coordinate must be finite"),
+        (reach > _FURTHEST, f"a scan reaches {_FURTHEST:.0f} m"),
+        (reach < _NEAREST, "that is in the sensor itself; leave out what is no return"),
+    ):
+        if wrong.any():
+            raise LayoutError(f"point {np.argmax(wrong)} is {points[np.argmax(wrong)].tolist()}; {what}")
 
 
 def _check_spread(points: np.ndarray) -> None:

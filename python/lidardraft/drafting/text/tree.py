@@ -17,6 +17,10 @@ Sizes = tuple[float | None, float | None, float | None]
 Tokens = frozenset[int]  # by their numbers in the sentence
 NO_SIZE: Sizes = (None, None, None)
 NO_SCALE = (1.0, 1.0, 1.0)
+# What verbs and adjectives, noun phrases and places say, or do not.
+_SIGNS = ("queue", "cycling", "facing", "drives", "moves", "abreast", "on_the_road", "at_junction", "in_row", "row")
+_MARKS = ("all", "both", "rest", "ridden", "anybody", "plain", "in_total")
+_MARKS_OF_PLACES = ("other_side", "bare", "shoulder", "everywhere", "middle", "crosswalk", "from_to")
 _LONG = ("truck", "bus", "tram", "wall", "fence", "hedge", "barrier")  # "a 12 m truck" is so long
 _HIGH = ("tree", "pole", "building", "house", "street-light")  # "a 10 m tree" is so high
 
@@ -210,6 +214,8 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
     scale, size = NO_SCALE, list(NO_SIZE)
     for factor in values.get("scale", []):
         scale = tuple(a * b for a, b in zip(scale, factor, strict=True))
+    said: dict[str, Any] = {name: name in values for name in _SIGNS}
+    said |= {name: values[name][0] for name in ("motion", "speed", "road", "paint") if name in values}
     for axis, metres in values.get("size", []):
         size[axis] = metres
     for node in nodes:
@@ -217,18 +223,8 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
             size[0 if kind in _LONG else 2] = node.get("length")[1]
     return Manner(
         heading=next((one for one in headings if one != "with"), headings[0] if headings else None),
-        queue="queue" in values,
-        cycling="cycling" in values,
-        facing="facing" in values,
-        drives="drives" in values,
-        moves="moves" in values,
         walks="walking" in values.get("anyway", []) or "on_foot" in values,
-        abreast="abreast" in values,
-        motion=next(iter(values.get("motion", [])), None),
-        speed=next(iter(values.get("speed", [])), None),
         riding=any(node.symbol == "riding" for node in nodes),
-        on_the_road="on_the_road" in values,
-        at_junction="at_junction" in values,
         says=any(
             node.symbol in ("state", "crossed", "turned", "crossing", "turning", "abreast", "overtaking")
             for node in nodes
@@ -236,12 +232,9 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
         size=(size[0], size[1], size[2]),
         length=next(iter(values.get("length_of", [])), None),
         long=False if "tall" in values else True if "long" in values else None,
-        in_row="in_row" in values,
-        row="row" in values,
-        road=next(iter(values.get("road", [])), None),
-        paint=next(iter(values.get("paint", [])), None),
         scale=scale,
         tokens=frozenset().union(*(tokens_of(node) for node in nodes)),
+        **said,
     )
 
 
@@ -267,6 +260,7 @@ def noun_phrase(node: Node) -> NounPhrase:
     sides = [one.get("at") for one in attributes if one.symbol in ("side", "central")]
     spacing = node.get("spacing")
     of_nobody = [child for child in node.children if child.symbol == "state"]
+    marks: dict[str, Any] = {name: bool(node.get(name)) for name in _MARKS}
     return NounPhrase(
         kind=kind,
         count=count,
@@ -274,10 +268,7 @@ def noun_phrase(node: Node) -> NounPhrase:
         plural=plural,
         definite=any(leaves(node, "the", "each", "all", "both")),
         each=each or (node.symbol == "ellipsis" and bool(node.get("each"))),
-        all=bool(node.get("all")),
-        both=bool(node.get("both")),
         another=bool(node.get("another")) or (node.get("ordinal") is not None and any(leaves(node, "a"))),
-        rest=bool(node.get("rest")),
         ordinal=node.get("ordinal"),
         part=node.get("part", node.get("share")),
         of_them=bool(node.get("of_them")) or any(leaves(node, "ofthem")),
@@ -285,17 +276,14 @@ def noun_phrase(node: Node) -> NounPhrase:
         without=any(leaves(node, "no")) and node.children[0].end - node.children[0].start < 3,
         determiners=sum(child.symbol == "determiner" for child in node.children),
         traffic=traffic,
-        ridden=bool(node.get("ridden")),
         owned=any(one.get("owned") for one in leaves(node, "the")),
         noun=node.get("noun", ""),
-        anybody=bool(node.get("anybody")),
-        plain=bool(node.get("plain")),
         one_each=node.symbol == "ellipsis" and bool(node.get("each")) and bool(counted),
-        in_total=bool(node.get("in_total")),
         all_but=node.get("all_but", 0),
         at=Position(spacing=spacing) if spacing else sides[0] if sides else None,
         manner=manner_of([*fits, *leaves(node, "collective", "kind", "traffic"), *of_nobody], kind),
         tokens=tokens,
+        **marks,
     )
 
 
@@ -390,19 +378,13 @@ def place_of(node: Node) -> Place:
         times=node.get("times", 1),
         road=node.get("road"),
         lanes=node.get("lanes", 0),
-        other_side=bool(node.get("other_side")),
         bend_side=node.get("bendside", ""),
-        bare=bool(node.get("bare")),
         only=any(leaves(node, "'only")),
-        shoulder=bool(node.get("shoulder")),
-        everywhere=bool(node.get("everywhere")),
-        middle=bool(node.get("middle")),
         centre=bool(node.get("centre")) or bool(node.get("middle")),
-        crosswalk=bool(node.get("crosswalk")),
         in_row=any(leaves(node, "neighbour")) and any(leaves(node, "the_next")),
-        from_to=bool(node.get("from_to")),
         of_all=any(leaves(node, "each")) and any(leaves(node, "neighbour")),
         tokens=tokens_of(node),
+        **{name: bool(node.get(name)) for name in _MARKS_OF_PLACES},
     )
 
 
