@@ -114,7 +114,7 @@ def test_las_files_of_others(tmp_path: Path) -> None:
         ("1 2 3 4 5 6 7 Boat", "line 1: '1 2 3 4 5 6 7 Boat' is not a box"),
         ("1 2 3 4 5 x 7 car", "line 1: '1 2 3 4 5 x 7' is not 7 finite numbers"),
         ("1 2 3 4 5 6 nan car", "line 1: '1 2 3 4 5 6 nan' is not 7 finite numbers"),
-        ("1 2 3 4 -5 6 7 car", "line 1: car_1: size is [4.0, -5.0, 6.0]; no extent may be negative"),
+        ("1 2 3 4 -5 6 0.7 car", "line 1: car_1: size is [4.0, -5.0, 6.0]; no extent may be negative"),
     ],
 )
 def test_lines_that_are_no_boxes(tmp_path: Path, line: str, message: str) -> None:

@@ -217,7 +217,7 @@ def _ranges(points: np.ndarray) -> np.ndarray:
 def _nearest(ranges: np.ndarray) -> float:
     """How far the nearest returns of a scan are, infinitely far if it has none."""
     there = ranges[ranges > 0]
-    return float(np.quantile(there, _NEAR)) if len(there) else np.inf
+    return float(np.quantile(there, _NEAR, method="lower")) if len(there) else np.inf
 
 
 def read_semantic_map(path: str | os.PathLike[str], sensor: Sensor) -> np.ndarray:
