@@ -98,15 +98,13 @@ def train(
             minutes = (time.monotonic() - began) / 60
             # all processes stop at the same step
             last = step + 1 == config.steps or processes.total(minutes > max_minutes, device) > 0
-            saves = last or (step + 1) % config.save_every == 0
-            if saves or (step + 1) % config.report_every == 0:
+            saves, reports = (last or (step + 1) % every == 0 for every in (config.save_every, config.report_every))
+            if saves or reports:
                 window.check(step + 1)
-            report = None
-            if last or (step + 1) % config.report_every == 0:
-                report, window = window.report(step + 1, minutes, processes, device), _Window()
-                if processes.rank == 0:
-                    with (run / "log.jsonl").open("a") as log:
-                        log.write(json.dumps(dataclasses.asdict(report)) + "\n")
+            report = window.report(step + 1, minutes, processes, device) if reports else None
+            window = _Window() if reports else window
+            if report and processes.rank == 0:
+                _log(run / "log.jsonl", report)
             if processes.rank == 0 and saves:
                 card = {"training": dataclasses.asdict(config), "step": step + 1, "data": data.source}
                 weight_file.save(learner.averaged, run / "weights.safetensors", card)
@@ -212,6 +210,11 @@ def _identity(config: LearningConfig, network: nn.Module, data: Data) -> RunIden
     for p in network.parameters():
         weights = zlib.crc32(p.detach().cpu().numpy().tobytes(), weights)
     return RunIdentity(config.of_any_length(), weights, data.checksum, str(data.path))
+
+
+def _log(path: Path, report: Report) -> None:
+    with path.open("a") as log:
+        log.write(json.dumps(dataclasses.asdict(report)) + "\n")
 
 
 def _cut_log(path: Path, step: int) -> None:
