@@ -65,8 +65,8 @@ report-inputs: install ## how well sentences, scripts, pictures, clouds and sket
 	"$(BIN)/python" benches/report_inputs.py
 
 weights: install ## train both packaged weights on streets, in out/: hours
-	$(BIN)/lidardraft-train street --recipe small-paper --work out/paper -o out/paper.safetensors
-	$(BIN)/lidardraft-train street --recipe small --init out/paper.safetensors --work out/street -o out/street.safetensors
+	$(BIN)/lidardraft-train street --recipe paper-small --work out/paper-small -o out/paper-small.safetensors
+	$(BIN)/lidardraft-train street --recipe small --init out/paper-small.safetensors --work out/street -o out/street.safetensors
 
 install: $(STAMP)
 

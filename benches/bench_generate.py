@@ -20,7 +20,8 @@ from torch.profiler import ProfilerActivity, profile
 from torch.utils.flop_counter import FlopCounterMode
 
 from lidardraft import Sensor
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, STATE_CHANNELS, encode_rays
+from lidardraft.diffusion.channels import CONDITION_CHANNELS, STATE_CHANNELS
+from lidardraft.diffusion.codec import encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.networks import weight_file
 from lidardraft.networks.layers import has_bfloat16

@@ -29,7 +29,6 @@ from lidardraft import (
     view,
 )
 from lidardraft.cli.arguments import whole_number
-from lidardraft.diffusion.denoiser_config import STEPS
 from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.evaluation import unseen_streets
 from rendered_pictures import render
@@ -55,7 +54,7 @@ def main() -> None:
     """Parse, generate, write."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("weights", nargs="+", help="packaged weights by name, or .safetensors files")
-    parser.add_argument("--steps", type=whole_number(1), default=STEPS, metavar="N", help="steps of denoising")
+    parser.add_argument("--steps", type=whole_number(1), metavar="N", help="steps of denoising (default: as stored)")
     text = "which layouts, counted from 1 (default 1 2 3 4)"
     parser.add_argument("--rows", type=whole_number(1), nargs="+", default=[1, 2, 3, 4], metavar="K", help=text)
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="PICTURE", help="a .png file")

@@ -34,13 +34,14 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("weights", nargs="?", default="paper", help="packaged ones by name, or a file (default paper)")
     parser.add_argument("-n", "--num", type=whole_number(1), default=16, metavar="N", help="scans of each input")
-    parser.add_argument("--steps", type=whole_number(1), default=10, metavar="N", help="steps of denoising")
+    parser.add_argument("--steps", type=whole_number(1), metavar="N", help="steps of denoising (default: as stored)")
     parser.add_argument("--untrained", action="store_true", help="by a network that has learned nothing")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="FOLDER", help="where the scans go")
     arguments = parser.parse_args()
     pipeline = Pipeline.from_pretrained(arguments.weights, steps=arguments.steps)
     if arguments.untrained:
-        pipeline = Pipeline(untrained_weights(pipeline.denoiser), steps=arguments.steps)
+        how = {"steps": pipeline.steps, "guidance": pipeline.guidance, "last_noise": pipeline.last_noise}
+        pipeline = Pipeline(untrained_weights(pipeline.denoiser), **how)
     agreeing = defaultdict[str, list[float]](list)
     for name, image, street in scans(pipeline, arguments.num, Sensor.preset("hdl64e")):
         folder = arguments.output / name

@@ -15,6 +15,8 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.errors import CheckpointError, LidarDraftError
+from lidardraft.evaluation import unseen_streets, untrained_weights
+from lidardraft.metrics.adherence import adherence
 from lidardraft.pipeline import _cast_and_open, merged
 from lidardraft.scene import edit
 from lidardraft.scene.semantic_map import standing_on_ground
@@ -261,3 +263,14 @@ def test_a_pipeline_that_cannot_be(pipeline: Pipeline, wrong: dict[str, Any]) ->
     (name,) = wrong
     with pytest.raises(LidarDraftError, match=f"^{name} is "):
         Pipeline(pipeline.denoiser, **wrong)
+
+
+@pytest.mark.slow
+def test_the_packaged_paper_weights_obey_their_layout_from_noise() -> None:
+    (pair,) = unseen_streets(1, sensor=Sensor.preset("hdl64e"))
+    assert pair.simulated is not None
+    trained = Pipeline.from_pretrained("paper")
+    untrained = Pipeline(untrained_weights(trained.denoiser), steps=2)
+    made, random = (each.generate(pair.condition_image, pair.simulated, seed=0) for each in (trained, untrained))
+    assert adherence(made, pair.condition_image).objects > 0.4
+    assert adherence(random, pair.condition_image).objects < 0.2

@@ -91,6 +91,7 @@ def evaluate(
         untrained_weights(pipeline.denoiser),
         steps=pipeline.steps,
         guidance=pipeline.guidance,
+        last_noise=pipeline.last_noise,
         langevin=pipeline.langevin,
     )
     for name, generator in (("generated", pipeline), ("untrained", untrained)):

@@ -12,12 +12,13 @@ import torch
 
 from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.denoiser_config import GUIDANCE, STEPS
+from lidardraft.diffusion.denoiser_config import GUIDANCE, LAST_NOISE, STEPS
 from lidardraft.diffusion.sampler import sample
 from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.drafting.text.layout import layout_from_text
 from lidardraft.errors import CheckpointError, LidarDraftError, check_number, check_seed, check_type
-from lidardraft.json_fields import is_number
+from lidardraft.files import named
+from lidardraft.json_fields import check_fields, check_object, is_number
 from lidardraft.networks import weight_file, weight_header
 from lidardraft.scan import Scan
 from lidardraft.scene.labelling import label_by_agreement
@@ -40,9 +41,9 @@ class Pipeline:
 
     Weights that complete (`DenoiserConfig.completes`) leave the simulated scan of a layout as it is, and make what the
     layout leaves open; all others make the whole scan from noise. A scan is sampled in `steps` calls of the network,
-    two each where `guidance` strengthens a ControlNet. `langevin` is the number of updates a step of the paper's
-    sampler, None the fast one (`sampler.sample`). `trained`
-    says which sensors it was trained on, where that is known: a scan of another one is a `UserWarning`.
+    two each where `guidance` strengthens a ControlNet, the last one at `last_noise`. `langevin` is the number of
+    updates a step of the paper's sampler, None the fast one (`sampler.sample`). `trained` says which sensors it was
+    trained on, where that is known: a scan of another one is a `UserWarning`.
     """
 
     def __init__(
@@ -51,6 +52,7 @@ class Pipeline:
         *,
         steps: int = STEPS,
         guidance: float = GUIDANCE,
+        last_noise: float = LAST_NOISE,
         langevin: int | None = None,
         trained: SensorLimits | None = None,
     ) -> None:
@@ -60,6 +62,9 @@ class Pipeline:
         self.denoiser = denoiser.eval()
         self.steps = check_number("steps", steps, least=1)
         self.guidance = float(guidance)
+        if not (is_number(last_noise) and last_noise > 0):
+            raise LidarDraftError(f"last_noise is {last_noise!r}; it must be a finite number over 0")
+        self.last_noise = float(last_noise)
         self.langevin = None if langevin is None else check_number("langevin", langevin, least=1)
         self.trained = trained
 
@@ -69,26 +74,31 @@ class Pipeline:
         name: str | os.PathLike[str] = "street",
         *,
         device: str = "cpu",
-        steps: int = STEPS,
-        guidance: float = GUIDANCE,
+        steps: int | None = None,
+        guidance: float | None = None,
         langevin: int | None = None,
         threads: int | None = None,
     ) -> Pipeline:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`.
 
+        What of `steps` and `guidance` is not given, and the last noise, are those stored in the card of the weights.
         `threads` is how many torch may use in this process from now on; scans differ a little with their number.
         """
         check_type("name", name, str, os.PathLike)
         path = weight_header.find(name)
-        denoiser, trained = weight_file.load(path, Denoiser), weight_file.read_card(path).get("sensors")
+        denoiser, card = weight_file.load(path, Denoiser), weight_file.read_card(path)
         try:
             denoiser = denoiser.to(device)
         except (RuntimeError, AssertionError) as error:  # torch's, for a device it does not have
             raise CheckpointError(f"device is {device!r}: {str(error).splitlines()[0]}") from None
         if threads is not None:
             torch.set_num_threads(threads)
-        limits = trained and SensorLimits.from_dict(trained)
-        return cls(denoiser, steps=steps, guidance=guidance, langevin=langevin, trained=limits)
+        trained = card.get("sensors") and SensorLimits.from_dict(card["sensors"])
+        given = {"steps": steps, "guidance": guidance}
+        sampling = check_object(card.get("sampling", {})) | {k: v for k, v in given.items() if v is not None}
+        with named(path):
+            check_fields(sampling, (), ("steps", "guidance", "last_noise"))
+            return cls(denoiser, **sampling, langevin=langevin, trained=trained)
 
     def __call__(
         self,
@@ -197,6 +207,7 @@ class Pipeline:
             condition=condition,
             steps=self.steps,
             guidance=self.guidance,
+            last_noise=self.last_noise,
             langevin=self.langevin,
         )
         for state in states:  # noqa: B007 (the last one is the result)

@@ -1,80 +1,22 @@
-"""Arms of the generator and a rival learn and are scored by the same rules; the report of generated scans."""
+"""The report of generated scans: seeds beside streets, scores beside what is passed through, recordings."""
 
 import dataclasses
-import itertools
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 import torch
 
-import generator_arms
 import report_generate
 from cases import street_set
 from generated_streets import compare_seeds
-from generator_arms import ARMS, OURS, learned
 from lidardraft import Pipeline
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, STATE_CHANNELS, encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.evaluation import unseen_streets
-from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.networks import weight_file
 from lidardraft.scene.sensor import Sensor
 from lidardraft.training import recipes
-from lidardraft.training.sources import PairFolder
-from rival_r2dm import R2DM
-
-SENSOR = Sensor(name="small", elevations=tuple(math.radians(2 - 0.8 * row) for row in range(32)), columns=256)
-
-
-@pytest.fixture(scope="module")
-def pairs(tmp_path_factory: pytest.TempPathFactory) -> PairFolder:
-    path = tmp_path_factory.mktemp("pairs")
-    found = unseen_streets(2, sensor=SENSOR, seed=5)
-    assert list(write_pairs(path, [(Pair(p.scan, p.condition_image, p.simulated), {}) for p in found])) == [2]
-    return PairFolder(path)
-
-
-@pytest.fixture(autouse=True)
-def narrow(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Networks an eighth as wide, so that steps are quick."""
-    monkeypatch.setattr(generator_arms, "OURS", replace(OURS, widths=(8, 16, 16, 16)))
-
-
-def test_a_frozen_base_has_learned_before_and_stays(pairs: PairFolder) -> None:
-    arm = ARMS["ControlNet on a frozen base"]
-    network, steps = learned(arm, pairs, 8, itertools.count().__next__)
-    assert isinstance(network, Denoiser)
-    assert network.controlnet is not None
-    assert steps == 8
-    torch.manual_seed(0)
-    base, _ = generator_arms._learned(arm.stages[0](None), arm, pairs, 4, itertools.count().__next__)
-    assert torch.equal(base.network.head.weight, network.network.head.weight)
-    assert base.network.head.weight.any()  # which begins at zero
-    assert all(not weight.requires_grad for weight in network.network.parameters())
-    assert all(conv.weight.any() for _, conv in network.controlnet.zero_convs())
-
 
 GRID = Sensor(name="small", elevations=tuple(math.radians(2 - 1.7 * row) for row in range(16)), columns=128)
-RAYS = torch.from_numpy(encode_rays(GRID))
-CONDITION = torch.zeros(1, CONDITION_CHANNELS, 16, 128)
-
-
-def test_the_right_v_is_the_clean_state() -> None:
-    clean, noise = torch.randn(2, 1, STATE_CHANNELS, 16, 128)
-    sigma = torch.tensor([0.7])
-    alpha = (1 + sigma**2).rsqrt()
-
-    class Knowing(R2DM):
-        def forward(self, x: torch.Tensor, log_snr: torch.Tensor, wraps: bool) -> torch.Tensor:
-            assert wraps
-            assert torch.allclose(x[:, :STATE_CHANNELS], alpha * (clean + sigma * noise))
-            assert torch.allclose(log_snr, torch.log(alpha**2 / (alpha * sigma) ** 2))
-            return alpha * noise - alpha * sigma * clean
-
-    found = Knowing(16).denoise(clean + sigma * noise, sigma, RAYS, CONDITION, wraps=True)
-    assert torch.allclose(found, clean, atol=1e-5)
 
 
 @pytest.fixture(scope="module")

@@ -1,4 +1,4 @@
-"""Fits of sensors and predictable drops give back what made the data; captures of Ouster packets, written by hand."""
+"""Fits of sensors give back what made the data; captures of Ouster packets, written by hand."""
 
 import json
 import struct
@@ -17,7 +17,6 @@ from lidardraft.scene.materials import Material, diffuse_response
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.sensor_model import MODELS
 from ouster_packets import read_sweep
-from predictable_drops import measure
 
 
 def test_roughness_and_scale_come_back():
@@ -48,25 +47,6 @@ def test_what_edges_lose_comes_back(capsys):
     assert float(row.split("|")[3]) == pytest.approx(0.4, rel=0.3)
 
 
-def _hits(rng: np.random.Generator, told: bool) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Hits of which a tenth are lost: those that are far, or any."""
-    known = rng.random((4000, 9))
-    lost = known[:, 2] > 0.9 if told else rng.random(4000) > 0.9
-    return known, lost, rng.random(4000) > 0.9
-
-
-def test_lost_rays_are_told_where_the_layout_decides_them_and_else_not():
-    rng = np.random.default_rng(0)
-    decided = measure(_hits(rng, True), _hits(rng, True))
-    assert decided["best threshold"] > 0.95
-    assert decided["drawn"] > 0.9
-    assert decided["simulated"] < 0.2
-    assert measure(_hits(rng, False), _hits(rng, False))["best threshold"] < 0.25
-
-
-RANGES = np.arange(64).reshape(2, 32) * 1000  # mm
-
-
 def capture(folder: Path, payloads: list[bytes], profile: str | None) -> Path:
     data = b"\0" * 24
     for payload in payloads:
@@ -79,6 +59,9 @@ def capture(folder: Path, payloads: list[bytes], profile: str | None) -> Path:
         layout["udp_profile_lidar"] = profile
     path.with_suffix(".json").write_text(json.dumps(meta))
     return path
+
+
+RANGES = np.arange(64).reshape(2, 32) * 1000  # mm
 
 
 def legacy(first: int) -> bytes:

@@ -220,9 +220,9 @@ def test_the_speed_of_the_sensor_is_that_of_the_scan() -> None:
 
 
 def test_guidance_is_that_of_the_pipeline() -> None:
-    options = ["--weights", "paper", "--guidance", "3", "-o", "out", *QUICK]
+    options = ["--weights", "paper-small", "--guidance", "3", "-o", "out", *QUICK]
     assert cli.main(["generate", "--text", "a car ahead", *options]) == 0
-    paper = pipeline.Pipeline.from_pretrained("paper", steps=2, guidance=3.0)
+    paper = pipeline.Pipeline.from_pretrained("paper-small", steps=2, guidance=3.0)
     with pytest.warns(UserWarning, match="its scans may be poor"):
         expected = paper(layout_from_text("a car ahead"), sensor=Sensor.load("small.json"))
     np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
@@ -232,15 +232,15 @@ def test_generate_from_a_semantic_map(capsys: pytest.CaptureFixture[str], refuse
     label = simulate(layout_from_text("a car ahead"), Sensor.load("small.json")).image.label
     np.save("map.npy", label)
     argv = ["generate", "--map", "map.npy", "-n", "2", "-o", "out", *QUICK]
-    assert cli.main([*argv, "--weights", "paper"]) == 0
+    assert cli.main([*argv, "--weights", "paper-small"]) == 0
     assert "out: 2 scans, 000000.bin to 000001.bin, each with .label and .png" in capsys.readouterr().out
     with pytest.warns(UserWarning, match="its scans may be poor"):
-        expected = pipeline.Pipeline.from_pretrained("paper", steps=2).from_map(
+        expected = pipeline.Pipeline.from_pretrained("paper-small", steps=2).from_map(
             label, sensor=Sensor.load("small.json"), seed=1
         )
     np.testing.assert_array_equal(kitti.read_bin("out/000001.bin")[0], expected.points())
     assert "these weights complete the scan of a layout; a semantic map needs others" in refused(*argv, "--overwrite")
-    paper = [*argv, "--overwrite", "--weights", "paper"]
+    paper = [*argv, "--overwrite", "--weights", "paper-small"]
     assert "--speed, --after and --surroundings go with a layout; a semantic map has none" in refused(
         *paper, "--speed", "3"
     )

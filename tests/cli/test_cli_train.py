@@ -220,7 +220,7 @@ def test_a_file_in_the_place_of_the_run_is_refused_before_the_pairs_are_read(
 
 def test_the_table_has_a_row_for_each_arm(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     tiny = recipes.tiny_paper()
-    monkeypatch.setattr(recipes, "small_paper", lambda: tiny)
+    monkeypatch.setattr(recipes, "paper_small", lambda: tiny)
     for alike in ("ControlNet not fine-tuned", "without classes", "semantic map alone"):
         monkeypatch.delitem(ARMS, alike)  # they differ in their configs alone
     assert train.main(ABLATION) == 0

@@ -7,20 +7,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lidardraft.diffusion.codec import (
+from lidardraft.diffusion.channels import (
     CLASS,
     CONDITION_CHANNELS,
     CONDITION_PARTS,
     DEPTH,
     INTENSITY,
-    MAX_DEPTH,
     STATE_CHANNELS,
     VALIDITY,
-    decode_scan,
-    encode_condition,
-    encode_rays,
-    encode_scan,
 )
+from lidardraft.diffusion.codec import MAX_DEPTH, decode_scan, encode_condition, encode_rays, encode_scan
 from lidardraft.errors import SensorError
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage

@@ -2,7 +2,7 @@ import dataclasses
 
 import torch
 
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, CONDITION_PARTS, RAY_CHANNELS, STATE_CHANNELS
+from lidardraft.diffusion.channels import CONDITION_CHANNELS, CONDITION_PARTS, RAY_CHANNELS, STATE_CHANNELS
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 

@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 import torch
 
-from lidardraft.diffusion.codec import (
+from lidardraft.diffusion.channels import (
     CLASS,
     CONDITION_CHANNELS,
     CONDITION_PARTS,

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from lidardraft.diffusion.codec import RAY_CHANNELS
+from lidardraft.diffusion.channels import RAY_CHANNELS
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.errors import LidarDraftError
 from lidardraft.training import recipes

@@ -1,8 +1,8 @@
 """Noise levels, the sampler and annealed Langevin dynamics against denoisers that are known exactly."""
 
 import argparse
-import inspect
 import itertools
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,16 +10,19 @@ import pytest
 import torch
 from torch import Tensor
 
-from lidardraft.cli.arguments import add_weights
-from lidardraft.diffusion.codec import CONDITION_CHANNELS, CONDITION_PARTS, STATE_CHANNELS, encode_rays
+from lidardraft.cli.arguments import add_weights, read_pipeline
+from lidardraft.diffusion.channels import CONDITION_CHANNELS, CONDITION_PARTS, STATE_CHANNELS
+from lidardraft.diffusion.codec import encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.denoiser_config import STEPS, DenoiserConfig
+from lidardraft.diffusion.denoiser_config import GUIDANCE, LAST_NOISE, STEPS, DenoiserConfig
 from lidardraft.diffusion.noise import add_noise, geometric_levels, karras_levels, score_from_denoised, training_levels
 from lidardraft.diffusion.sampler import Denoise, langevin_step, sample, sample_langevin, sample_multistep
 from lidardraft.errors import LidarDraftError, SensorError
+from lidardraft.networks import weight_file
 from lidardraft.networks.layers import reduced_precision
 from lidardraft.pipeline import Pipeline
 from lidardraft.scene.sensor import Sensor
+from lidardraft.training import recipes
 
 
 def test_karras_levels_fall_from_sigma_max_to_sigma_min_and_zero() -> None:
@@ -260,9 +263,24 @@ def test_a_level_takes_its_updates_and_the_last_one_call_more() -> None:
         next(sample_langevin(denoise, x, sigmas, lambda: x, updates=0))
 
 
-@pytest.mark.parametrize("function", [Pipeline, Pipeline.from_pretrained])
-def test_python_and_the_command_line_sample_alike(function: object) -> None:
+def test_python_and_the_command_line_sample_as_the_weights_say(tmp_path: Path) -> None:
     parser = argparse.ArgumentParser()
     add_weights(parser)
-    assert parser.parse_args([]).steps == STEPS
-    assert inspect.signature(function).parameters["steps"].default == STEPS
+    file = tmp_path / "weights.safetensors"
+    denoiser = Denoiser.from_config(recipes.tiny_paper()[-1].denoiser)
+    for stored, sampled in (
+        ({}, (STEPS, GUIDANCE, LAST_NOISE)),
+        ({"steps": 3, "last_noise": 0.25}, (3, GUIDANCE, 0.25)),
+    ):
+        weight_file.save(denoiser, file, {"sampling": stored} if stored else {})
+        for pipeline in (Pipeline.from_pretrained(file), read_pipeline(parser.parse_args(["--weights", str(file)]))):
+            assert (pipeline.steps, pipeline.guidance, pipeline.last_noise) == sampled
+    given = Pipeline.from_pretrained(file, steps=5, guidance=1.5)
+    assert (given.steps, given.guidance, given.last_noise) == (5, 1.5, 0.25)
+    weight_file.save(denoiser, file, {"sampling": {"last_noise": 0}})
+    with pytest.raises(LidarDraftError, match=r"weights.safetensors: last_noise is 0; it must be a finite"):
+        Pipeline.from_pretrained(file)
+
+
+def test_the_last_call_is_made_at_the_last_noise() -> None:
+    assert karras_levels(4, sigma_min=0.1)[-2:] == pytest.approx([0.1, 0.0])

@@ -3,7 +3,7 @@
 import pytest
 import torch
 
-from lidardraft.diffusion.codec import RAY_CHANNELS, STATE_CHANNELS
+from lidardraft.diffusion.channels import RAY_CHANNELS, STATE_CHANNELS
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.score_network import ChainedPooling, RefineBlock, ScoreNetwork
 from lidardraft.networks.layers import pad_columns

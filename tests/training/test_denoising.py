@@ -9,16 +9,10 @@ import torch
 from box_pairs import SENSOR, make_pair, noted
 from safetensors.torch import load_file
 
-from lidardraft.diffusion.codec import (
-    CONDITION_CHANNELS,
-    CONDITION_PARTS,
-    DEPTH,
-    RAY_CHANNELS,
-    STATE_CHANNELS,
-    encode_scan,
-)
+from lidardraft.diffusion.channels import CONDITION_CHANNELS, CONDITION_PARTS, RAY_CHANNELS, STATE_CHANNELS
+from lidardraft.diffusion.codec import encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.errors import TrainingError
+from lidardraft.errors import FormatError, TrainingError
 from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.networks import weight_file
 from lidardraft.scene.layout import Layout, Primitive
@@ -27,9 +21,10 @@ from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Blocked, Sensor
 from lidardraft.semantics import BY_NAME
 from lidardraft.training import denoising, recipes
-from lidardraft.training.denoising import sample_opening, thinned, train_denoiser
-from lidardraft.training.processes import ALONE, Processes
+from lidardraft.training.denoising import DenoisingConfig, sample_opening, train_denoiser
+from lidardraft.training.processes import ALONE
 from lidardraft.training.sources import PairFolder
+from lidardraft.training.stack import PairStack, as_tensors
 
 GENERATOR, BASE, CONTROL = (
     dataclasses.replace(stage, report_every=1, save_every=1000) for stage in (*recipes.tiny(), *recipes.tiny_paper())
@@ -144,49 +139,25 @@ def test_a_sensor_that_is_no_whole_cells_is_refused(tmp_path: Path) -> None:
     assert not (tmp_path / "run").exists()
 
 
-@dataclasses.dataclass(frozen=True)
-class WithNaN:
-    """Pairs of which some, or all, hold an intensity that is no number."""
-
-    folder: PairFolder
-    all: bool = False
-    source: str = "some that are not finite"
-    checksum: int = 1
-
-    @property
-    def path(self) -> Path:
-        return self.folder.path
-
-    @property
-    def sensor(self) -> Sensor:
-        return self.folder.sensor
-
-    @property
-    def sensors(self) -> tuple[Sensor, ...]:
-        return self.folder.sensors
-
-    def pairs(self, step: int, scans: int, processes: Processes) -> list[Pair]:
-        found = self.folder.pairs(step, scans, processes)
-        for i in range(len(found) if self.all else 1):
-            intensity = np.full(self.sensor.shape, np.nan, np.float32)
-            found[i] = found[i]._replace(scan=dataclasses.replace(found[i].scan, intensity=intensity))
-        return found
+@pytest.mark.parametrize("name", ["scan", "simulated"])
+def test_a_pair_that_is_not_finite_is_refused_before_it_is_learned_from(name: str) -> None:
+    pair = make_pair(0)
+    intensity = getattr(pair, name).intensity.copy()
+    intensity[3, 7] = np.nan
+    broken = pair._replace(**{name: dataclasses.replace(getattr(pair, name), intensity=intensity)})
+    with pytest.raises(FormatError, match="a pair holds an intensity that is not finite"):
+        broken.compact()
 
 
-def test_pairs_that_are_not_finite_are_skipped_and_counted(pairs: PairFolder, tmp_path: Path) -> None:
-    *_, last = train_denoiser(dataclasses.replace(GENERATOR, steps=3), WithNaN(pairs), tmp_path / "some")
-    assert np.isfinite(last.loss)
-    assert last.measures["share of pairs skipped, not finite"] == 0.25
-    with pytest.raises(TrainingError, match="no pair of step 1 is finite"):
-        next(train_denoiser(GENERATOR, WithNaN(pairs, all=True), tmp_path / "all"))
+def batch(config: DenoisingConfig, source: PairFolder, step: int = 0) -> denoising._Batch:
+    return denoising._batch(config, source, ALONE, torch.device("cpu"), step)
 
 
 @pytest.mark.parametrize("span", [2 * np.pi, 2.0])
 def test_a_full_turn_is_learned_as_a_ring(span: float, tmp_path: Path) -> None:
     sensor = dataclasses.replace(SENSOR, azimuth_start=span / 2, azimuth_span=span)
     list(write_pairs(tmp_path, [noted(0, sensor)]))
-    *_, wraps, _ = denoising._batch(GENERATOR, PairFolder(tmp_path), ALONE, 0)
-    assert bool(wraps) == (span > 6)
+    assert batch(GENERATOR, PairFolder(tmp_path)).wraps == (span > 6)
 
 
 def test_half_of_the_batches_are_mirrored(pairs: PairFolder) -> None:
@@ -194,9 +165,12 @@ def test_half_of_the_batches_are_mirrored(pairs: PairFolder) -> None:
     one = dataclasses.replace(BASE, batch=1, denoiser=simulated_seen, thinnings=(1,))
     mirrored = []
     for step in range(12):
-        clean, _, _, rays, condition, *_ = denoising._batch(one, pairs, ALONE, step)
+        clean, _, _, rays, condition, _ = batch(one, pairs, step)
+        assert condition is not None
         simulated = condition[:, CONDITION_PARTS["simulated"]]
-        scan = pairs.pairs(step, 1)[0].scan
+        images = {name: rows[0].numpy() for name, rows in pairs.stack(step, 1).images.items()}
+        unsigned = {name: rows.view(np.uint16) if rows.dtype == np.int16 else rows for name, rows in images.items()}
+        scan = Pair.from_compact(SENSOR, unsigned).scan
         columns = {name: getattr(scan, name)[:, ::-1] for name in ("depth", "label", "instance", "intensity")}
         # mirrored before it is encoded: a pixel without a return has the depth of the one to its left in both
         mirror_image = RangeImage(sensor=scan.sensor, **columns)
@@ -213,23 +187,26 @@ def test_half_of_the_batches_are_mirrored(pairs: PairFolder) -> None:
 def test_a_thinned_scan_is_that_of_a_sensor_with_every_second_beam_and_column(blocked: Blocked) -> None:
     sensor = dataclasses.replace(SENSOR, blocked=blocked, azimuth_offsets=tuple(np.linspace(0, 0.1, 16).tolist()))
     hidden = sensor.blocked_pixels
-    scan = make_pair(0, sensor).scan
-    few = thinned(scan, 2)
-    assert few.sensor.shape == few.depth.shape == (8, 64)
+    pair = make_pair(0, sensor)
+    scan = Pair.from_compact(sensor, pair.compact()).scan
+    stack = PairStack.of(sensor, as_tensors({name: rows[None] for name, rows in pair.compact().items()}))
+    few = stack.thinned(2)
+    assert few.sensor.shape == few.rays.shape[1:] == (8, 64)
+    assert stack.thinned(1) is stack
     assert few.sensor.elevations == sensor.elevations[::2]
     assert few.sensor.azimuth_offsets == sensor.azimuth_offsets[::2]
-    for name in ("depth", "label", "instance", "intensity"):
-        np.testing.assert_array_equal(getattr(few, name), getattr(scan, name)[::2, ::2])
     assert (few.sensor.blocked_pixels == hidden[::2, ::2]).mean() > 0.98  # half a column off
     assert few.sensor.blocked_pixels.any() == bool(blocked)
     # the same ground, in other numbers of beams and columns
-    np.testing.assert_array_equal(encode_scan(few)[DEPTH][few.valid], encode_scan(scan)[DEPTH, ::2, ::2][few.valid])
+    seen, expected = scan.valid[::2, ::2], encode_scan(scan)[:, ::2, ::2]
+    np.testing.assert_array_equal(few.states()[0].numpy()[:, seen], expected[:, seen])
 
 
 def test_a_thinned_step_learns_from_more_scans_of_fewer_pixels(pairs: PairFolder) -> None:
     shapes = set()
     for step in range(8):
-        clean, sigma, noise, rays, condition, *_ = denoising._batch(GENERATOR, pairs, ALONE, step)
+        clean, sigma, noise, rays, condition, _ = batch(GENERATOR, pairs, step)
+        assert condition is not None
         assert clean.shape == noise.shape
         assert len(sigma) == len(clean) == len(condition)
         assert rays.shape[1:] == condition.shape[2:] == clean.shape[2:]
@@ -239,18 +216,23 @@ def test_a_thinned_step_learns_from_more_scans_of_fewer_pixels(pairs: PairFolder
 
 def test_what_a_step_leaves_open_differs_from_scan_to_scan_and_is_the_same_again(pairs: PairFolder) -> None:
     config = dataclasses.replace(GENERATOR, batch=8, thinnings=(1,))
-    first, again = (denoising._batch(config, pairs, ALONE, 0)[4] for _ in range(2))
+    first, again = (batch(config, pairs).condition for _ in range(2))
+    assert first is not None
+    assert again is not None
     assert torch.equal(first, again)
     assert len({float(one.mean()) for one in first[:, CONDITION_PARTS["open"]]}) > 3
     seen = dataclasses.replace(config, denoiser=dataclasses.replace(config.denoiser, condition=("simulated",)))
-    assert not denoising._batch(seen, pairs, ALONE, 0)[4][:, CONDITION_PARTS["open"]].any()
+    condition = batch(seen, pairs).condition
+    assert condition is not None
+    assert not condition[:, CONDITION_PARTS["open"]].any()
 
 
 def test_what_the_vehicle_hides_is_not_left_open(tmp_path: Path) -> None:
     hidden = dataclasses.replace(SENSOR, blocked=(((-1.5, 1.5),),) * 16)
     list(write_pairs(tmp_path, [noted(seed, hidden) for seed in range(4)]))
     config = dataclasses.replace(GENERATOR, batch=16, thinnings=(1,))
-    condition = denoising._batch(config, PairFolder(tmp_path), ALONE, 0)[4]
+    condition = batch(config, PairFolder(tmp_path)).condition
+    assert condition is not None
     is_open = condition[:, CONDITION_PARTS["open"]].bool().numpy()[:, 0]
     assert is_open.any()
     assert not is_open[:, hidden.blocked_pixels].any()
@@ -303,8 +285,13 @@ def kind_of(opening: np.ndarray, label: np.ndarray) -> str:
     return "all but " + ", ".join(CLOSED[id] for id in closed.tolist())
 
 
+def opening(image: RangeImage, seed: int) -> np.ndarray:
+    classes, columns = sample_opening(image.sensor, np.random.default_rng(seed))
+    return classes[image.label] & columns
+
+
 def test_each_kind_occurs_in_its_share(image: RangeImage) -> None:
-    kinds = Counter(kind_of(sample_opening(image, np.random.default_rng(seed)), image.label) for seed in range(2000))
+    kinds = Counter(kind_of(opening(image, seed), image.label) for seed in range(2000))
     shares = {
         "a sector": 0.2,
         "all but a sector": 0.15,
@@ -323,6 +310,6 @@ def test_a_narrow_sensor_is_never_all_open_by_sectors_and_never_all_given(image:
     narrow = RangeImage.unchecked(
         dataclasses.replace(SENSOR, azimuth_span=np.pi / 6), depth=image.depth, label=image.label
     )
-    open_shares = [sample_opening(narrow, np.random.default_rng(seed)).mean() for seed in range(200)]
+    open_shares = [opening(narrow, seed).mean() for seed in range(200)]
     assert sum(share == 1 for share in open_shares) < 200 * 0.2  # of all, one in ten
     assert min(open_shares) > 0

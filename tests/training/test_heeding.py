@@ -11,7 +11,7 @@ import pytest
 import torch
 from safetensors.torch import load_file
 
-from lidardraft.diffusion.codec import CONDITION_PARTS
+from lidardraft.diffusion.channels import CONDITION_PARTS
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.errors import TrainingError

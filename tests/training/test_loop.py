@@ -17,7 +17,7 @@ from lidardraft.errors import FormatError, TrainingError
 from lidardraft.formats.pairs import write_pairs
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import LearningConfig
-from lidardraft.training.loop import Batch, Measures, Report, device_for_training, prefetched, train
+from lidardraft.training.loop import Measures, Report, device_for_training, prefetched, train
 from lidardraft.training.sources import PairFolder
 
 CONFIG = LearningConfig(steps=8, batch=4, learning_rate=0.1, warmup=1, report_every=1, save_every=3)
@@ -44,11 +44,11 @@ def run(config: LearningConfig, pairs: PairFolder, folder: Path, **options: Any)
     """A number that learns the mean of noise around 3."""
     network = OneNumber()
 
-    def batch(step: int) -> Batch:
-        return (3 + torch.randn(config.batch, generator=torch.Generator().manual_seed(step)),)
+    def batch(step: int) -> Tensor:
+        return 3 + torch.randn(config.batch, generator=torch.Generator().manual_seed(step))
 
-    def loss(step: int, batch: Batch) -> tuple[Tensor, Measures]:
-        losses = (network.number - batch[0]) ** 2
+    def loss(step: int, batch: Tensor) -> tuple[Tensor, Measures]:
+        losses = (network.number - batch) ** 2
         return losses, {"odd": losses.detach()[step % 2 :: 4], "never": losses.detach()[:0]}
 
     return train(

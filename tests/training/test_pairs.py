@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 from box_pairs import SENSOR, make_pair, noted
 
 from lidardraft.diffusion.codec import MAX_DEPTH, decode_scan, encode_scan
@@ -210,11 +211,13 @@ def test_notes_that_are_no_list_of_objects_are_refused(tmp_path: Path, notes: st
 def test_pairs_of_a_step_are_the_same_each_time(tmp_path: Path) -> None:
     list(write_pairs(tmp_path, (noted(seed) for seed in range(3))))
     folder = PairFolder(tmp_path)
-    first, again, other = (folder.pairs(step, 8) for step in (4, 4, 5))
-    assert len(first) == 8
-    for pair, same in zip(first, again, strict=True):
-        np.testing.assert_array_equal(pair.scan.depth, same.scan.depth)
-    assert any(not np.array_equal(a.scan.depth, b.scan.depth) for a, b in zip(first, other, strict=True))
+    first, again, other = (folder.stack(step, 8).images["scan_depth"] for step in (4, 4, 5))
+    assert first.shape == (8, *SENSOR.shape)
+    assert torch.equal(first, again)
+    assert not torch.equal(first, other)
+    whole = np.stack([folder[number].compact()["scan_depth"] for number in range(3)])
+    for rows in first.numpy().view(np.uint16):  # each is one of the folder's, to the bit
+        assert (rows == whole).all(axis=(1, 2)).sum() == 1
 
 
 def test_a_step_has_room_for_fewer_large_scans() -> None:

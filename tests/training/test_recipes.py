@@ -8,10 +8,10 @@ import pytest
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.training import recipes
 
-*_, BASE, CONTROL = recipes.small_paper()
+*_, BASE, CONTROL = recipes.paper_small()
 
 
-@pytest.mark.parametrize("recipe", [recipes.paper, recipes.small_paper, recipes.tiny_paper])
+@pytest.mark.parametrize("recipe", [recipes.paper, recipes.paper_small, recipes.paper_large, recipes.tiny_paper])
 def test_the_papers_stages_are_a_base_and_its_controlnet(recipe: Callable[[], recipes.Stages]) -> None:
     *bases, control = recipe()
     (denoiser,) = {base.denoiser for base in bases}
@@ -21,10 +21,10 @@ def test_the_papers_stages_are_a_base_and_its_controlnet(recipe: Callable[[], re
 
 
 def test_the_stages_for_two_cores_begin_on_every_second_beam_and_column() -> None:
-    for recipe in (recipes.small(), recipes.small_paper()):
+    for recipe in (recipes.small(), recipes.paper_small()):
         assert recipe[0].thinnings == (2,)
         assert all(1 in stage.thinnings for stage in recipe[1:])
-    assert recipes.small()[:2] == recipes.small_paper()[:2]
+    assert recipes.small()[:2] == recipes.paper_small()[:2]
 
 
 def test_what_ships_is_a_base_that_learns_to_complete() -> None:
@@ -37,7 +37,7 @@ def test_the_papers_own_row_is_its_recipe() -> None:
 
 
 @pytest.mark.parametrize(
-    ("recipe", "of"), [(recipes.paper_map, recipes.paper), (recipes.small_map, recipes.small_paper)]
+    ("recipe", "of"), [(recipes.paper_map, recipes.paper), (recipes.small_map, recipes.paper_small)]
 )
 def test_semantic_maps_have_a_controlnet_on_the_same_base(
     recipe: Callable[[], recipes.Stages], of: Callable[[], recipes.Stages]

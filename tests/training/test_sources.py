@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import torch
 from box_pairs import SENSOR
 
 from lidardraft.errors import TrainingError
@@ -16,19 +17,19 @@ SOURCE = StreetSource(seed=3, sensor=SENSOR)
 
 
 def test_pairs_of_a_step_are_the_same_each_time_and_of_other_streets_at_each_step() -> None:
-    first, again, other = (SOURCE.pairs(step, 2) for step in (1, 1, 2))
-    assert len(first) == 2
-    for pair, same, another in zip(first, again, other, strict=True):
-        np.testing.assert_array_equal(pair.scan.depth, same.scan.depth)
-        np.testing.assert_array_equal(pair.simulated.depth, same.simulated.depth)
-        assert not np.array_equal(pair.scan.depth, another.scan.depth)
+    first, again, other = (SOURCE.stack(step, 2).images for step in (1, 1, 2))
+    assert {len(rows) for rows in first.values()} == {2}
+    for name, rows in first.items():
+        assert torch.equal(rows, again[name])
+        assert not torch.equal(rows[0], rows[1]) or not rows.any()
+    assert not torch.equal(first["scan_depth"], other["scan_depth"])
 
 
 def test_any_sensor_is_another_one_at_each_step() -> None:
     source = StreetSource(seed=3)
-    first, second = (source.pairs(step, 1)[0].scan.sensor for step in (0, 1))
+    first, second = (source.stack(step, 1).sensor for step in (0, 1))
     assert first != second
-    assert source.pairs(0, 1)[0].scan.sensor == first
+    assert source.stack(0, 1).sensor == first
     assert "drawn at random" in source.source
 
 
@@ -40,8 +41,8 @@ def test_another_seed_or_sensor_is_another_source() -> None:
 
 def test_steps_are_drawn_from_each_source_by_its_weight(pairs: PairFolder) -> None:
     mixed = MixedSource((pairs, StreetSource()), (9.0, 1.0))
-    drawn = [mixed.pairs(step, 1)[0].scan.sensor == SENSOR for step in range(20)]
-    assert drawn == [mixed.pairs(step, 1)[0].scan.sensor == SENSOR for step in range(20)]
+    drawn = [mixed.stack(step, 1).sensor == SENSOR for step in range(20)]
+    assert drawn == [mixed.stack(step, 1).sensor == SENSOR for step in range(20)]
     assert 14 <= sum(drawn) < 20
     assert mixed.sensor is None
     assert mixed.source == f"90% {pairs.source}; 10% {StreetSource().source}"

@@ -133,7 +133,8 @@ def add_minutes(parser: Options) -> None:
 
 def add_training_device(parser: Options) -> None:
     """--device of a training."""
-    parser.add_argument("--device", default="cpu", help="where torch trains: cpu, cuda, ... (default cpu)")
+    text = "where torch trains: cpu, cuda, ... (default: the GPU if there is one, else cpu)"
+    parser.add_argument("--device", help=text)
 
 
 def add_weights(parser: Options) -> None:
@@ -144,10 +145,11 @@ def add_weights(parser: Options) -> None:
         metavar="NAME",
         help="weights of the diffusion model: packaged ones by name, or a .safetensors file (default street)",
     )
-    text = f"steps of denoising, a call of the network each, two with `paper` (default {STEPS})"
-    parser.add_argument("--steps", type=whole_number(1), default=STEPS, metavar="N", help=text)
-    text = f"weight of what a ControlNet adds; 1 takes one call of the network a step (default {GUIDANCE:g})"
-    parser.add_argument("--guidance", type=positive, default=GUIDANCE, metavar="W", help=text)
+    stored = "(default: as stored with the weights, else"
+    text = f"steps of denoising, a call of the network each, two with `paper` {stored} {STEPS})"
+    parser.add_argument("--steps", type=whole_number(1), metavar="N", help=text)
+    text = f"weight of what a ControlNet adds; 1 takes one call of the network a step {stored} {GUIDANCE:g})"
+    parser.add_argument("--guidance", type=positive, metavar="W", help=text)
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 
 

@@ -62,7 +62,7 @@ def _evaluate_weights(arguments: argparse.Namespace) -> None:
     pipeline = read_pipeline(arguments)
     pairs = unseen_streets(num, sensor, arguments.seed)
     half = ", half of each open" * pipeline.denoiser.config.completes
-    print(f"{num} street{'s' * (num > 1)}, {sensor.name}{half}, {arguments.steps} steps")
+    print(f"{num} street{'s' * (num > 1)}, {sensor.name}{half}, {pipeline.steps} steps")
     print(f"{'':16}{''.join(f'{_CALLED.get(name, name):>9}' for name in _COLUMNS)}", flush=True)
     for row in scores(pipeline, pairs):
         print(f"{row.name:16}{''.join(f'{getattr(row, field):9.3f}' for field in _COLUMNS)}")

@@ -35,7 +35,7 @@ def profile(arguments: argparse.Namespace) -> None:
     _timed(arguments, "scan to layout", lambda: layout_from_cloud(points, labels, sensor_height=sensor.mount_height))
     loaded = _timed(arguments, "weights into memory", lambda: read_pipeline(arguments))
     condition = scan.condition_image
-    text = f"whole scan by the network, {arguments.steps} steps"
+    text = f"whole scan by the network, {loaded.steps} steps"
     _timed(arguments, text, lambda: loaded.generate(condition, scan.image, seed=seed))
 
 

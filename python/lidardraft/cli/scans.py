@@ -230,7 +230,7 @@ def generate(arguments: argparse.Namespace) -> None:
 
     pipeline = read_pipeline(arguments, langevin=arguments.langevin)
     after = None if arguments.after is None else Scan.load(arguments.after)
-    with progress(num * arguments.steps, "step") as bar:
+    with progress(num * pipeline.steps, "step") as bar:
 
         def make(number: int) -> Scan:
             bar.set_description(f"scan {number + 1} of {num}")

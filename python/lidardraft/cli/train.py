@@ -8,6 +8,7 @@ import dataclasses
 import sys
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -37,8 +38,9 @@ if TYPE_CHECKING:
     from lidardraft.training.denoising import DenoisingConfig
     from lidardraft.training.loop import Report
     from lidardraft.training.sources import PairSource
+    from lidardraft.training.street_bank import StreetBank
 
-_RECIPES = ("small", "paper", "small-paper", "paper-map", "small-map", "tiny", "tiny-paper")
+_RECIPES = ("small", "paper", "paper-small", "paper-large", "paper-map", "small-map", "tiny", "tiny-paper")
 _FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
 
 
@@ -50,10 +52,11 @@ def street(arguments: argparse.Namespace) -> None:
     from lidardraft.training.denoising import train_denoiser
     from lidardraft.training.loop import check_run_folder, device_for_training
     from lidardraft.training.processes import Processes
+    from lidardraft.training.street_bank import StreetBank
 
     begin = _initial(arguments.init)
     stages = _stages(arguments, begin)
-    source = _source(arguments)
+    source = _bank(arguments) if arguments.workers else _source(arguments)
     # what cannot be is refused before hours of work
     if Path(arguments.output).is_dir():
         raise TrainingError(f"{arguments.output} is a folder; the weights are a file")
@@ -61,24 +64,26 @@ def street(arguments: argparse.Namespace) -> None:
     for config, run_folder in zip(stages, runs, strict=True):
         config.check(source.sensors)
         check_run_folder(run_folder)
-    processes = Processes.from_environment(device_for_training(arguments.device))
+    device = device_for_training(arguments.device)
+    processes = Processes.from_environment(device)
     Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
     ends = time.monotonic() + 60 * arguments.minutes
-    for config, run_folder in zip(stages, runs, strict=True):
-        minutes = (ends - time.monotonic()) / 60
-        reports = train_denoiser(config, source, run_folder, begin=begin, device=arguments.device, max_minutes=minutes)
-        if _show(reports, config.steps, run_folder.name) not in (None, config.steps):
-            print(f"{run_folder}: stopped after {arguments.minutes:g} minutes; the same call goes on")
-            return
-        processes.wait()  # until the first one has saved what all have learned
-        begin = weight_file.load(run_folder / "weights.safetensors", Denoiser)
+    with source.running(processes, device) if isinstance(source, StreetBank) else nullcontext():
+        for config, run_folder in zip(stages, runs, strict=True):
+            options = {"device": str(device), "max_minutes": (ends - time.monotonic()) / 60}
+            reports = train_denoiser(config, source, run_folder, begin=begin, compiles=arguments.compile, **options)
+            if _show(reports, config.steps, run_folder.name) not in (None, config.steps):
+                print(f"{run_folder}: stopped after {arguments.minutes:g} minutes; the same call goes on")
+                return
+            processes.wait()  # until the first one has saved what all have learned
+            begin = weight_file.load(run_folder / "weights.safetensors", Denoiser)
     if processes.rank > 0:
         return
     # What is scored is what ships: float16.
     assert begin is not None
     half = Path(arguments.work) / "half.safetensors"
     weight_file.save(begin, half, {}, half=True)
-    pipeline = Pipeline.from_pretrained(half, device=arguments.device)
+    pipeline = Pipeline.from_pretrained(half, device=str(device))
     sensor = source.sensor or Sensor.preset(DEFAULT_SENSOR)
     unseen = evaluate.unseen_streets(arguments.evaluate, sensor)
     card = {
@@ -124,6 +129,15 @@ def _source(arguments: argparse.Namespace) -> PairSource:
     return sources[0] if len(sources) == 1 else MixedSource(tuple(sources), weights)
 
 
+def _bank(arguments: argparse.Namespace) -> StreetBank:
+    """The streets that --workers make meanwhile."""
+    from lidardraft.training.street_bank import StreetBank
+
+    if arguments.sensor is None or arguments.data not in (None, ["streets"]):
+        raise TrainingError("--workers make `--data streets` alone, of the --sensor that is named")
+    return StreetBank(arguments.seed, read_sensor(arguments.sensor), arguments.workers)
+
+
 def _weighted(option: str, given: Sequence[str]) -> tuple[list[str], tuple[float, ...]]:
     """The names and the weights of NAME=WEIGHT, 1 where there is none."""
     parts = [each.partition("=") for each in given]
@@ -157,6 +171,11 @@ def street_options(parser: argparse.ArgumentParser) -> None:
     add_minutes(parser)
     add_seed(parser)
     add_training_device(parser)
+    text = "processes that make the streets of --sensor meanwhile; each step learns from what is there by then, as a "
+    text += "GPU needs it (default: each step makes its own)"
+    parser.add_argument("--workers", type=whole_number(0), default=0, metavar="N", help=text)
+    text = "compile the network first (torch.compile): a minute or more, worth it in long runs on a GPU"
+    parser.add_argument("--compile", action="store_true", help=text)
     text = "unseen streets to score the weights on (default 50)"
     parser.add_argument("--evaluate", type=whole_number(1), default=50, metavar="N", help=text)
     text = "where runs are kept (default out/street)"
@@ -218,7 +237,7 @@ def ablation(arguments: argparse.Namespace) -> None:
     from lidardraft.training.sources import StreetSource, top_view
 
     sensor, num = read_sensor(arguments.sensor), arguments.num
-    *_, base, control = recipes.small_paper()
+    *_, base, control = recipes.paper_small()
     base, control = (
         dataclasses.replace(stage, steps=steps, seed=arguments.seed)
         for stage, steps in ((base, arguments.base_steps), (control, arguments.steps))
@@ -230,7 +249,7 @@ def ablation(arguments: argparse.Namespace) -> None:
     source = _source(arguments)
     from_above = StreetSource(seed=arguments.seed, sensor=sensor, from_above=True)
     check_run_folder(arguments.work)
-    device_for_training(arguments.device)
+    arguments.device = str(device_for_training(arguments.device))
     pairs = evaluate.unseen_streets(num, sensor)
     others = [pair.scan for pair in evaluate.unseen_streets(num, sensor, OTHER_STREETS)]
     learned = arguments.base or f"{base.steps} steps"

@@ -9,27 +9,16 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import torch
+from torch import Tensor
 
+from lidardraft.diffusion.channels import CLASS, DEPTH, HIDDEN, INTENSITY, RAY_CHANNELS, STATE_CHANNELS, VALIDITY
 from lidardraft.errors import SensorError
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
 
 MAX_DEPTH = 120.0  # m, what is farther is as far
-DEPTH, INTENSITY, VALIDITY = range(3)  # channels of the state
-CLASS = slice(3, 8)  # those of the bits of a class id, the lowest first (Chen et al., Analog Bits, ICLR 2023)
-STATE_CHANNELS = 8
-# What a condition is made of, and its channels: range and validity of the layout's cast, its class, the state of its
-# simulated scan, and where the layout leaves open what there is.
-CONDITION_PARTS = {
-    "depth": [DEPTH, VALIDITY],
-    "class": list(range(CLASS.start, CLASS.stop)),
-    "simulated": list(range(STATE_CHANNELS, 2 * STATE_CHANNELS)),
-    "open": [2 * STATE_CHANNELS],
-}
-CONDITION_CHANNELS = 2 * STATE_CHANNELS + 1
-RAY_CHANNELS = 5
-HIDDEN = 4  # the channel of the rays that says what the vehicle hides
 
 _GROUND_WITHIN = 20.0  # m, and what looks over it: farther off, walls and trees are likelier than ground
 # Means and spreads of streets' returns, by which each channel spreads by about 1/2.
@@ -39,21 +28,26 @@ _BITS = 1 << np.arange(CLASS.stop - CLASS.start, dtype=np.uint8)
 _BIT = 0.5  # a bit is this or its negative
 
 
-def encode_scan(image: RangeImage) -> np.ndarray:
-    """The state of a scan, f32 [8, H, W]: range, intensity, validity +-1, and the bits of the class.
+def encode_scans(depth: Tensor, label: Tensor, intensity: Tensor | None, sensor: Sensor) -> Tensor:
+    """The states of scans, f32 [B, 8, H, W]: range, intensity, validity +-1, and the bits of the class.
 
-    A pixel without a return has the depth of the next return to its left, around the ring where the sensor wraps; left
-    of a sector's first return, that one's; in an empty row, 120 m. A scan without intensities has the mean one.
+    `depth` f32 [B, H, W] in metres, 0 without a return; `label` u8; `intensity` f32 in 0 to 1, of which None is the
+    mean one. A pixel without a return has the depth of the next return to its left, around the ring if the sensor
+    wraps; left of a sector's first return, that one's; in an empty row, 120 m.
     """
-    valid = image.valid
-    state = np.empty((STATE_CHANNELS, *image.sensor.shape), dtype=np.float32)
-    state[DEPTH] = _encode_depth(_fill_from_left(image.depth, valid, image.sensor.wraps), image.sensor)
-    state[INTENSITY] = 0.0
-    if image.intensity is not None:
-        state[INTENSITY] = _INTENSITY_SCALE * np.sqrt(image.intensity) - _INTENSITY_SHIFT
-    state[VALIDITY] = 2.0 * valid - 1.0
-    state[CLASS] = np.where(image.label & _BITS[:, None, None], _BIT, -_BIT)
-    return state
+    valid = depth > 0
+    log_depth = torch.log2(_filled_from_left(depth, valid, sensor.wraps).clamp(max=MAX_DEPTH) + 1)
+    ground = torch.from_numpy(_log_ground(sensor)).to(depth.device)
+    shown = torch.zeros_like(depth) if intensity is None else _INTENSITY_SCALE * intensity.sqrt() - _INTENSITY_SHIFT
+    single = torch.stack([(log_depth - ground) / _DEPTH_SCALE, shown, 2.0 * valid - 1.0], dim=1)
+    bits = torch.from_numpy(_BITS).to(depth.device)[:, None, None]
+    return torch.cat([single, torch.where((label[:, None] & bits) > 0, _BIT, -_BIT)], dim=1)
+
+
+def encode_scan(image: RangeImage) -> np.ndarray:
+    """The state f32 [8, H, W] of one scan, as `encode_scans` has it."""
+    intensity = None if image.intensity is None else _tensor(image.intensity)
+    return encode_scans(_tensor(image.depth), _tensor(image.label), intensity, image.sensor)[0].numpy()
 
 
 def decode_scan(state: np.ndarray, sensor: Sensor) -> RangeImage:
@@ -79,20 +73,41 @@ def decode_scan(state: np.ndarray, sensor: Sensor) -> RangeImage:
     )
 
 
+def encode_conditions(
+    depth: Tensor,
+    label: Tensor,
+    simulated_depth: Tensor,
+    simulated_intensity: Tensor | None,
+    is_open: Tensor,
+    sensor: Sensor,
+) -> Tensor:
+    """The conditions of layouts, f32 [B, 17, H, W]: the states (`encode_scans`) of their casts and of their simulated
+    scans, and 1 where `is_open`, bool [B, H, W]; there both states are 0. The classes of both are the cast's: pairs on
+    disk keep no others.
+    """
+    given = ~is_open
+    # before they are encoded: a pixel without a return would have the depth of an open one to its left
+    intensity = None if simulated_intensity is None else simulated_intensity * given
+    cast = encode_scans(depth * given, label * given, None, sensor)
+    simulated = encode_scans(simulated_depth * given, label * given, intensity, sensor)
+    return torch.cat([torch.cat([cast, simulated], dim=1) * given[:, None], is_open[:, None].float()], dim=1)
+
+
 def encode_condition(
     condition_image: RangeImage, simulated: RangeImage, open_pixels: np.ndarray | None = None
 ) -> np.ndarray:
-    """The condition of a layout, f32 [17, H, W]: the states (`encode_scan`) of its cast and of its simulated scan, and
-    1 where `open_pixels`, bool [H, W]; there both states are 0. The classes of both are the cast's: pairs on disk keep
-    no others.
-    """
-    open_ = np.zeros(simulated.sensor.shape, dtype=bool) if open_pixels is None else open_pixels
-    # before they are encoded: a pixel without a return would have the depth of an open one to its left
-    states = [encode_scan(image.keep(~open_)) for image in (condition_image, simulated)]
-    states[1][CLASS] = states[0][CLASS]
-    condition = np.concatenate([*states, open_[None].astype(np.float32)])
-    condition[:-1, open_] = 0.0
-    return condition
+    """The condition f32 [17, H, W] of one layout, as `encode_conditions` has it, open where `open_pixels`, bool
+    [H, W]."""
+    is_open = np.zeros(simulated.sensor.shape, dtype=bool) if open_pixels is None else open_pixels
+    condition = encode_conditions(
+        _tensor(condition_image.depth),
+        _tensor(condition_image.label),
+        _tensor(simulated.depth),
+        None if simulated.intensity is None else _tensor(simulated.intensity),
+        _tensor(is_open),
+        simulated.sensor,
+    )
+    return condition[0].numpy()
 
 
 def encode_rays(sensor: Sensor) -> np.ndarray:
@@ -112,12 +127,6 @@ def encode_rays(sensor: Sensor) -> np.ndarray:
     return rays
 
 
-def _encode_depth(depth: np.ndarray, sensor: Sensor) -> np.ndarray:
-    log_depth = np.log2(np.minimum(depth, np.float32(MAX_DEPTH)) + 1)
-    state: np.ndarray = (log_depth - _log_ground(sensor)) / np.float32(_DEPTH_SCALE)
-    return state
-
-
 def _log_ground(sensor: Sensor) -> np.ndarray:
     """log2(range + 1) of flat ground along each beam, f32 [H, 1]; of what sees none nearby, that of 20 m."""
     down = np.sin(-np.array(sensor.elevations))
@@ -126,12 +135,15 @@ def _log_ground(sensor: Sensor) -> np.ndarray:
     return np.log2(ground + 1).astype(np.float32)[:, None]
 
 
-def _fill_from_left(depth: np.ndarray, valid: np.ndarray, wraps: bool) -> np.ndarray:
-    """`depth` [H, W] with the value of the last valid column to the left; 120 m in rows without one."""
-    width = depth.shape[1]
+def _tensor(image: np.ndarray) -> Tensor:
+    return torch.from_numpy(np.ascontiguousarray(image))[None]
+
+
+def _filled_from_left(depth: Tensor, valid: Tensor, wraps: bool) -> Tensor:
+    """`depth` [B, H, W] with the value of the last valid column to the left; 120 m in rows without one."""
+    columns = torch.arange(depth.shape[-1], device=depth.device)
     # The last valid column up to each column; before the first one it is the row's last if it wraps, else the first.
-    source = np.maximum.accumulate(np.where(valid, np.arange(width, dtype=np.int32), -1), axis=1)
-    before = source[:, -1:] if wraps else np.where(valid.any(axis=1), valid.argmax(axis=1), -1)[:, None]
-    source = np.where(source < 0, before, source)
-    filled = np.take_along_axis(depth, np.maximum(source, 0), axis=1)
-    return np.where(source < 0, np.float32(MAX_DEPTH), filled)
+    source = torch.where(valid, columns, -1).cummax(-1).values
+    first = torch.where(valid.any(-1), valid.int().argmax(-1), -1)
+    source = torch.where(source < 0, source[..., -1:] if wraps else first[..., None], source)
+    return torch.where(source < 0, MAX_DEPTH, depth.gather(-1, source.clamp(min=0)))

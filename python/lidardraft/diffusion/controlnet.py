@@ -8,7 +8,7 @@ from collections.abc import Iterator
 
 from torch import Tensor, nn
 
-from lidardraft.diffusion.codec import STATE_CHANNELS
+from lidardraft.diffusion.channels import STATE_CHANNELS
 from lidardraft.diffusion.score_network import EMBEDDING, Encoder
 from lidardraft.networks.layers import fold, zero_conv
 

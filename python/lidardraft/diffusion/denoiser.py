@@ -8,7 +8,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import CLASS, CONDITION_PARTS, DEPTH, STATE_CHANNELS, VALIDITY
+from lidardraft.diffusion.channels import CLASS, CONDITION_PARTS, DEPTH, STATE_CHANNELS, VALIDITY
 from lidardraft.diffusion.controlnet import ControlNet
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import add_noise

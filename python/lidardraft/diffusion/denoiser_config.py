@@ -7,11 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lidardraft.diffusion.codec import CONDITION_PARTS, RAY_CHANNELS
+from lidardraft.diffusion.channels import CONDITION_PARTS, RAY_CHANNELS
 from lidardraft.errors import LidarDraftError
 
+# How weights sample if their file stores nothing else.
 STEPS = 20  # calls of the network, two each where a ControlNet is guided
 GUIDANCE = 2.0  # how many times what a ControlNet changes of its base counts
+LAST_NOISE = 1.0  # the noise level of the last call
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +25,7 @@ class DenoiserConfig:
     `groups` of channels are normalised apart: of 16 channels or a multiple each, or the gradient in bfloat16 is slow.
     `condition` names the parts of the condition that the network sees (`CONDITION_PARTS`; none: it makes scans of
     nothing), beside the state, or with `controlnet` through a ControlNet as in the paper. With "open" among them it
-    completes simulated scans: it makes what is open, and leaves the rest. Defaults are of `recipes.small_paper`.
+    completes simulated scans: it makes what is open, and leaves the rest. Defaults are of `recipes.paper_small`.
     """
 
     cell: tuple[int, int]

@@ -5,15 +5,17 @@ from __future__ import annotations
 import torch
 from torch import Tensor
 
+from lidardraft.diffusion.denoiser_config import LAST_NOISE
 from lidardraft.errors import LidarDraftError
 
 
-def karras_levels(steps: int, *, sigma_min: float = 1.0, sigma_max: float = 20.0, rho: float = 7.0) -> list[float]:
+def karras_levels(
+    steps: int, *, sigma_min: float = LAST_NOISE, sigma_max: float = 20.0, rho: float = 7.0
+) -> list[float]:
     """The `steps` falling noise levels of a sampler and a last 0 (Karras et al., NeurIPS 2022, Eq. 5).
 
     `rho` is theirs (Table 1). Their `sigma_max` is 80, but states lie within -1 and 1, so noise of 20 hides them. Their
-    `sigma_min` is 0.002; the packaged weights make scans from a noise of 1 that are as near to streets as those from
-    0.3, and keep to layouts better.
+    `sigma_min` is 0.002; small networks keep to layouts better from a noise of 1, large ones are smoother from 0.1.
     """
     _check_levels(steps, sigma_min, sigma_max)
     high, low = sigma_max ** (1 / rho), sigma_min ** (1 / rho)

@@ -13,9 +13,10 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import STATE_CHANNELS, encode_rays
+from lidardraft.diffusion.channels import STATE_CHANNELS
+from lidardraft.diffusion.codec import encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.denoiser_config import GUIDANCE, STEPS
+from lidardraft.diffusion.denoiser_config import GUIDANCE, LAST_NOISE, STEPS
 from lidardraft.diffusion.noise import geometric_levels, karras_levels, score_from_denoised
 from lidardraft.errors import LidarDraftError, SensorError
 from lidardraft.networks.layers import reduced_precision
@@ -32,23 +33,23 @@ def sample(
     condition: Tensor | None = None,
     steps: int = STEPS,
     guidance: float = GUIDANCE,
+    last_noise: float = LAST_NOISE,
     langevin: int | None = None,
 ) -> Iterator[Tensor]:
     """The states [B, 8, H, W] after each step of `sample_multistep`, one sample a seed; the last one is the result.
 
     `condition` [B, 17, H, W], or one for all [1, 17, H, W]; without it the samples are unconditional. What a ControlNet
     changes of its base is multiplied by `guidance`, which takes a second call of the network where it is not 1
-    (classifier-free guidance, Ho and Salimans, 2022). They begin as pure noise. With `langevin` a step is a level of
-    `sample_langevin` with so many updates, as in the paper: LiDARGen takes 232 of 5. Works on the device of the
-    weights. Raises `SensorError` where the image cannot be cut into the network's cells.
+    (classifier-free guidance, Ho and Salimans, 2022). They begin as pure noise; the last call is made at `last_noise`.
+    With `langevin` a step is a level of `sample_langevin` with so many updates, as in the paper: LiDARGen takes 232 of
+    5. Works on the device of the weights. Raises `SensorError` if the image cannot be cut into the network's cells.
     """
     rows, columns = denoiser.cell
     if sensor.shape[0] % rows or sensor.shape[1] % columns:
         raise SensorError(f"{sensor.name} is {sensor.shape}; these weights need multiples of ({rows}, {columns})")
     device = next(denoiser.parameters()).device
     rays = torch.from_numpy(encode_rays(sensor)).to(device)
-    levels = karras_levels if langevin is None else geometric_levels
-    sigmas = levels(steps)
+    sigmas = karras_levels(steps, sigma_min=last_noise) if langevin is None else geometric_levels(steps)
     streams = [torch.Generator().manual_seed(int(seed)) for seed in seeds]
 
     def noise() -> Tensor:

@@ -13,7 +13,7 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from lidardraft.diffusion.codec import STATE_CHANNELS
+from lidardraft.diffusion.channels import STATE_CHANNELS
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.networks.layers import (
     Chain,

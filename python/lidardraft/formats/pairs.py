@@ -24,7 +24,8 @@ from lidardraft.semantics import CLASSES
 SCHEMA = "lidardraft.pairs/4"
 SHARD = 64  # pairs a file
 _LARGEST_SHARD = 2**16  # pairs that an index may claim
-_STEP = 0.002  # m, what a depth of 1 in the uint16 images stands for: up to 131 m, what is further is 131 m
+DEPTH_STEP = 0.002  # m, what a depth of 1 in the uint16 images stands for: up to 131 m, what is further is 131 m
+INTENSITY_STEP = 1 / 255  # what an intensity of 1 in the uint8 images stands for
 IMAGES = {
     "scan_depth": np.uint16,
     "scan_label": np.uint8,
@@ -61,16 +62,19 @@ class Pair(NamedTuple):
             intensity = images.get(f"{name}_intensity")
             return RangeImage(
                 sensor=sensor,
-                depth=images[f"{name}_depth"] * np.float32(_STEP),
+                depth=images[f"{name}_depth"] * np.float32(DEPTH_STEP),
                 label=images.get(f"{name}_label", none.astype(np.uint8)),
                 instance=none,
-                intensity=None if intensity is None else intensity * np.float32(1 / 255),
+                intensity=None if intensity is None else intensity * np.float32(INTENSITY_STEP),
             )
 
         return cls(image_of("scan"), image_of("condition"), image_of("simulated"))
 
     def compact(self) -> Images:
-        """The images that are stored, named and typed as in `IMAGES`."""
+        """The images that are stored, named and typed as in `IMAGES`. Raises `FormatError` if an intensity is not
+        finite."""
+        if not all(image.intensity is None or np.isfinite(image.intensity).all() for image in self):
+            raise FormatError("a pair holds an intensity that is not finite")
         images = {"scan": self.scan, "condition": self.condition_image, "simulated": self.simulated}
         return {name: _COMPACT[part](images[of]) for name in IMAGES for of, part in [name.split("_")]}
 
@@ -216,7 +220,7 @@ def _compact_intensity(image: RangeImage) -> np.ndarray:
 
 def _compact_depth(image: RangeImage) -> np.ndarray:
     # the furthest that fits is beyond what a network tells apart (`codec.MAX_DEPTH`)
-    steps = np.minimum(np.rint(image.depth / _STEP), 65535)
+    steps = np.minimum(np.rint(image.depth / DEPTH_STEP), 65535)
     return np.where(image.valid, np.maximum(steps, 1), 0).astype(np.uint16)
 
 

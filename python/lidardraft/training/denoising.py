@@ -4,34 +4,33 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import math
 import os
 from collections.abc import Generator, Iterable, Iterator
 from dataclasses import dataclass
-from functools import lru_cache, partial
-from typing import Any
+from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import HIDDEN, decode_scan, encode_condition, encode_rays, encode_scan
+from lidardraft.diffusion.channels import HIDDEN
+from lidardraft.diffusion.codec import decode_scan, encode_condition
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import training_levels
 from lidardraft.diffusion.sampler import sample
 from lidardraft.errors import TrainingError
-from lidardraft.formats.pairs import Pair
 from lidardraft.metrics.adherence import adherence
 from lidardraft.networks.layers import reduced_precision
-from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
-from lidardraft.semantics import BY_NAME, CLASSES, GROUND
+from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES
 from lidardraft.streets import StreetConfig, streets
 from lidardraft.training.learner import LearningConfig
-from lidardraft.training.loop import Batch, Measures, Report, device_for_training, prefetched, train
+from lidardraft.training.loop import Measures, Report, device_for_training, prefetched, train
 from lidardraft.training.processes import Processes
 from lidardraft.training.sources import PairSource, scans_of_step
+from lidardraft.training.stack import PairStack
 
 OWN, OTHER = "objects", "objects of the other street"
 _SEED = 2_000_000  # of streets that no training learns from
@@ -39,7 +38,6 @@ _STREETS = 2
 _CALLS = 8  # of the network a scan, from noise
 _DEADLINE = 1_000  # steps after which a network must heed its condition
 BANDS = (0.0, 0.05, 0.2, 1.0, float("inf"))  # edges of the noise levels that are reported apart
-_SKIPPED = "share of pairs skipped, not finite"
 _SILENT = 20  # steps after which a zero convolution must have learned
 # How often each is drawn: an azimuth sector, all but such a sector, all but objects, all but objects and the road, all
 # that stands for nothing said (terrain, and where no shape is hit), everything. Estimates of ours of what people bring.
@@ -126,11 +124,12 @@ def train_denoiser(
     run: str | os.PathLike[str],
     *,
     begin: Denoiser | None = None,
-    device: str = "cpu",
+    device: str | None = "cpu",
     max_minutes: float = float("inf"),
+    compiles: bool = False,
 ) -> Iterator[Report]:
     """Train a denoiser on pairs, from fresh weights, those of `begin` or of the base of `begin`; or, where it has a
-    ControlNet, that alone, on a frozen base.
+    ControlNet, that alone, on a frozen base. `compiles` runs the loss through `torch.compile` first.
 
     What the folder `run` receives, and how a run goes on, is said at `training.loop.train`; the loss is also reported
     by bands of noise. Raises `TrainingError` as that does, and where the pairs or the device do not fit.
@@ -139,6 +138,7 @@ def train_denoiser(
     on = device_for_training(device)
     processes = Processes.from_environment(on)
     denoiser = _beginning(config, begin)
+    loss_of = torch.compile(denoiser.loss, dynamic=False) if compiles else denoiser.loss
     watch = AdherenceWatch(source.sensor or Sensor.preset("hdl64e")) if config.watches else None
 
     def watched(step: int) -> Measures:
@@ -148,17 +148,15 @@ def train_denoiser(
         watch.check(measured, step)
         return {name: torch.tensor(value) for name, value in measured.items()}
 
-    def batches(start: int) -> Generator[Batch, None, None]:
-        return prefetched(partial(_batch, config, source, processes), start)
+    def batches(start: int) -> Generator[_Batch, None, None]:
+        return prefetched(partial(_batch, config, source, processes, on), start)
 
-    def loss(step: int, batch: Batch) -> tuple[Tensor, Measures]:
+    def loss(step: int, batch: _Batch) -> tuple[Tensor, Measures]:
         if denoiser.controlnet is not None:
             denoiser.controlnet.learn(everything=step >= config.zero_conv_steps)
-        clean, sigma, noise, rays, condition, wraps, skipped = batch
         with reduced_precision(on):
-            seen = condition if config.denoiser.condition else None
-            losses = denoiser.loss(clean, sigma, noise, rays, seen, wraps=bool(wraps))
-        return losses, _by_band(sigma, losses.detach()) | watched(step) | {_SKIPPED: skipped}
+            losses = loss_of(batch.clean, batch.sigma, batch.noise, batch.rays, batch.condition, wraps=batch.wraps)
+        return losses, _by_band(batch.sigma, losses.detach()) | watched(step)
 
     for report in train(config, denoiser, batches, loss, source, run, device=on, max_minutes=max_minutes):
         _check_zero_convs(denoiser, report.step)
@@ -186,7 +184,7 @@ def _beginning(config: DenoisingConfig, begin: Denoiser | None) -> Denoiser:
 
 def _by_band(sigma: Tensor, losses: Tensor) -> Measures:
     return {
-        f"loss, sigma {low:g} to {high:g}": losses[(low <= sigma) & (sigma < high)]
+        f"loss, sigma {low:g} to {high:g}": losses.where((low <= sigma) & (sigma < high), torch.nan)
         for low, high in itertools.pairwise(BANDS)
     }
 
@@ -199,85 +197,74 @@ def _check_zero_convs(denoiser: Denoiser, step: int) -> None:
                 raise TrainingError(f"zero convolution {name!r} is still zero after {step} steps")
 
 
-def _batch(config: DenoisingConfig, source: PairSource, processes: Processes, step: int) -> Batch:
-    """Clean states, noise levels, noise, rays, conditions, whether columns wrap, and the share of the pairs that are
-    skipped as they hold what is not finite, of this process in a step."""
+class _Batch(NamedTuple):
+    """What a step learns from, on its device: clean states, noise levels, noise, rays, conditions, or None of a base,
+    and whether the columns wrap."""
+
+    clean: Tensor
+    sigma: Tensor
+    noise: Tensor
+    rays: Tensor
+    condition: Tensor | None
+    wraps: bool
+
+
+def _batch(
+    config: DenoisingConfig, source: PairSource, processes: Processes, device: torch.device, step: int
+) -> _Batch:
+    """The batch of this process in a step. It is a function of the step; the noise differs between kinds of device."""
     random = np.random.default_rng((config.seed, step))
-    generator = torch.Generator().manual_seed(int(random.integers(2**62)))
+    levels, noises = torch.Generator(), torch.Generator(device)
+    levels.manual_seed(int(random.integers(2**62)))
+    noises.manual_seed(int(random.integers(2**62)))
     every = int(random.choice(config.thinnings))
-    pairs = source.pairs(step, config.batch * every**2, processes)
-    scans = scans_of_step(config.batch * every**2, pairs[0].scan.sensor)
-    if every > 1:
-        pairs = [Pair(*(thinned(image, every) for image in pair)) for pair in pairs]
-    sensor = pairs[0].scan.sensor
+    stack = source.stack(step, config.batch * every**2, processes, device)
+    scans = scans_of_step(config.batch * every**2, stack.sensor)
+    stack = stack.thinned(every)
+    # A state is not mirrored, as it is filled from the left.
+    if random.random() < 0.5 and not any(stack.sensor.azimuth_offsets):
+        stack = stack.mirrored()
     share = list(processes.share(scans))
-    rays = torch.from_numpy(encode_rays(sensor))
-    # The mirror image of staggered beams is another sensor. A state is not mirrored, as it is filled from the left.
-    if random.random() < 0.5 and not any(sensor.azimuth_offsets):
-        pairs, rays = [Pair(*map(_mirrored, pair)) for pair in pairs], rays.flip(-1)
-    clean = torch.from_numpy(np.stack([encode_scan(pair.scan) for pair in pairs]))
-    hidden = rays[HIDDEN].bool().numpy()
-    conditions = [_condition(config, pair, hidden, (step, number)) for number, pair in zip(share, pairs, strict=True)]
-    condition = torch.from_numpy(np.stack(conditions))
-    sigma = training_levels(scans, generator, mean=config.sigma_mean, std=config.sigma_std)
-    noise = torch.randn((scans, *clean.shape[1:]), generator=generator)
-    kept = clean.isfinite().flatten(1).all(1) & condition.isfinite().flatten(1).all(1)
-    if not kept.any():
-        raise TrainingError(f"no pair of step {step + 1} is finite")
-    skipped = (~kept).float().mean()
-    wraps = torch.tensor(sensor.wraps)
-    return clean[kept], sigma[share][kept], noise[share][kept], rays, condition[kept], wraps, skipped
+    clean = stack.states()
+    sigma = training_levels(scans, levels, mean=config.sigma_mean, std=config.sigma_std)[share].to(device)
+    noise = torch.randn((scans, *clean.shape[1:]), generator=noises, device=device)[share]
+    condition = None
+    if config.denoiser.condition:
+        condition = stack.conditions(_opened(config, stack, [(config.seed, step, number) for number in share]))
+    return _Batch(clean, sigma, noise, stack.rays, condition, stack.sensor.wraps)
 
 
-def _condition(config: DenoisingConfig, pair: Pair, hidden: np.ndarray, scan: tuple[int, int]) -> np.ndarray:
-    """Of a step's scan of that number, whichever process learns from it."""
-    if not config.denoiser.condition:
-        return np.zeros(0, dtype=np.float32)
-    opening = None
-    if config.denoiser.completes:
-        opening = sample_opening(pair.condition_image, np.random.default_rng((config.seed, *scan))) & ~hidden
-    return encode_condition(pair.condition_image, pair.simulated, opening)
+def _opened(config: DenoisingConfig, stack: PairStack, seeds: list[tuple[int, int, int]]) -> Tensor:
+    """What each scan of a step leaves open, bool [B, H, W], but for what the vehicle hides."""
+    label = stack.images["condition_label"]
+    if not config.denoiser.completes:
+        return torch.zeros_like(label, dtype=torch.bool)
+    drawn = [sample_opening(stack.sensor, np.random.default_rng(seed)) for seed in seeds]
+    classes, columns = (torch.from_numpy(np.stack(part)).to(label.device) for part in zip(*drawn, strict=True))
+    opened = classes.gather(1, label.flatten(1).long()).view_as(label) & columns[:, None]
+    return opened & (stack.rays[HIDDEN] == 0)
 
 
-def thinned(image: RangeImage, every: int) -> RangeImage:
-    """Every `every`-th beam and column of an image, as a sensor with these alone would have it."""
-    images = {name: getattr(image, name) for name in ("depth", "label", "instance", "intensity")}
-    kept = {name: x[::every, ::every].copy() for name, x in images.items() if x is not None}
-    return RangeImage.unchecked(_thinned_sensor(image.sensor, every), **kept)
-
-
-@lru_cache(maxsize=64)
-def _thinned_sensor(sensor: Sensor, every: int) -> Sensor:
-    tables: dict[str, Any] = {name: value[::every] for name, value in vars(sensor).items() if isinstance(value, tuple)}
-    return dataclasses.replace(sensor, **tables, columns=math.ceil(sensor.columns / every), model=None)
-
-
-def _mirrored(image: RangeImage) -> RangeImage:
-    """What is encoded of an image, its columns from the last to the first."""
-    images = {name: getattr(image, name) for name in ("depth", "label", "instance", "intensity")}
-    return RangeImage.unchecked(image.sensor, **{name: x[:, ::-1] for name, x in images.items() if x is not None})
-
-
-def sample_opening(condition_image: RangeImage, rng: np.random.Generator) -> np.ndarray:
-    """Pixels, bool [H, W], that a draft of the place of a condition image may leave open."""
-    kinds, label = list(_SHARES), condition_image.label
+def sample_opening(sensor: Sensor, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
+    """What a draft of a place may leave open: the pixels of these classes, bool [K], in these columns, bool [W]."""
+    kinds = list(_SHARES)
     kind = rng.choice([*kinds, "everything"], p=[*_SHARES.values(), 1 - sum(_SHARES.values())])
-    if kind == "everything":
-        return np.ones(label.shape, dtype=bool)
+    classes, columns = np.ones(NUM_CLASSES, dtype=bool), np.ones(sensor.columns, dtype=bool)
     if kind == "filler":
-        return np.isin(label, _FILLER)
-    if kind == "sector":
-        return _sector(label.shape, condition_image.sensor.azimuth_span, rng.uniform(*_SECTOR), rng)
-    if kind == "all but a sector":
-        return ~_sector(label.shape, condition_image.sensor.azimuth_span, rng.uniform(*_VIEW), rng)
-    given = _THINGS if kind == "all but objects" else [*_THINGS, *_ROAD]
-    stuff = [id for id in np.unique(label).tolist() if id not in (*given, *_FILLER) and rng.random() < _KEPT_STUFF]
-    return ~np.isin(label, [*given, *stuff])
+        classes = np.isin(np.arange(NUM_CLASSES), _FILLER)
+    elif kind == "sector":
+        columns = _sector(sensor, rng.uniform(*_SECTOR), rng)
+    elif kind == "all but a sector":
+        columns = ~_sector(sensor, rng.uniform(*_VIEW), rng)
+    elif kind != "everything":
+        given = _THINGS if kind == "all but objects" else [*_THINGS, *_ROAD]
+        stuff = [id for id in range(NUM_CLASSES) if id not in (*given, *_FILLER) and rng.random() < _KEPT_STUFF]
+        classes[[*given, *stuff]] = False
+    return classes, columns
 
 
-def _sector(shape: tuple[int, ...], span: float, width: float, rng: np.random.Generator) -> np.ndarray:
-    """The columns of a sector `width` [rad] wide, anywhere in an image that spans `span` [rad], of which it is at most
-    three quarters."""
-    columns = max(round(shape[1] * min(width / span, 0.75)), 1)
-    inside = (np.arange(shape[1]) + rng.integers(shape[1])) % shape[1] < columns
-    return np.broadcast_to(inside, shape)
+def _sector(sensor: Sensor, width: float, rng: np.random.Generator) -> np.ndarray:
+    """The columns, bool [W], of a sector `width` [rad] wide, anywhere in an image, of which it is at most three
+    quarters."""
+    columns = max(round(sensor.columns * min(width / sensor.azimuth_span, 0.75)), 1)
+    return (np.arange(sensor.columns) + rng.integers(sensor.columns)) % sensor.columns < columns

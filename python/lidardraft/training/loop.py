@@ -13,9 +13,8 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
-import numpy as np
 import torch
 from torch import Tensor, nn
 
@@ -27,9 +26,8 @@ from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import Learner, LearningConfig, RunIdentity
 from lidardraft.training.processes import Processes
 
-Batch = tuple[Tensor, ...]
+Batch = TypeVar("Batch")
 Measures = dict[str, Tensor]
-LossFunction = Callable[[int, Batch], tuple[Tensor, Measures]]
 
 
 class Data(Protocol):
@@ -60,7 +58,7 @@ def train(
     config: LearningConfig,
     network: Network,
     batches: Callable[[int], Generator[Batch, None, None]],
-    loss: LossFunction,
+    loss: Callable[[int, Batch], tuple[Tensor, Measures]],
     data: Data,
     run: str | os.PathLike[str],
     *,
@@ -69,10 +67,12 @@ def train(
 ) -> Iterator[Report]:
     """Train a `network` and yield reports.
 
-    `batches(start)` gives the tensors of each step from `start` on, on the CPU. They follow from the step alone, so
-    that a run in slices gives the weights of a run in one. `loss(step, batch)` gives the losses of the samples, whose
-    mean is stepped on, and tensors of numbers by name whose means are reported. Of several processes (`Processes`) each
-    has its share of the samples; the gradients are added, reports are of the samples of all, and the first one writes.
+    `batches(start)` gives the batch of each step from `start` on. It follows from the step alone, so that a run in
+    slices gives the weights of a run in one. `loss(step, batch)` gives the losses of the samples, whose mean is stepped
+    on, and tensors of numbers by name, whose means are reported without those that are NaN. Of several processes
+    (`Processes`) each has its share of the samples; the gradients are added, reports are of the samples of all, and the
+    first one writes. Numbers stay on the device until a report or a state is due: then a loss or a gradient that was
+    not finite ends the run, and what is on disk stays as it is.
 
     The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
     `weights.safetensors`, the average of weights. A report is yielded after what is due at its step is on disk. Raises
@@ -90,21 +90,22 @@ def train(
         _cut_log(run / "log.jsonl", start)
     began, window = time.monotonic(), _Window()
     with closing(batches(start)) as upcoming:
-        for step, tensors in zip(range(start, config.steps), upcoming, strict=False):
+        for step in range(start, config.steps):
             with memory_of(f"step {step + 1} of batches of {config.batch}"):
-                losses, measures = loss(step, tuple(tensor.to(device) for tensor in tensors))
+                losses, measures = loss(step, next(upcoming))
                 mean = losses.sum() / processes.total(losses.numel(), device)
                 window.add(losses.detach(), learner.step(step, mean, processes), measures)
             minutes = (time.monotonic() - began) / 60
             # all processes stop at the same step
             last = step + 1 == config.steps or processes.total(minutes > max_minutes, device) > 0
-            report = None
-            if last or (step + 1) % config.report_every == 0:
-                report, window = window.report(step + 1, minutes, processes, device), _Window()
-                if processes.rank == 0:
-                    with (run / "log.jsonl").open("a") as log:
-                        log.write(json.dumps(dataclasses.asdict(report)) + "\n")
-            if processes.rank == 0 and (last or (step + 1) % config.save_every == 0):
+            saves, reports = (last or (step + 1) % every == 0 for every in (config.save_every, config.report_every))
+            if saves or reports:
+                window.check(step + 1)
+            report = window.report(step + 1, minutes, processes, device) if reports else None
+            window = _Window() if reports else window
+            if report and processes.rank == 0:
+                _log(run / "log.jsonl", report)
+            if processes.rank == 0 and saves:
                 card = {"training": dataclasses.asdict(config), "step": step + 1, "data": data.source}
                 weight_file.save(learner.averaged, run / "weights.safetensors", card)
                 # The state last: what is killed before it is done again.
@@ -131,10 +132,16 @@ def check_run_folder(run: str | os.PathLike[str]) -> None:
             raise TrainingError(f"{folder} is a file; it must be a folder")
 
 
-def device_for_training(name: str) -> torch.device:
-    """The torch device of that name; raises `TrainingError` where there is none."""
+def device_for_training(name: str | None = None) -> torch.device:
+    """The torch device of that name, by default the GPU if there is one; of several GPUs that of `LOCAL_RANK`, which
+    `torchrun` sets. Raises `TrainingError` if there is none of that name."""
+    name = name or ("cuda" if torch.cuda.is_available() else "cpu")
     try:
         device = torch.device(name)
+        if name == "cuda":
+            device = torch.device("cuda", int(os.environ.get("LOCAL_RANK", "0")))
+            torch.cuda.set_device(device)
+            torch.set_float32_matmul_precision("high")  # TF32, of what is not in bfloat16
         torch.empty(0, device=device)
     except (RuntimeError, AssertionError, NotImplementedError) as error:  # torch's, for a device it does not have
         raise TrainingError(f"device is {name!r}: {str(error).splitlines()[0]}") from None
@@ -158,21 +165,32 @@ class _Window:
 
     def __init__(self) -> None:
         self.began = time.monotonic()
-        self.gradients: list[float] = []
-        self.sums: dict[str, tuple[float, int]] = {}  # sum and count, of the loss too
+        self.losses: list[Tensor] = []
+        self.gradients: list[Tensor] = []
+        self.sums: dict[str, tuple[Tensor, Tensor]] = {}  # sum and count of what is not NaN
 
-    def add(self, losses: Tensor, gradient: float, measures: Measures) -> None:
+    def add(self, losses: Tensor, gradient: Tensor, measures: Measures) -> None:
+        self.losses.append(losses.mean())
         self.gradients.append(gradient)
         for name, values in ({"loss": losses} | measures).items():
-            total, count = self.sums.get(name, (0.0, 0))
-            self.sums[name] = total + values.sum().item(), count + values.numel()
+            total, count = self.sums.get(name, (0, 0))
+            self.sums[name] = total + values.nansum(), count + (~values.isnan()).sum()
+
+    def check(self, step: int) -> None:
+        """Raise `TrainingError` if a loss or a gradient of the steps up to `step` was not finite."""
+        found = torch.stack([torch.stack(self.losses), torch.stack(self.gradients)]).cpu()
+        (bad,) = (~found.isfinite().all(0)).nonzero(as_tuple=True)
+        if len(bad):
+            loss, gradient = found[:, bad[0]].tolist()
+            first = step - len(self.losses) + int(bad[0]) + 1
+            raise TrainingError(f"the loss is {loss} and its gradient {gradient} at step {first}")
 
     def report(self, step: int, minutes: float, processes: Processes, device: torch.device) -> Report:
         """Means over all processes, which must all ask for them."""
         means: dict[str, float | None] = {}
         samples = 0.0
         for name, (own_total, own_count) in self.sums.items():
-            total, count = processes.total(own_total, device), processes.total(own_count, device)
+            total, count = (processes.total(own.item(), device) for own in (own_total, own_count))
             means[name] = total / count if count else None
             samples = count if name == "loss" else samples
         loss = means.pop("loss")
@@ -180,7 +198,7 @@ class _Window:
         return Report(
             step=step,
             loss=loss,
-            gradient=float(np.mean(self.gradients)),
+            gradient=torch.stack(self.gradients).mean().item(),
             measures=means,
             samples_per_second=samples / (time.monotonic() - self.began),
             minutes=minutes,
@@ -192,6 +210,11 @@ def _identity(config: LearningConfig, network: nn.Module, data: Data) -> RunIden
     for p in network.parameters():
         weights = zlib.crc32(p.detach().cpu().numpy().tobytes(), weights)
     return RunIdentity(config.of_any_length(), weights, data.checksum, str(data.path))
+
+
+def _log(path: Path, report: Report) -> None:
+    with path.open("a") as log:
+        log.write(json.dumps(dataclasses.asdict(report)) + "\n")
 
 
 def _cut_log(path: Path, step: int) -> None:

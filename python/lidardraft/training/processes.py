@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import torch
@@ -35,20 +34,17 @@ class Processes:
             raise TrainingError(f"a step learns from {scans} scans, too few for {self.count} processes; raise --batch")
         return range(self.rank, scans, self.count)
 
-    def add_up(self, tensors: Iterable[Tensor]) -> None:
-        """Replace each tensor by the sum of those of all processes."""
+    def add_up(self, tensor: Tensor) -> None:
+        """Replace a tensor by the sum of those of all processes."""
         if self.count > 1:
-            each = list(tensors)
-            together = torch.cat([tensor.flatten() for tensor in each])  # one message costs less than hundreds
-            dist.all_reduce(together)
-            totals = torch.split(together, [tensor.numel() for tensor in each])
-            for tensor, total in zip(each, totals, strict=True):
-                tensor.copy_(total.view_as(tensor))
+            dist.all_reduce(tensor)
 
     def total(self, number: float, device: torch.device) -> float:
         """The sum of a number over all processes."""
+        if self.count == 1:
+            return float(number)
         tensor = torch.tensor(float(number), device=device)
-        self.add_up([tensor])
+        self.add_up(tensor)
         return tensor.item()
 
     def wait(self) -> None:

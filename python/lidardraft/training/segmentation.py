@@ -18,9 +18,10 @@ from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, features
 from lidardraft.semantics import NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation, augmented
 from lidardraft.training.learner import LearningConfig
-from lidardraft.training.loop import Batch, Measures, Report, device_for_training, prefetched, train
+from lidardraft.training.loop import Measures, Report, device_for_training, prefetched, train
 from lidardraft.training.sources import MixedSource, PairFolder
 
+_Batch = tuple[Tensor, Tensor]
 _COUNTED = 256  # scans that the share of each class is taken from
 
 
@@ -44,7 +45,7 @@ def train_segmenter(
     run: str | os.PathLike[str],
     *,
     begin: Segmenter | None = None,
-    device: str = "cpu",
+    device: str | None = "cpu",
     max_minutes: float = float("inf"),
 ) -> Iterator[Report]:
     """Train a segmenter, from fresh weights or those of `begin`, on the scans of pairs; the condition images are not
@@ -66,16 +67,16 @@ def train_segmenter(
     on = device_for_training(device)
     weights = class_weights(pairs).to(on)
 
-    def batches(start: int) -> Generator[Batch, None, None]:
+    def batches(start: int) -> Generator[_Batch, None, None]:
         return prefetched(partial(_batch, config, pairs), start)
 
-    def loss(_: int, batch: Batch) -> tuple[Tensor, Measures]:
-        x, target = batch
+    def loss(_: int, batch: _Batch) -> tuple[Tensor, Measures]:
+        x, target = (tensor.to(on) for tensor in batch)
         with reduced_precision(on):
             logits = segmenter(x)
-        right = (logits.argmax(1) + 1 == target)[target > 0]
+        right = (logits.argmax(1) + 1 == target).float()
         losses = segmentation_loss(logits.float(), target, weights).expand(len(x))
-        return losses, {"accuracy": right.float()}
+        return losses, {"accuracy": right.where(target > 0, torch.nan)}
 
     yield from train(config, segmenter, batches, loss, pairs, run, device=on, max_minutes=max_minutes)
 
@@ -111,7 +112,7 @@ def segmentation_loss(logits: Tensor, target: Tensor, weights: Tensor) -> Tensor
     return entropy + 1 - jaccard[size > 0].mean()
 
 
-def _batch(config: SegmentationConfig, pairs: MixedSource[PairFolder], step: int) -> Batch:
+def _batch(config: SegmentationConfig, pairs: MixedSource[PairFolder], step: int) -> _Batch:
     """Features f32 [B, FEATURES, H, W] and class ids i64 [B, H, W] of a step."""
     random = np.random.default_rng((config.seed, step))
     grid, inputs, targets = config.segmenter.grid, [], []

@@ -5,12 +5,15 @@ from __future__ import annotations
 import json
 import math
 import os
+import warnings
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
+import torch
+from torch import Tensor
 
 from lidardraft.errors import TrainingError
 from lidardraft.formats.pairs import IMAGES, Pair, PairIndex
@@ -22,7 +25,9 @@ from lidardraft.streets import StreetConfig, streets
 from lidardraft.training.loop import Data
 from lidardraft.training.processes import ALONE, Processes
 from lidardraft.training.sampled_sensor import sample_sensor
+from lidardraft.training.stack import PairStack, as_tensors
 
+CPU = torch.device("cpu")
 _POSES = 2  # of a street: a network learns more from another street than from another look at one
 _SENSOR_STREAM = 11  # random numbers of a step's sensor
 NEAR, FAR = 2.0, 80.0  # m from the sensor along the ground: the lowest row and the highest of a top view
@@ -31,7 +36,7 @@ _HIGH = 200.0  # m over the sensor's origin, where the rays start
 _CHOICE_STREAM = 5  # random numbers that choose a source
 _MEMINFO = Path("/proc/meminfo")  # of Linux; other systems say it elsewhere, and are not asked
 _PIXELS = 64 * 1024  # of the images that memory is counted in
-_PAIR_BYTES = sum(np.dtype(dtype).itemsize for dtype in IMAGES.values())  # a pixel
+PAIR_BYTES = sum(np.dtype(dtype).itemsize for dtype in IMAGES.values())  # a pixel
 
 
 class PairSource(Data, Protocol):
@@ -45,9 +50,9 @@ class PairSource(Data, Protocol):
     def sensors(self) -> tuple[Sensor, ...]:
         """Those that are known before the training begins."""
 
-    def pairs(self, step: int, scans: int, processes: Processes) -> list[Pair]:
-        """Those of a step, of one sensor, as many as `scans` of 64 x 1024 are worth; of several processes, this
-        one's."""
+    def stack(self, step: int, scans: int, processes: Processes, device: torch.device) -> PairStack:
+        """Those of a step, of one sensor, as many as `scans` of 64 x 1024 are worth; of several processes, this one's.
+        The stack is on the device."""
 
 
 class PairFolder:
@@ -65,15 +70,16 @@ class PairFolder:
         self.path = folder.resolve()
         self.checksum = zlib.crc32(self.sensor.to_json().encode())
         total, shape = sum(index.counts), self.sensor.shape
-        check_memory(f"{folder} with its {total} pairs", total * math.prod(shape) * _PAIR_BYTES)
-        self._images = {name: np.empty((total, *shape), dtype) for name, dtype in IMAGES.items()}
+        check_memory(f"{folder} with its {total} pairs", total * math.prod(shape) * PAIR_BYTES)
+        images = {name: np.empty((total, *shape), dtype) for name, dtype in IMAGES.items()}
         self.notes: list[dict[str, Any]] = []
         for number, count in enumerate(index.counts):
             shard, notes = index.shard(number)
-            for name, images in shard.items():
-                self._images[name][len(self.notes) : len(self.notes) + count] = images
-                self.checksum = zlib.crc32(images.tobytes(), self.checksum)
+            for name, rows in shard.items():
+                images[name][len(self.notes) : len(self.notes) + count] = rows
+                self.checksum = zlib.crc32(rows.tobytes(), self.checksum)
             self.notes += notes
+        self._images, self._tensors, self._placed = images, as_tensors(images), CPU
 
     def __len__(self) -> int:
         return len(self.notes)
@@ -83,11 +89,16 @@ class PairFolder:
         """The one of all pairs."""
         return (self.sensor,)
 
-    def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
-        """Pairs drawn at random, as many as `scans` of 64 x 1024 are worth: the same for a step; of several processes,
-        this one's."""
+    def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
+        """Pairs drawn at random, the same for a step (`PairSource.stack`). They are moved to a device once, if they fit
+        there; else each batch is, and a `UserWarning` says so."""
+        if self._placed != device:
+            self._tensors, self._placed = placed(self._tensors, device), device
         drawn = np.random.default_rng([self.checksum, step]).integers(len(self), size=scans_of_step(scans, self.sensor))
-        return [self[int(drawn[number])] for number in processes.share(len(drawn))]
+        mine = torch.from_numpy(drawn[list(processes.share(len(drawn)))])
+        at = mine.to(self._tensors["scan_label"].device)
+        images = {name: rows[at].to(device, non_blocking=True) for name, rows in self._tensors.items()}
+        return PairStack.of(self.sensor, images)
 
     def __getitem__(self, i: int) -> Pair:
         return Pair.from_compact(self.sensor, {name: images[i] for name, images in self._images.items()})
@@ -96,6 +107,18 @@ class PairFolder:
 def scans_of_step(scans: int, sensor: Sensor) -> int:
     """How many scans of a sensor a step learns from that has room for so many of 64 x 1024."""
     return max(1, min(scans, scans * _PIXELS // math.prod(sensor.shape)))
+
+
+def placed(images: dict[str, Tensor], device: torch.device) -> dict[str, Tensor]:
+    """The images on a GPU if half of its free memory holds them; else in memory that it can read from."""
+    if device.type != "cuda":
+        return images
+    needed, free = sum(rows.nbytes for rows in images.values()), torch.cuda.mem_get_info(device)[0]
+    if needed < free / 2:
+        return {name: rows.to(device) for name, rows in images.items()}
+    held = f"the pairs take {needed / 1e9:.1f} GB, and {device} has {free / 1e9:.1f} GB free"
+    warnings.warn(f"{held}: they stay in the memory of the host, which is slower", stacklevel=3)
+    return {name: rows.pin_memory() for name, rows in images.items()}
 
 
 def check_memory(what: str, needed: int) -> None:
@@ -149,9 +172,8 @@ class StreetSource:
             fields["from_above"] = True
         return zlib.crc32(json.dumps(fields).encode())
 
-    def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
-        """Pairs of one sensor, as many as `scans` of 64 x 1024 are worth: the same for a step; of several processes,
-        this one's."""
+    def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
+        """Pairs of one sensor, the same for a step (`PairSource.stack`)."""
         sensor = self.sensor or sample_sensor(np.random.default_rng([self.seed, step, _SENSOR_STREAM]))
         config = StreetConfig(sensor=sensor, poses_per_street=_POSES, simulated=True)
         pairs = []
@@ -159,8 +181,9 @@ class StreetSource:
             pair = next(streets(seed=self.seed, config=config, start=step * scans + number))
             assert pair.simulated is not None
             image = top_view(pair.layout, sensor, pair.pose) if self.from_above else pair.condition_image
-            pairs.append(Pair(pair.scan, image, pair.simulated))
-        return pairs
+            pairs.append(Pair(pair.scan, image, pair.simulated).compact())
+        images = as_tensors({name: np.stack([pair[name] for pair in pairs]) for name in IMAGES})
+        return PairStack.of(sensor, {name: rows.to(device) for name, rows in images.items()})
 
 
 SourceT = TypeVar("SourceT", bound=PairSource)
@@ -214,9 +237,9 @@ class MixedSource(Generic[SourceT]):
         shares = np.array(self.weights) / sum(self.weights)
         return self.sources[int(random.choice(len(self.sources), p=shares))]
 
-    def pairs(self, step: int, scans: int, processes: Processes = ALONE) -> list[Pair]:
+    def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
         """Those of one source: the same for a step."""
-        return self.draw(np.random.default_rng([step, _CHOICE_STREAM])).pairs(step, scans, processes)
+        return self.draw(np.random.default_rng([step, _CHOICE_STREAM])).stack(step, scans, processes, device)
 
 
 def top_view(layout: Layout, sensor: Sensor, pose: np.ndarray) -> RangeImage:
