@@ -55,6 +55,8 @@ class StreetBank:
         self._images = {
             name: torch.zeros((kept, *self.sensor.shape), dtype=dtype, device=device) for name, dtype in dtypes.items()
         }
+        self.made = 0
+        self._ended.clear()
         with ThreadPoolExecutor(1) as thread:
             self._filling = thread.submit(self._fill, kept, processes)
             try:
