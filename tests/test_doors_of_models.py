@@ -497,7 +497,7 @@ def test_a_script_in_markdown(tmp_path: Path, text: str) -> None:
     script = written_script(tmp_path, {"Car": CAR}).read_text()
     layout = layout_from_blender(text.format(script))
     assert np.allclose([layout["Car"].center, layout["Car"].size], CAR)
-    assert "what stands outside of the longest block between Markdown fences" in layout.notes[0]
+    assert "text outside the longest block between Markdown fences is ignored" in layout.notes[0]
     line = text.count("\n", 0, text.index("{}")) + 2
     with pytest.raises(ScriptError, match=rf"^line {line}: "):
         layout_from_blender(text.format("import bpy\nunknown()"))

@@ -1,4 +1,4 @@
-"""Whether a model, a script or a file of boxes is in metres and where the sensor sees it, by what stands in it."""
+"""Checks of the unit and the place of a model, a script or a file of boxes, by the sizes and places of its objects."""
 
 from __future__ import annotations
 

@@ -80,7 +80,7 @@ def read(text: str, script: Script) -> None:
             if (inside := fenced(text)) is None:
                 raise
             tree = parse(inside, script.limits)
-            script.note("what stands outside of the longest block between Markdown fences is no part of the script")
+            script.note("text outside the longest block between Markdown fences is ignored")
         builtins = Frame(None, builtin_functions(script), script)
         result_of(tree.body, Frame(builtins, {"__name__": "__main__", "__file__": SCRIPT_FILE}, script))
     except RaisedError as error:
