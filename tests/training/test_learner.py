@@ -2,14 +2,12 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 import torch
 from torch import nn
 
 from lidardraft.errors import TrainingError
 from lidardraft.training.learner import LearningConfig, Muon, RunIdentity, orthogonalised
-from lidardraft.training.loop import memory_of
 from lidardraft.training.sources import check_memory, free_memory
 
 
@@ -119,18 +117,3 @@ def test_more_than_there_is_is_refused() -> None:
     check_memory("a little", free // 4)
     with pytest.raises(TrainingError, match=r"a folder needs .* GB of memory; .* GB are free"):
         check_memory("a folder", 4 * free)
-
-
-@pytest.mark.parametrize("ask", [lambda: np.empty(2**60, np.uint8), lambda: torch.empty(2**60, dtype=torch.uint8)])
-def test_memory_that_is_not_there_is_one_line(ask: object) -> None:
-    assert callable(ask)
-    with (
-        pytest.raises(TrainingError, match="step 1 needs more memory than there is; use a smaller --batch"),
-        memory_of("step 1"),
-    ):
-        ask()
-
-
-def test_other_errors_stay_what_they_are() -> None:
-    with pytest.raises(RuntimeError, match="shape"), memory_of("step 1"):
-        torch.zeros(2).reshape(3)
