@@ -73,9 +73,7 @@ def measured(config: DenoisingConfig, pairs: PairFolder, device: torch.device, s
     def step(number: int) -> int:
         batch = denoising._batch(config, number, source=pairs, processes=ALONE, device=device)
         with denoising.reduced_precision(device):
-            losses = denoiser.loss(
-                batch.clean, batch.sigma, batch.noise, batch.rays, batch.condition, wraps=batch.wraps
-            )
+            losses = denoiser.loss(*batch[:-1], wraps=batch.wraps)
         learner.step(number, losses)
         return len(batch.clean)
 

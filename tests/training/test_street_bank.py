@@ -54,7 +54,7 @@ def test_what_ends_the_processes_is_raised_where_pairs_are_asked_for(monkeypatch
 
 
 def test_a_device_without_room_for_a_pair_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sources, "free_memory", lambda: 10_000)
+    monkeypatch.setattr(sources, "free_memory", lambda _: 10_000)
     bank = StreetBank(3, SENSOR, workers=1)
     with (
         pytest.raises(TrainingError, match=r"cpu has no room for pairs of small, of 0.0 MB each"),

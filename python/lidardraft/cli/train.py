@@ -31,7 +31,6 @@ from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
     from lidardraft.diffusion.denoiser import Denoiser
-    from lidardraft.diffusion.sensor_limits import SensorLimits
     from lidardraft.scene.range_image import RangeImage
     from lidardraft.streets import StreetPair
     from lidardraft.training.denoising import DenoisingConfig
@@ -68,7 +67,7 @@ def street(arguments: argparse.Namespace) -> None:
     ends = time.monotonic() + 60 * arguments.minutes
     with source.running(processes, device):
         for config, run_folder in zip(stages, runs, strict=True):
-            if given is not None and begin is not given and config.denoiser == given.config:
+            if given and begin and begin is not given and config.denoiser == given.config:
                 begin = begin.under(given)  # the ControlNet that was given, on its base, which has learned on
             options = {"device": str(device), "max_minutes": (ends - time.monotonic()) / 60}
             reports = train_denoiser(config, source, run_folder, begin=begin, compiles=arguments.compile, **options)
@@ -91,9 +90,11 @@ def _save_scored(
     sampled_as: str | None,
 ) -> None:
     """Score the weights as they ship, in float16, and write them with their card."""
+    from lidardraft.diffusion.sensor_limits import SensorLimits
     from lidardraft.networks import weight_file
     from lidardraft.networks.weight_header import find
     from lidardraft.pipeline import Pipeline
+    from lidardraft.training.sampled_sensor import LIMITS
 
     begun = {} if sampled_as is None else weight_file.read_card(find(sampled_as))
     card = {name: begun[name] for name in ("sampling",) if name in begun}
@@ -104,7 +105,7 @@ def _save_scored(
     card |= {
         "command": " ".join(["lidardraft-train", *sys.argv[1:]]),
         "data": source.source,
-        "sensors": _limits(source.sensor).to_dict(),
+        "sensors": (SensorLimits.from_sensor(source.sensor) if source.sensor else LIMITS).to_dict(),
         "stages": [weight_file.read_card(run_folder / "weights.safetensors") for run_folder in runs],
         "scores": [dataclasses.asdict(scores) for scores in evaluate.scores(pipeline, unseen)],
     }
@@ -159,13 +160,6 @@ def _weighted(option: str, given: Sequence[str]) -> tuple[list[str], tuple[float
         return [name for name, _, _ in parts], tuple(float(weight or 1) for _, _, weight in parts)
     except ValueError:
         raise TrainingError(f"{option} is {' '.join(given)!r}; behind = there must be a number") from None
-
-
-def _limits(sensor: Sensor | None) -> SensorLimits:
-    from lidardraft.diffusion.sensor_limits import SensorLimits
-    from lidardraft.training import sampled_sensor
-
-    return sampled_sensor.LIMITS if sensor is None else SensorLimits.from_sensor(sensor)
 
 
 def street_options(parser: argparse.ArgumentParser) -> None:

@@ -54,7 +54,7 @@ class PairSource:
 
     def __init__(self, sensor: Sensor | None, source: str, checksum: int, path: Path = Path("streets")) -> None:
         self.sensor, self.source, self.checksum, self.path = sensor, source, checksum, path
-        self.sensors = () if sensor is None else (sensor,)
+        self.sensors: tuple[Sensor, ...] = () if sensor is None else (sensor,)
 
     @contextmanager
     def running(self, processes: Processes, device: torch.device) -> Iterator[None]:
@@ -83,7 +83,10 @@ class PairFolder(PairSource):
         index = PairIndex.load(folder)
         checksum = zlib.crc32(index.sensor.to_json().encode())
         total, shape = sum(index.counts), index.sensor.shape
-        check_memory(f"{folder} with its {total} pairs", total * math.prod(shape) * _PAIR_BYTES)
+        needed, free = total * math.prod(shape) * _PAIR_BYTES, free_memory()
+        if free is not None and needed > free:
+            there = f"{needed / 1e9:.1f} GB of memory; {free / 1e9:.1f} GB are free"
+            raise TrainingError(f"{folder} with its {total} pairs needs {there}")
         images = {name: np.empty((total, *shape), dtype) for name, dtype in IMAGES.items()}
         self.notes: list[dict[str, Any]] = []
         for number, count in enumerate(index.counts):
@@ -157,7 +160,7 @@ class StreetBank(PairSource):
     def running(self, processes: Processes, device: torch.device) -> Iterator[None]:
         """While the block runs, worker processes make the share of this one of several `processes`."""
         pair = _PAIR_BYTES * math.prod(self.sensor.shape)
-        free = torch.cuda.mem_get_info(device)[0] if device.type == "cuda" else free_memory()
+        free = free_memory(device)
         kept = _MOST if free is None else min(_MOST, free // 2 // pair)
         if kept < 1:
             raise TrainingError(f"{device} has no room for pairs of {self.sensor.name}, of {pair / 1e6:.1f} MB each")
@@ -241,9 +244,9 @@ def scans_of_step(scans: int, sensor: Sensor) -> int:
 
 def placed(images: dict[str, Tensor], device: torch.device) -> dict[str, Tensor]:
     """The images on a GPU if half of its free memory holds them; else in memory that it can read from."""
-    if device.type != "cuda":
+    needed, free = sum(rows.nbytes for rows in images.values()), free_memory(device)
+    if device.type != "cuda" or free is None:
         return images
-    needed, free = sum(rows.nbytes for rows in images.values()), torch.cuda.mem_get_info(device)[0]
     if needed < free / 2:
         return {name: rows.to(device) for name, rows in images.items()}
     held = f"the pairs take {needed / 1e9:.1f} GB, and {device} has {free / 1e9:.1f} GB free"
@@ -251,21 +254,15 @@ def placed(images: dict[str, Tensor], device: torch.device) -> dict[str, Tensor]
     return {name: rows.pin_memory() for name, rows in images.items()}
 
 
-def check_memory(what: str, needed: int) -> None:
-    """Raise `TrainingError` where `what` needs more bytes than are free."""
-    free = free_memory()
-    if free is not None and needed > free:
-        raise TrainingError(f"{what} needs {needed / 1e9:.1f} GB of memory; {free / 1e9:.1f} GB are free")
-
-
-def free_memory() -> int | None:
-    """Bytes that can be had without swapping; None where the system does not say."""
+def free_memory(device: torch.device = CPU) -> int | None:
+    """Bytes that can be had on a device, without swapping; None where the system does not say."""
+    if device.type == "cuda":
+        return torch.cuda.mem_get_info(device)[0]
     try:
         lines = _MEMINFO.read_text().splitlines()
     except OSError:
         return None
-    found = [line.split()[1] for line in lines if line.startswith("MemAvailable:")]
-    return 1024 * int(found[0]) if found else None
+    return next((1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:")), None)
 
 
 def top_view(layout: Layout, sensor: Sensor, pose: np.ndarray) -> RangeImage:
