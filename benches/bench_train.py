@@ -66,15 +66,15 @@ def _pairs(sensor: Sensor) -> Iterator[PairFolder]:
 
 def measured(config: DenoisingConfig, pairs: PairFolder, device: torch.device, steps: int) -> str:
     """A line on one stage."""
-    begin = denoising._beginning(dataclasses.replace(config, denoiser=_base(config)), None)
-    denoiser = denoising._beginning(config, begin).to(device).train()
+    begin = denoising.beginning(dataclasses.replace(config, denoiser=_base(config)), None)
+    denoiser = denoising.beginning(config, begin).to(device).train()
     learner, took = Learner(denoiser, config), []
 
     def step(number: int) -> int:
-        batch = denoising._batch(config, pairs, ALONE, device, number)
+        batch = denoising._batch(config, number, source=pairs, processes=ALONE, device=device)
         with denoising.reduced_precision(device):
-            loss = denoiser.loss(batch.clean, batch.sigma, batch.noise, batch.rays, batch.condition, wraps=batch.wraps)
-        learner.step(number, loss.mean())
+            losses = denoiser.loss(*batch[:-1], wraps=batch.wraps)
+        learner.step(number, losses)
         return len(batch.clean)
 
     step(0)

@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -18,6 +19,7 @@ from lidardraft.diffusion.channels import (
 )
 from lidardraft.diffusion.codec import MAX_DEPTH, decode_scan, encode_condition, encode_rays, encode_scan
 from lidardraft.errors import SensorError
+from lidardraft.formats.pairs import IMAGES
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
@@ -25,6 +27,7 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
 from lidardraft.training import sources
 from lidardraft.training.sources import top_view
+from lidardraft.training.stack import PairStack, as_tensors
 
 SENSOR = Sensor(name="small", elevations=(0.1, 0.0, -0.1, -0.2), columns=8)
 
@@ -189,6 +192,51 @@ def test_rays_say_what_the_vehicle_hides() -> None:
 
 def test_one_beam_has_a_spacing() -> None:
     assert np.isfinite(encode_rays(Sensor(name="one", elevations=(0.0,), columns=8))).all()
+
+
+def state_by_hand(sensor: Sensor, depth: np.ndarray, label: np.ndarray, intensity: np.ndarray | None) -> np.ndarray:
+    """The state of a scan, pixel by pixel in float64, as `encode_scans` says it in words."""
+    state = np.zeros((STATE_CHANNELS, *sensor.shape))
+    for row, column in np.ndindex(*sensor.shape):
+        to_the_left = [depth[row, c] for c in range(column, -1, -1)]
+        further = [depth[row, c] for c in range(sensor.columns - 1, column, -1)] if sensor.wraps else depth[row]
+        found = next((d for d in [*to_the_left, *further] if d > 0), MAX_DEPTH)
+        sine = np.sin(-sensor.elevations[row])
+        ground = sensor.mount_height / sine if sine * 20 > sensor.mount_height else 20.0
+        state[DEPTH, row, column] = (np.log2(min(found, MAX_DEPTH) + 1) - np.log2(ground + 1)) / 1.2
+        if intensity is not None:
+            state[INTENSITY, row, column] = 2.9 * np.sqrt(intensity[row, column]) - 1.65
+        state[VALIDITY, row, column] = 1 if depth[row, column] > 0 else -1
+        state[CLASS, row, column] = [0.5 if label[row, column] >> bit & 1 else -0.5 for bit in range(5)]
+    return state
+
+
+@pytest.mark.parametrize("span", [2 * np.pi, 2.0])
+def test_stacks_of_compact_images_are_encoded_as_a_loop_over_pixels_would(span: float) -> None:
+    rng = np.random.default_rng(0)
+    elevations = tuple(np.linspace(0.05, -0.4, 16).tolist())
+    sensor = Sensor(name="some", elevations=elevations, columns=48, azimuth_start=span / 2, azimuth_span=span)
+    rows = {name: rng.integers(0, 256, (3, 16, 48)).astype(dtype) for name, dtype in IMAGES.items()}
+    for part in ("scan", "condition", "simulated"):
+        rows[f"{part}_depth"] = rng.integers(0, 65536, (3, 16, 48)).astype(np.uint16)
+        rows[f"{part}_depth"][rng.random((3, 16, 48)) < 0.4] = 0
+    rows["scan_depth"][0, 3] = 0
+    for name in ("scan_label", "condition_label"):
+        rows[name] %= NUM_CLASSES
+    is_open = rng.random((3, 16, 48)) < 0.3
+    stack = PairStack.of(sensor, as_tensors(rows))
+    depths = {part: rows[f"{part}_depth"] * 0.002 for part in ("scan", "condition", "simulated")}
+    states, conditions = stack.states().numpy(), stack.conditions(torch.from_numpy(is_open)).numpy()
+    for n in range(3):
+        intensity = rows["scan_intensity"][n] / 255
+        scan = state_by_hand(sensor, depths["scan"][n], rows["scan_label"][n], intensity)
+        np.testing.assert_allclose(states[n], scan, rtol=0, atol=1e-6)
+        given, label = ~is_open[n], rows["condition_label"][n] * ~is_open[n]
+        intensity = given * rows["simulated_intensity"][n] / 255
+        cast = state_by_hand(sensor, depths["condition"][n] * given, label, None)
+        simulated = state_by_hand(sensor, depths["simulated"][n] * given, label, intensity)
+        expected = np.concatenate([cast * given, simulated * given, is_open[n][None]])
+        np.testing.assert_allclose(conditions[n], expected, rtol=0, atol=1e-6)
 
 
 ABOVE = Sensor(name="small", elevations=tuple(np.linspace(0.05, -0.4, 16).tolist()), columns=128)

@@ -2,15 +2,12 @@
 
 from pathlib import Path
 
-import numpy as np
 import pytest
 import torch
 from torch import nn
 
 from lidardraft.errors import TrainingError
 from lidardraft.training.learner import LearningConfig, Muon, RunIdentity, orthogonalised
-from lidardraft.training.loop import memory_of
-from lidardraft.training.sources import check_memory, free_memory
 
 
 def test_the_rate_rises_stays_and_falls() -> None:
@@ -110,27 +107,3 @@ def test_matrices_decay() -> None:
     weight.grad = torch.zeros(16, 16)
     Muon([weight], lr=0.1, weight_decay=0.5).step()
     torch.testing.assert_close(weight.detach(), torch.full((16, 16), 0.95))
-
-
-def test_more_than_there_is_is_refused() -> None:
-    free = free_memory()
-    if free is None:
-        pytest.skip("this system does not say how much memory is free")
-    check_memory("a little", free // 4)
-    with pytest.raises(TrainingError, match=r"a folder needs .* GB of memory; .* GB are free"):
-        check_memory("a folder", 4 * free)
-
-
-@pytest.mark.parametrize("ask", [lambda: np.empty(2**60, np.uint8), lambda: torch.empty(2**60, dtype=torch.uint8)])
-def test_memory_that_is_not_there_is_one_line(ask: object) -> None:
-    assert callable(ask)
-    with (
-        pytest.raises(TrainingError, match="step 1 needs more memory than there is; use a smaller --batch"),
-        memory_of("step 1"),
-    ):
-        ask()
-
-
-def test_other_errors_stay_what_they_are() -> None:
-    with pytest.raises(RuntimeError, match="shape"), memory_of("step 1"):
-        torch.zeros(2).reshape(3)

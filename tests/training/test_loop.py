@@ -2,11 +2,12 @@
 
 import dataclasses
 import json
-from collections.abc import Iterator
-from functools import partial
+import warnings
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import torch
 from box_pairs import noted
@@ -17,7 +18,7 @@ from lidardraft.errors import FormatError, TrainingError
 from lidardraft.formats.pairs import write_pairs
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import LearningConfig
-from lidardraft.training.loop import Measures, Report, device_for_training, prefetched, train
+from lidardraft.training.loop import Measures, Report, check_memory_for, device_for_training, train
 from lidardraft.training.sources import PairFolder
 
 CONFIG = LearningConfig(steps=8, batch=4, learning_rate=0.1, warmup=1, report_every=1, save_every=3)
@@ -40,20 +41,20 @@ class OneNumber(Network):
         self.number = nn.Parameter(torch.zeros(()))
 
 
-def run(config: LearningConfig, pairs: PairFolder, folder: Path, **options: Any) -> Iterator[Report]:
-    """A number that learns the mean of noise around 3."""
+def run(config: LearningConfig, pairs: PairFolder, folder: Path, *, most: int = 99, **options: Any) -> Iterator[Report]:
+    """A number that learns the mean of noise around 3, on a device that has room for batches of `most`."""
     network = OneNumber()
 
-    def batch(step: int) -> Tensor:
+    def batch(config: LearningConfig, step: int) -> Tensor:
         return 3 + torch.randn(config.batch, generator=torch.Generator().manual_seed(step))
 
     def loss(step: int, batch: Tensor) -> tuple[Tensor, Measures]:
+        if len(batch) > most:
+            raise torch.OutOfMemoryError("CUDA out of memory. Tried to allocate 2.00 GiB.\nSee documentation")
         losses = (network.number - batch) ** 2
         return losses, {"odd": losses.detach()[step % 2 :: 4], "never": losses.detach()[:0]}
 
-    return train(
-        config, network, partial(prefetched, batch), loss, pairs, folder, device=torch.device("cpu"), **options
-    )
+    return train(config, network, batch, loss, pairs, folder, device=torch.device("cpu"), **options)
 
 
 def test_a_consumer_that_stops_at_the_last_report_has_the_weights(pairs: PairFolder, tmp_path: Path) -> None:
@@ -165,3 +166,44 @@ def test_devices_that_are_not_there() -> None:
         device_for_training("nonsense")
     with pytest.raises(TrainingError, match="device is 'xpu:7'"):
         device_for_training("xpu:7")
+
+
+def test_a_driver_that_torch_cannot_use_is_no_training_on_a_cpu(monkeypatch: pytest.MonkeyPatch) -> None:
+    def too_old() -> bool:
+        warnings.warn("CUDA initialization: The NVIDIA driver is too old (found 11040). Please update", stacklevel=2)
+        return False
+
+    monkeypatch.setattr(torch.cuda, "is_available", too_old)
+    with pytest.raises(TrainingError, match=r"^the GPU cannot be used: CUDA .* \(found 11040\); --device cpu trains"):
+        device_for_training()
+    assert device_for_training("cpu") == torch.device("cpu")
+
+
+@pytest.mark.parametrize(
+    ("batch", "most", "advice"),
+    [
+        (8, 7, "--batch 4 fits"),
+        (5, 4, "--batch 4 fits"),
+        (8, 3, "--batch 2 fits"),
+        (4, 0, "a smaller --batch does"),
+    ],
+)
+def test_a_batch_without_memory_names_the_one_that_fits(
+    batch: int, most: int, advice: str, pairs: PairFolder, tmp_path: Path
+) -> None:
+    needs = f"step 1 of batches of {batch} needs more memory than there is; {advice}"
+    with pytest.raises(TrainingError, match=rf"^{needs}.* \(CUDA out of memory\. Tried to allocate 2\.00 GiB\.\)$"):
+        list(run(dataclasses.replace(CONFIG, batch=batch), pairs, tmp_path, most=most))
+    assert not (tmp_path / "weights.safetensors").exists()
+    assert len(list(run(dataclasses.replace(CONFIG, batch=4), pairs, tmp_path, most=4))) == 8  # as it says
+
+
+@pytest.mark.parametrize("one", [lambda n: np.empty(n * 2**59, np.uint8), lambda n: torch.empty(n * 2**59).byte()])
+def test_memory_that_a_cpu_does_not_have_is_one_line(one: Callable[[int], object]) -> None:
+    with pytest.raises(TrainingError, match="step 3 of batches of 2 needs more memory than there is; a smaller"):
+        check_memory_for(2, one, step=2)
+
+
+def test_other_errors_of_a_step_stay_what_they_are() -> None:
+    with pytest.raises(RuntimeError, match="shape"):
+        check_memory_for(2, lambda _: torch.zeros(2).reshape(3), step=0)

@@ -6,12 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from box_pairs import SENSOR
+from box_pairs import SENSOR, noted
 
 from lidardraft.errors import TrainingError
+from lidardraft.formats.pairs import write_pairs
 from lidardraft.scene.effects import sub_rays
+from lidardraft.training import sources
 from lidardraft.training.sampled_sensor import ELEVATIONS, LIMITS, ROWS, _sample_elevations, sample_sensor
-from lidardraft.training.sources import MixedSource, PairFolder, StreetSource
+from lidardraft.training.sources import MixedSource, PairFolder, StreetSource, free_memory
 
 SOURCE = StreetSource(seed=3, sensor=SENSOR)
 
@@ -60,6 +62,18 @@ def test_no_source_and_weights_that_cannot_be_are_refused(pairs: PairFolder) -> 
     for weight in (0.0, -1.0, float("nan"), float("inf")):
         with pytest.raises(TrainingError, match="must be positive numbers"):
             MixedSource((pairs,), (weight,))
+
+
+def test_more_pairs_than_memory_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    list(write_pairs(tmp_path / "pairs", [noted(0), noted(1)]))
+    free = free_memory()
+    assert free is None or 10**7 < free < 10**15
+    monkeypatch.setattr(sources, "free_memory", lambda: 40_000)
+    message = r"pairs with its 2 pairs needs 0\.0 GB of memory; 0\.0 GB are free"
+    with pytest.raises(TrainingError, match=message):
+        PairFolder(tmp_path / "pairs")
+    monkeypatch.setattr(sources, "free_memory", lambda: 2 * 16 * 128 * 10)  # two uint16 and three uint8 images are 10
+    assert len(PairFolder(tmp_path / "pairs")) == 2
 
 
 # the columns of a sector are whole cells of the network, so a turn of them is not quite what was drawn

@@ -11,15 +11,15 @@ from box_pairs import SENSOR
 from lidardraft.errors import TrainingError
 from lidardraft.formats.pairs import Pair
 from lidardraft.streets import StreetConfig, streets
-from lidardraft.training import street_bank
+from lidardraft.training import sources
 from lidardraft.training.processes import ALONE
-from lidardraft.training.street_bank import StreetBank
+from lidardraft.training.sources import StreetBank
 
 CPU = torch.device("cpu")
 
 
 def test_a_step_draws_from_the_pairs_that_are_there(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(street_bank, "_MOST", 6)
+    monkeypatch.setattr(sources, "_MOST", 6)
     bank = StreetBank(3, SENSOR, workers=2)
     with bank.running(ALONE, CPU):
         stack = bank.stack(0, 2)
@@ -28,7 +28,7 @@ def test_a_step_draws_from_the_pairs_that_are_there(monkeypatch: pytest.MonkeyPa
         end = time.monotonic() + 60
         while bank.made < 9 and time.monotonic() < end:
             time.sleep(0.05)
-    config = StreetConfig(sensor=SENSOR, poses_per_street=street_bank._POSES, simulated=True)
+    config = StreetConfig(sensor=SENSOR, poses_per_street=sources._POSES_MEANWHILE, simulated=True)
     made = [
         Pair(p.scan, p.condition_image, p.simulated).compact()
         for p in itertools.islice(streets(seed=3, config=config), 40)
@@ -47,14 +47,14 @@ def test_what_ends_the_processes_is_raised_where_pairs_are_asked_for(monkeypatch
     def broken(*_: object, **__: object) -> None:
         raise TrainingError("no streets today")
 
-    monkeypatch.setattr(street_bank, "streets", broken)
+    monkeypatch.setattr(sources, "streets", broken)
     bank = StreetBank(3, SENSOR, workers=1)
     with bank.running(ALONE, CPU), pytest.raises(TrainingError, match="no streets today"):
         bank.stack(0, 2)
 
 
 def test_a_device_without_room_for_a_pair_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(street_bank, "free_memory", lambda: 10_000)
+    monkeypatch.setattr(sources, "free_memory", lambda _: 10_000)
     bank = StreetBank(3, SENSOR, workers=1)
     with (
         pytest.raises(TrainingError, match=r"cpu has no room for pairs of small, of 0.0 MB each"),

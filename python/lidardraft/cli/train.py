@@ -8,7 +8,6 @@ import dataclasses
 import sys
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -32,13 +31,11 @@ from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
     from lidardraft.diffusion.denoiser import Denoiser
-    from lidardraft.diffusion.sensor_limits import SensorLimits
     from lidardraft.scene.range_image import RangeImage
     from lidardraft.streets import StreetPair
     from lidardraft.training.denoising import DenoisingConfig
     from lidardraft.training.loop import Report
     from lidardraft.training.sources import PairSource
-    from lidardraft.training.street_bank import StreetBank
 
 _RECIPES = ("small", "paper", "paper-small", "paper-large", "paper-map", "small-map", "tiny", "tiny-paper")
 _FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
@@ -48,28 +45,30 @@ def street(arguments: argparse.Namespace) -> None:
     """Train the generator: all stages of a recipe, scores, and the weight file with its card; a second call goes on."""
     from lidardraft.diffusion.denoiser import Denoiser
     from lidardraft.networks import weight_file
-    from lidardraft.pipeline import Pipeline
-    from lidardraft.training.denoising import train_denoiser
+    from lidardraft.training.denoising import beginning, train_denoiser
     from lidardraft.training.loop import check_run_folder, device_for_training
     from lidardraft.training.processes import Processes
-    from lidardraft.training.street_bank import StreetBank
 
-    begin = _initial(arguments.init)
-    stages = _stages(arguments, begin)
-    source = _bank(arguments) if arguments.workers else _source(arguments)
     # what cannot be is refused before hours of work
+    given = begin = _initial(arguments.init)
+    stages = _stages(arguments, given)
+    beginning(stages[0], given)
     if Path(arguments.output).is_dir():
         raise TrainingError(f"{arguments.output} is a folder; the weights are a file")
     runs = [Path(arguments.work) / f"stage-{number}" for number in range(1, len(stages) + 1)]
-    for config, run_folder in zip(stages, runs, strict=True):
-        config.check(source.sensors)
+    for run_folder in runs:
         check_run_folder(run_folder)
     device = device_for_training(arguments.device)
+    source = _source(arguments, arguments.workers)
+    for config in stages:
+        config.check(source.sensors)
     processes = Processes.from_environment(device)
     Path(arguments.output).parent.mkdir(parents=True, exist_ok=True)
     ends = time.monotonic() + 60 * arguments.minutes
-    with source.running(processes, device) if isinstance(source, StreetBank) else nullcontext():
+    with source.running(processes, device):
         for config, run_folder in zip(stages, runs, strict=True):
+            if given and begin and begin is not given and config.denoiser == given.config:
+                begin = begin.under(given)  # the ControlNet that was given, on its base, which has learned on
             options = {"device": str(device), "max_minutes": (ends - time.monotonic()) / 60}
             reports = train_denoiser(config, source, run_folder, begin=begin, compiles=arguments.compile, **options)
             if _show(reports, config.steps, run_folder.name) not in (None, config.steps):
@@ -77,19 +76,36 @@ def street(arguments: argparse.Namespace) -> None:
                 return
             processes.wait()  # until the first one has saved what all have learned
             begin = weight_file.load(run_folder / "weights.safetensors", Denoiser)
-    if processes.rank > 0:
-        return
-    # What is scored is what ships: float16.
-    assert begin is not None
+    if processes.rank == 0 and begin is not None:
+        kept = given is not None and given.config == begin.config  # which sample as those that they began as
+        _save_scored(arguments, begin, source, runs, str(device), arguments.init if kept else None)
+
+
+def _save_scored(
+    arguments: argparse.Namespace,
+    denoiser: Denoiser,
+    source: PairSource,
+    runs: list[Path],
+    device: str,
+    sampled_as: str | None,
+) -> None:
+    """Score the weights as they ship, in float16, and write them with their card."""
+    from lidardraft.diffusion.sensor_limits import SensorLimits
+    from lidardraft.networks import weight_file
+    from lidardraft.networks.weight_header import find
+    from lidardraft.pipeline import Pipeline
+    from lidardraft.training.sampled_sensor import LIMITS
+
+    begun = {} if sampled_as is None else weight_file.read_card(find(sampled_as))
+    card = {name: begun[name] for name in ("sampling",) if name in begun}
     half = Path(arguments.work) / "half.safetensors"
-    weight_file.save(begin, half, {}, half=True)
-    pipeline = Pipeline.from_pretrained(half, device=str(device))
-    sensor = source.sensor or Sensor.preset(DEFAULT_SENSOR)
-    unseen = evaluate.unseen_streets(arguments.evaluate, sensor)
-    card = {
+    weight_file.save(denoiser, half, card, half=True)
+    pipeline = Pipeline.from_pretrained(half, device=device)
+    unseen = evaluate.unseen_streets(arguments.evaluate, source.sensor or Sensor.preset(DEFAULT_SENSOR))
+    card |= {
         "command": " ".join(["lidardraft-train", *sys.argv[1:]]),
         "data": source.source,
-        "sensors": _limits(source.sensor).to_dict(),
+        "sensors": (SensorLimits.from_sensor(source.sensor) if source.sensor else LIMITS).to_dict(),
         "stages": [weight_file.read_card(run_folder / "weights.safetensors") for run_folder in runs],
         "scores": [dataclasses.asdict(scores) for scores in evaluate.scores(pipeline, unseen)],
     }
@@ -98,17 +114,21 @@ def street(arguments: argparse.Namespace) -> None:
 
 
 def _stages(arguments: argparse.Namespace, begin: Denoiser | None) -> list[DenoisingConfig]:
-    """Those of the recipe; its last one alone where weights to begin with are given."""
+    """Those of the recipe; with weights to begin with its last one alone, or the base before it too (--base-steps)."""
     from lidardraft.training import recipes
 
-    recipe = getattr(recipes, arguments.recipe.replace("-", "_"))()
-    stages = [dataclasses.replace(config, seed=arguments.seed) for config in recipe]
+    stages = list(getattr(recipes, arguments.recipe.replace("-", "_"))())
+    given = {name: getattr(arguments, name) for name in ("steps", "batch", "learning_rate", "seed")}
     if begin is not None:
-        rate = _FURTHER_RATE * stages[-1].learning_rate
-        stages = [dataclasses.replace(stages[-1], learning_rate=rate, warmup=20)]
-    given = {name: getattr(arguments, name) for name in ("steps", "batch", "learning_rate")}
+        given["learning_rate"] = given["learning_rate"] or _FURTHER_RATE * stages[-1].learning_rate
+        stages = [dataclasses.replace(stage, warmup=20) for stage in stages[-2 if arguments.base_steps else -1 :]]
     given = {name: value for name, value in given.items() if value is not None}
-    return [dataclasses.replace(config, **given) for config in stages]
+    *before, last = (dataclasses.replace(stage, **given) for stage in stages)
+    if arguments.base_steps:
+        if begin is None or not before:
+            raise TrainingError("--base-steps is of the weights of --init, and of a recipe with a base")
+        before = [dataclasses.replace(stage, steps=arguments.base_steps) for stage in before]
+    return [*before, last]
 
 
 def _initial(name: str | None) -> Denoiser | None:
@@ -117,25 +137,20 @@ def _initial(name: str | None) -> Denoiser | None:
     return None if name is None else Pipeline.from_pretrained(name).denoiser
 
 
-def _source(arguments: argparse.Namespace) -> PairSource:
-    """What --data names: streets, folders of pairs, or a mixture."""
-    from lidardraft.training.sources import MixedSource, PairFolder, StreetSource
+def _source(arguments: argparse.Namespace, workers: int = 0) -> PairSource:
+    """What --data names: streets, folders of pairs, or a mixture; or the streets that --workers make meanwhile."""
+    from lidardraft.training.sources import MixedSource, PairFolder, StreetBank, StreetSource
 
     sensor = None if arguments.sensor is None else read_sensor(arguments.sensor)
     names, weights = _weighted("--data", arguments.data or ["streets"])
+    if workers:
+        if sensor is None or names != ["streets"]:
+            raise TrainingError("--workers make `--data streets` alone, of the --sensor that is named")
+        return StreetBank(arguments.seed, sensor, workers)
     sources: list[PairSource] = [
         StreetSource(seed=arguments.seed, sensor=sensor) if name == "streets" else PairFolder(name) for name in names
     ]
     return sources[0] if len(sources) == 1 else MixedSource(tuple(sources), weights)
-
-
-def _bank(arguments: argparse.Namespace) -> StreetBank:
-    """The streets that --workers make meanwhile."""
-    from lidardraft.training.street_bank import StreetBank
-
-    if arguments.sensor is None or arguments.data not in (None, ["streets"]):
-        raise TrainingError("--workers make `--data streets` alone, of the --sensor that is named")
-    return StreetBank(arguments.seed, read_sensor(arguments.sensor), arguments.workers)
 
 
 def _weighted(option: str, given: Sequence[str]) -> tuple[list[str], tuple[float, ...]]:
@@ -147,22 +162,17 @@ def _weighted(option: str, given: Sequence[str]) -> tuple[list[str], tuple[float
         raise TrainingError(f"{option} is {' '.join(given)!r}; behind = there must be a number") from None
 
 
-def _limits(sensor: Sensor | None) -> SensorLimits:
-    from lidardraft.diffusion.sensor_limits import SensorLimits
-    from lidardraft.training import sampled_sensor
-
-    return sampled_sensor.LIMITS if sensor is None else SensorLimits.from_sensor(sensor)
-
-
 def street_options(parser: argparse.ArgumentParser) -> None:
     """The options of `street`."""
     text = "size of the network and length of the training (default small)"
     parser.add_argument("--recipe", choices=_RECIPES, default="small", help=text)
     _add_data(parser)
     add_sensor(parser, default=None, of=" of streets (default: another one at each step, drawn at random)")
-    text = "go on from these weights: packaged ones by name, or a .safetensors file"
+    text = "go on from these weights: packaged ones by name, or a .safetensors file; the last stage alone"
     parser.add_argument("--init", metavar="NAME", help=text)
-    text = "steps of each stage (default: the recipe's)"
+    text = "with --init: steps that the base of the weights learns first, the rest then (default: the base stays)"
+    parser.add_argument("--base-steps", type=whole_number(1), metavar="N", help=text)
+    text = "steps of each other stage (default: the recipe's)"
     parser.add_argument("--steps", type=whole_number(1), metavar="N", help=text)
     text = "scans of 64 x 1024 a step, fewer of larger ones (default: the recipe's)"
     parser.add_argument("--batch", type=whole_number(1), metavar="N", help=text)

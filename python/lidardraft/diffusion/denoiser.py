@@ -67,6 +67,10 @@ class Denoiser(Network):
         """The same network, frozen, with a fresh ControlNet of `config` that starts as a copy of its encoder."""
         return Denoiser(config, self.network, _controlnet(config, self.network))
 
+    def under(self, other: Denoiser) -> Denoiser:
+        """The same network, frozen, under the ControlNet of `other`."""
+        return Denoiser(other.config, self.network, other.controlnet)
+
     def with_condition(self, config: DenoiserConfig) -> Denoiser:
         """A network of `config`, which sees a condition beside the state, that begins as one that ignores it."""
         denoiser = Denoiser.from_config(config)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import os
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
@@ -27,7 +27,7 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES
 from lidardraft.streets import StreetConfig, streets
 from lidardraft.training.learner import LearningConfig
-from lidardraft.training.loop import Measures, Report, device_for_training, prefetched, train
+from lidardraft.training.loop import Measures, Report, device_for_training, train
 from lidardraft.training.processes import Processes
 from lidardraft.training.sources import PairSource, scans_of_step
 from lidardraft.training.stack import PairStack
@@ -104,11 +104,6 @@ class DenoisingConfig(LearningConfig):
     sigma_mean: float = -0.8
     sigma_std: float = 1.6
 
-    @property
-    def watches(self) -> bool:
-        """Whether adherence to a condition is measured."""
-        return bool(self.watch_every and self.denoiser.condition)
-
     def check(self, sensors: Iterable[Sensor]) -> None:
         """Raise `TrainingError` where scans of one of these sensors cannot be trained on so."""
         self.check_counts()
@@ -137,9 +132,10 @@ def train_denoiser(
     config.check(source.sensors)
     on = device_for_training(device)
     processes = Processes.from_environment(on)
-    denoiser = _beginning(config, begin)
+    denoiser = beginning(config, begin)
     loss_of = torch.compile(denoiser.loss, dynamic=False) if compiles else denoiser.loss
-    watch = AdherenceWatch(source.sensor or Sensor.preset("hdl64e")) if config.watches else None
+    watches = config.watch_every and config.denoiser.condition
+    watch = AdherenceWatch(source.sensor or Sensor.preset("hdl64e")) if watches else None
 
     def watched(step: int) -> Measures:
         if watch is None or step % config.watch_every:
@@ -148,9 +144,6 @@ def train_denoiser(
         watch.check(measured, step)
         return {name: torch.tensor(value) for name, value in measured.items()}
 
-    def batches(start: int) -> Generator[_Batch, None, None]:
-        return prefetched(partial(_batch, config, source, processes, on), start)
-
     def loss(step: int, batch: _Batch) -> tuple[Tensor, Measures]:
         if denoiser.controlnet is not None:
             denoiser.controlnet.learn(everything=step >= config.zero_conv_steps)
@@ -158,13 +151,14 @@ def train_denoiser(
             losses = loss_of(batch.clean, batch.sigma, batch.noise, batch.rays, batch.condition, wraps=batch.wraps)
         return losses, _by_band(batch.sigma, losses.detach()) | watched(step)
 
-    for report in train(config, denoiser, batches, loss, source, run, device=on, max_minutes=max_minutes):
+    batch = partial(_batch, source=source, processes=processes, device=on)
+    for report in train(config, denoiser, batch, loss, source, run, device=on, max_minutes=max_minutes):
         _check_zero_convs(denoiser, report.step)
         yield report
 
 
-def _beginning(config: DenoisingConfig, begin: Denoiser | None) -> Denoiser:
-    """The denoiser before its first step."""
+def beginning(config: DenoisingConfig, begin: Denoiser | None) -> Denoiser:
+    """The denoiser before its first step; raises `TrainingError` where the recipe's cannot begin with `begin`."""
     needed = config.denoiser
     base = dataclasses.replace(needed, condition=(), controlnet=False)
     with torch.random.fork_rng(devices=[]):
@@ -177,8 +171,9 @@ def _beginning(config: DenoisingConfig, begin: Denoiser | None) -> Denoiser:
             begin = begin.base()
         if begin.config == needed:
             return begin
-        if begin.config != base:
-            raise TrainingError(f"the weights to begin with are of a {begin.config}; this recipe needs a {needed}")
+        for name, has in vars(begin.config).items():
+            if has != (needs := getattr(base, name)):
+                raise TrainingError(f"the weights to begin with are of another form: {name} is {has}, not {needs}")
         return begin.with_controlnet(needed) if needed.controlnet else begin.with_condition(needed)
 
 
@@ -210,7 +205,7 @@ class _Batch(NamedTuple):
 
 
 def _batch(
-    config: DenoisingConfig, source: PairSource, processes: Processes, device: torch.device, step: int
+    config: DenoisingConfig, step: int, *, source: PairSource, processes: Processes, device: torch.device
 ) -> _Batch:
     """The batch of this process in a step. It is a function of the step; the noise differs between kinds of device."""
     random = np.random.default_rng((config.seed, step))

@@ -17,6 +17,7 @@ from torch import Tensor
 
 from lidardraft.errors import TrainingError
 from lidardraft.files import regular_size, written_whole
+from lidardraft.networks import weight_file
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.processes import ALONE, Processes
 
@@ -102,13 +103,15 @@ class Learner:
         self.averaged = copy.deepcopy(network)
         self.optimiser = Muon(self.weights, lr=config.learning_rate, weight_decay=config.weight_decay)
 
-    def step(self, step: int, loss: Tensor, processes: Processes = ALONE) -> Tensor:
-        """One gradient step on the sum of all processes' losses; the norm of the gradient, which is cut to
-        `max_gradient`. A step whose norm is not finite spoils the weights: whoever looks at the norm ends the run."""
+    def step(self, step: int, losses: Tensor, processes: Processes = ALONE) -> Tensor:
+        """One gradient step on the mean of the losses of all processes' samples; the norm of the gradient, which is cut
+        to `max_gradient`. A step whose norm is not finite spoils the weights: whoever looks at the norm ends the run.
+        """
         for group in self.optimiser.param_groups:
             group["lr"] = self.config.rate(step)
         self.optimiser.zero_grad(set_to_none=True)
-        loss.backward()  # type: ignore[no-untyped-call]
+        mean = losses.sum() / processes.total(losses.numel(), losses.device)
+        mean.backward()  # type: ignore[no-untyped-call]
         learned = [weight for weight in self.weights if weight.grad is not None]
         gradient = torch.cat([weight.grad.flatten() for weight in learned if weight.grad is not None])
         processes.add_up(gradient)
@@ -128,14 +131,19 @@ class Learner:
         averages, weights = (list[Tensor](each.parameters()) for each in (self.averaged, self.network))
         torch._foreach_lerp_(averages, weights, 9 / (10 + step) if step else 1.0)
 
-    def save(self, path: Path, step: int, identity: RunIdentity) -> None:
-        """Write what the next slice of the run goes on from."""
+    def save(self, run: Path, step: int, source: str, identity: RunIdentity) -> None:
+        """Write the average of weights, with a card, and what the next slice of the run goes on from.
+
+        The state is the last: what is killed before it is done again.
+        """
+        card = {"training": dataclasses.asdict(self.config), "step": step, "data": source}
+        weight_file.save(self.averaged, run / "weights.safetensors", card)
         tensors = {f"network.{name}": t for name, t in self.network.state_dict().items()}
         tensors |= {f"average.{name}": t for name, t in self.averaged.state_dict().items()}
         for number, state in self.optimiser.state_dict()["state"].items():
             tensors |= {f"optimiser.{number}.{name}": t for name, t in state.items()}
         metadata = {"step": str(step), "run": json.dumps(dataclasses.asdict(identity))}
-        with written_whole(path) as temporary:
+        with written_whole(run / "state.safetensors") as temporary:
             whole = {name: t.detach().cpu().contiguous() for name, t in tensors.items()}
             temporary.write_bytes(serialise(whole, metadata))
 

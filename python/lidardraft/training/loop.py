@@ -5,15 +5,18 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import json
+import math
 import os
 import time
+import warnings
 import zlib
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing, contextmanager
+from contextlib import closing
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import torch
 from torch import Tensor, nn
@@ -21,24 +24,14 @@ from torch import Tensor, nn
 from lidardraft.errors import FormatError, TrainingError
 from lidardraft.files import written_whole
 from lidardraft.json_fields import is_number, parse_object
-from lidardraft.networks import weight_file
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import Learner, LearningConfig, RunIdentity
-from lidardraft.training.processes import Processes
+from lidardraft.training.processes import ALONE, Processes
+from lidardraft.training.sources import PairSource
 
 Batch = TypeVar("Batch")
+ConfigT = TypeVar("ConfigT", bound=LearningConfig)
 Measures = dict[str, Tensor]
-
-
-class Data(Protocol):
-    """What a run learns from: where it came from in words, where it lies, and a checksum."""
-
-    @property
-    def source(self) -> str: ...
-    @property
-    def path(self) -> Path: ...
-    @property
-    def checksum(self) -> int: ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,11 +48,11 @@ class Report:
 
 
 def train(
-    config: LearningConfig,
+    config: ConfigT,
     network: Network,
-    batches: Callable[[int], Generator[Batch, None, None]],
+    batch: Callable[[ConfigT, int], Batch],
     loss: Callable[[int, Batch], tuple[Tensor, Measures]],
-    data: Data,
+    data: PairSource,
     run: str | os.PathLike[str],
     *,
     device: torch.device,
@@ -67,34 +60,37 @@ def train(
 ) -> Iterator[Report]:
     """Train a `network` and yield reports.
 
-    `batches(start)` gives the batch of each step from `start` on. It follows from the step alone, so that a run in
-    slices gives the weights of a run in one. `loss(step, batch)` gives the losses of the samples, whose mean is stepped
-    on, and tensors of numbers by name, whose means are reported without those that are NaN. Of several processes
-    (`Processes`) each has its share of the samples; the gradients are added, reports are of the samples of all, and the
-    first one writes. Numbers stay on the device until a report or a state is due: then a loss or a gradient that was
-    not finite ends the run, and what is on disk stays as it is.
+    `batch(config, step)` makes what a step learns from, while the step before is learned from. It follows from both
+    alone, so that a run in slices gives the weights of a run in one. `loss(step, batch)` gives the losses of the
+    samples, whose mean is stepped on, and tensors of numbers by name, whose means are reported without those that are
+    NaN. Of several processes (`Processes`) each has its share of the samples; the gradients are added, reports are of
+    the samples of all, and the first one writes. Numbers stay on the device until a report or a state is due: then a
+    loss or a gradient that was not finite ends the run, and what is on disk stays as it is.
 
     The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
     `weights.safetensors`, the average of weights. A report is yielded after what is due at its step is on disk. Raises
-    `TrainingError` where `run` cannot be a folder, the run in it is another, or the training has gone wrong.
+    `TrainingError` where `run` cannot be a folder, the run in it is another, the training goes wrong, or memory lacks.
     """
     run = Path(run)
     check_run_folder(run)
     identity, processes = _identity(config, network, data), Processes.from_environment(device)
     learner = Learner(network.to(device).train(), config)
     start = learner.resume(run / "state.safetensors", identity)
-    if start >= config.steps:
-        return
     run.mkdir(parents=True, exist_ok=True)
     if processes.rank == 0:
         _cut_log(run / "log.jsonl", start)
     began, window = time.monotonic(), _Window()
-    with closing(batches(start)) as upcoming:
+    upcoming = _prefetched(partial(batch, config), start)
+
+    def learn(step: int, size: int) -> None:
+        whole = size == config.batch  # else this process tries alone what fits
+        made = next(upcoming) if whole else batch(dataclasses.replace(config, batch=size), step)
+        losses, measures = loss(step, made)
+        window.add(losses.detach(), learner.step(step, losses, processes if whole else ALONE), measures)
+
+    with closing(upcoming):
         for step in range(start, config.steps):
-            with memory_of(f"step {step + 1} of batches of {config.batch}"):
-                losses, measures = loss(step, next(upcoming))
-                mean = losses.sum() / processes.total(losses.numel(), device)
-                window.add(losses.detach(), learner.step(step, mean, processes), measures)
+            check_memory_for(config.batch, partial(learn, step), step=step)
             minutes = (time.monotonic() - began) / 60
             # all processes stop at the same step
             last = step + 1 == config.steps or processes.total(minutes > max_minutes, device) > 0
@@ -105,18 +101,15 @@ def train(
             window = _Window() if reports else window
             if report and processes.rank == 0:
                 _log(run / "log.jsonl", report)
-            if processes.rank == 0 and saves:
-                card = {"training": dataclasses.asdict(config), "step": step + 1, "data": data.source}
-                weight_file.save(learner.averaged, run / "weights.safetensors", card)
-                # The state last: what is killed before it is done again.
-                learner.save(run / "state.safetensors", step + 1, identity)
+            if saves and processes.rank == 0:
+                learner.save(run, step + 1, data.source, identity)
             if report:
                 yield report
             if last:
                 return
 
 
-def prefetched(batch: Callable[[int], Batch], start: int) -> Generator[Batch, None, None]:
+def _prefetched(batch: Callable[[int], Batch], start: int) -> Generator[Batch, None, None]:
     """`batch(step)` of each step from `start` on, the next one made while one is learned from."""
     with ThreadPoolExecutor(1) as loader:
         upcoming = loader.submit(batch, start)
@@ -134,8 +127,14 @@ def check_run_folder(run: str | os.PathLike[str]) -> None:
 
 def device_for_training(name: str | None = None) -> torch.device:
     """The torch device of that name, by default the GPU if there is one; of several GPUs that of `LOCAL_RANK`, which
-    `torchrun` sets. Raises `TrainingError` if there is none of that name."""
-    name = name or ("cuda" if torch.cuda.is_available() else "cpu")
+    `torchrun` sets. Raises `TrainingError` if there is none of that name, or a GPU that torch cannot use."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        there = torch.cuda.is_available()
+    if name is None and told:  # by torch, of a driver or a GPU that does not fit it: a CPU would take days unasked
+        said = str(told[0].message).split(". ")[0]
+        raise TrainingError(f"the GPU cannot be used: {said}; --device cpu trains without it")
+    name = name or ("cuda" if there else "cpu")
     try:
         device = torch.device(name)
         if name == "cuda":
@@ -148,16 +147,31 @@ def device_for_training(name: str | None = None) -> torch.device:
     return device
 
 
-@contextmanager
-def memory_of(what: str) -> Iterator[None]:
-    """Raise `TrainingError` where the block asks for more memory than there is, on whatever device."""
+def check_memory_for(batch: int, learn: Callable[[int], object], *, step: int) -> None:
+    """`learn` a batch of that size; raises `TrainingError` where it needs more memory than there is, with the largest
+    power of two of which that is not so, found by trying."""
+    if lacking := _lack_of_memory(lambda: learn(batch)):
+        smaller = (2**power for power in reversed(range(batch.bit_length())) if 2**power < batch)
+        fitting = next((size for size in smaller if not _lack_of_memory(partial(learn, size))), None)
+        advice = f"--batch {fitting} fits" if fitting else "a smaller --batch does not fit either"
+        raise TrainingError(
+            f"step {step + 1} of batches of {batch} needs more memory than there is; {advice} ({lacking})"
+        )
+
+
+def _lack_of_memory(attempt: Callable[[], object]) -> str:
+    """What is said where an attempt asks for more memory than there is, on whatever device; nothing where it does not.
+
+    The tensors of an attempt are gone when this returns, as its error is.
+    """
     try:
-        yield
+        attempt()
     except (MemoryError, RuntimeError) as error:  # torch raises RuntimeErrors, of one kind for a GPU alone
-        text = str(error).splitlines()[0] if str(error) else ""
+        text = (str(error) or "MemoryError").splitlines()[0]
         if isinstance(error, MemoryError) or "out of memory" in text or "t allocate memory" in text:
-            raise TrainingError(f"{what} needs more memory than there is; use a smaller --batch ({text})") from None
+            return text
         raise
+    return ""
 
 
 class _Window:
@@ -165,47 +179,36 @@ class _Window:
 
     def __init__(self) -> None:
         self.began = time.monotonic()
-        self.losses: list[Tensor] = []
-        self.gradients: list[Tensor] = []
+        self.steps: list[Tensor] = []  # mean loss and norm of the gradient of each
         self.sums: dict[str, tuple[Tensor, Tensor]] = {}  # sum and count of what is not NaN
 
     def add(self, losses: Tensor, gradient: Tensor, measures: Measures) -> None:
-        self.losses.append(losses.mean())
-        self.gradients.append(gradient)
+        self.steps.append(torch.stack([losses.mean(), gradient]))
         for name, values in ({"loss": losses} | measures).items():
             total, count = self.sums.get(name, (0, 0))
             self.sums[name] = total + values.nansum(), count + (~values.isnan()).sum()
 
     def check(self, step: int) -> None:
         """Raise `TrainingError` if a loss or a gradient of the steps up to `step` was not finite."""
-        found = torch.stack([torch.stack(self.losses), torch.stack(self.gradients)]).cpu()
-        (bad,) = (~found.isfinite().all(0)).nonzero(as_tuple=True)
-        if len(bad):
-            loss, gradient = found[:, bad[0]].tolist()
-            first = step - len(self.losses) + int(bad[0]) + 1
-            raise TrainingError(f"the loss is {loss} and its gradient {gradient} at step {first}")
+        for number, (loss, gradient) in enumerate(torch.stack(self.steps).tolist(), step - len(self.steps) + 1):
+            if not math.isfinite(loss + gradient):
+                raise TrainingError(f"the loss is {loss} and its gradient {gradient} at step {number}")
 
     def report(self, step: int, minutes: float, processes: Processes, device: torch.device) -> Report:
         """Means over all processes, which must all ask for them."""
-        means: dict[str, float | None] = {}
-        samples = 0.0
-        for name, (own_total, own_count) in self.sums.items():
-            total, count = (processes.total(own.item(), device) for own in (own_total, own_count))
-            means[name] = total / count if count else None
-            samples = count if name == "loss" else samples
-        loss = means.pop("loss")
-        assert loss is not None
+        sums = {name: [processes.total(own.item(), device) for own in pair] for name, pair in self.sums.items()}
+        means = {name: total / count if count else None for name, (total, count) in sums.items()}
         return Report(
             step=step,
-            loss=loss,
-            gradient=torch.stack(self.gradients).mean().item(),
+            loss=means.pop("loss") or 0.0,
+            gradient=torch.stack(self.steps)[:, 1].mean().item(),
             measures=means,
-            samples_per_second=samples / (time.monotonic() - self.began),
+            samples_per_second=sums["loss"][1] / (time.monotonic() - self.began),
             minutes=minutes,
         )
 
 
-def _identity(config: LearningConfig, network: nn.Module, data: Data) -> RunIdentity:
+def _identity(config: LearningConfig, network: nn.Module, data: PairSource) -> RunIdentity:
     weights = 0
     for p in network.parameters():
         weights = zlib.crc32(p.detach().cpu().numpy().tobytes(), weights)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Generator, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -18,7 +18,7 @@ from lidardraft.perception.segmenter import Segmenter, SegmenterConfig, features
 from lidardraft.semantics import NUM_CLASSES
 from lidardraft.training.augmentation import Augmentation, augmented
 from lidardraft.training.learner import LearningConfig
-from lidardraft.training.loop import Measures, Report, device_for_training, prefetched, train
+from lidardraft.training.loop import Measures, Report, device_for_training, train
 from lidardraft.training.sources import MixedSource, PairFolder
 
 _Batch = tuple[Tensor, Tensor]
@@ -67,9 +67,6 @@ def train_segmenter(
     on = device_for_training(device)
     weights = class_weights(pairs).to(on)
 
-    def batches(start: int) -> Generator[_Batch, None, None]:
-        return prefetched(partial(_batch, config, pairs), start)
-
     def loss(_: int, batch: _Batch) -> tuple[Tensor, Measures]:
         x, target = (tensor.to(on) for tensor in batch)
         with reduced_precision(on):
@@ -78,7 +75,8 @@ def train_segmenter(
         losses = segmentation_loss(logits.float(), target, weights).expand(len(x))
         return losses, {"accuracy": right.where(target > 0, torch.nan)}
 
-    yield from train(config, segmenter, batches, loss, pairs, run, device=on, max_minutes=max_minutes)
+    batch = partial(_batch, pairs=pairs)
+    yield from train(config, segmenter, batch, loss, pairs, run, device=on, max_minutes=max_minutes)
 
 
 def class_weights(pairs: MixedSource[PairFolder]) -> Tensor:
@@ -112,7 +110,7 @@ def segmentation_loss(logits: Tensor, target: Tensor, weights: Tensor) -> Tensor
     return entropy + 1 - jaccard[size > 0].mean()
 
 
-def _batch(config: SegmentationConfig, pairs: MixedSource[PairFolder], step: int) -> _Batch:
+def _batch(config: SegmentationConfig, step: int, *, pairs: MixedSource[PairFolder]) -> _Batch:
     """Features f32 [B, FEATURES, H, W] and class ids i64 [B, H, W] of a step."""
     random = np.random.default_rng((config.seed, step))
     grid, inputs, targets = config.segmenter.grid, [], []

@@ -1,34 +1,40 @@
-"""Where pairs come from: folders, held in memory; streets that are made while a network trains; mixtures of both."""
+"""Where pairs come from: folders, held in memory; streets, made as they are needed or meanwhile by worker processes;
+mixtures of these."""
 
 from __future__ import annotations
 
-import json
 import math
 import os
+import threading
+import time
 import warnings
 import zlib
-from dataclasses import dataclass
+from collections.abc import Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import closing, contextmanager
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic, TypeVar
 
 import numpy as np
 import torch
 from torch import Tensor
 
 from lidardraft.errors import TrainingError
-from lidardraft.formats.pairs import IMAGES, Pair, PairIndex
+from lidardraft.formats.pairs import IMAGES, Images, Pair, PairIndex
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import Sensor
-from lidardraft.streets import StreetConfig, streets
-from lidardraft.training.loop import Data
+from lidardraft.streets import StreetConfig, StreetPair, streets
 from lidardraft.training.processes import ALONE, Processes
 from lidardraft.training.sampled_sensor import sample_sensor
 from lidardraft.training.stack import PairStack, as_tensors
 
 CPU = torch.device("cpu")
 _POSES = 2  # of a street: a network learns more from another street than from another look at one
+_POSES_MEANWHILE = 4  # of a street that workers make: so many more pairs a second count for more
+_MOST = 16_000  # pairs that a bank keeps
+_LEAST = 16  # batches' worth of pairs in a bank before the first step
 _SENSOR_STREAM = 11  # random numbers of a step's sensor
 NEAR, FAR = 2.0, 80.0  # m from the sensor along the ground: the lowest row and the highest of a top view
 _CEILING = 12.0  # m over the sensor's origin: what is higher counts as that high
@@ -36,26 +42,33 @@ _HIGH = 200.0  # m over the sensor's origin, where the rays start
 _CHOICE_STREAM = 5  # random numbers that choose a source
 _MEMINFO = Path("/proc/meminfo")  # of Linux; other systems say it elsewhere, and are not asked
 _PIXELS = 64 * 1024  # of the images that memory is counted in
-PAIR_BYTES = sum(np.dtype(dtype).itemsize for dtype in IMAGES.values())  # a pixel
+_PAIR_BYTES = sum(np.dtype(dtype).itemsize for dtype in IMAGES.values())  # a pixel
 
 
-class PairSource(Data, Protocol):
-    """Pairs to learn from, on disk (`PairFolder`) or made as they are asked for (`StreetSource`)."""
+class PairSource:
+    """Pairs to learn from.
 
-    @property
-    def sensor(self) -> Sensor | None:
-        """The sensor of all pairs, None where they are of many."""
+    `source` says in words where they come from, `path` where they lie; `checksum` is of all that decides them.
+    `sensors` are those known before the training begins, `sensor` is that of all pairs, None where they are of many.
+    """
 
-    @property
-    def sensors(self) -> tuple[Sensor, ...]:
-        """Those that are known before the training begins."""
+    def __init__(self, sensor: Sensor | None, source: str, checksum: int, path: Path = Path("streets")) -> None:
+        self.sensor, self.source, self.checksum, self.path = sensor, source, checksum, path
+        self.sensors: tuple[Sensor, ...] = () if sensor is None else (sensor,)
 
-    def stack(self, step: int, scans: int, processes: Processes, device: torch.device) -> PairStack:
+    @contextmanager
+    def running(self, processes: Processes, device: torch.device) -> Iterator[None]:
+        """While the block runs, pairs can be asked for."""
+        del processes, device
+        yield
+
+    def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
         """Those of a step, of one sensor, as many as `scans` of 64 x 1024 are worth; of several processes, this one's.
         The stack is on the device."""
+        raise NotImplementedError
 
 
-class PairFolder:
+class PairFolder(PairSource):
     """The pairs of a prepared folder, held in memory: 0.66 MB for each pair of 64 x 1024.
 
     `folder[i]` is a `Pair` with depth to the millimetre and intensity, as `Pair.from_compact` gives it. `notes[i]` is
@@ -63,31 +76,33 @@ class PairFolder:
     or not ours.
     """
 
+    sensor: Sensor
+
     def __init__(self, directory: str | os.PathLike[str]) -> None:
         folder = Path(directory)
         index = PairIndex.load(folder)
-        self.sensor, self.source = index.sensor, index.source
-        self.path = folder.resolve()
-        self.checksum = zlib.crc32(self.sensor.to_json().encode())
-        total, shape = sum(index.counts), self.sensor.shape
-        check_memory(f"{folder} with its {total} pairs", total * math.prod(shape) * PAIR_BYTES)
+        checksum = zlib.crc32(index.sensor.to_json().encode())
+        total, shape = sum(index.counts), index.sensor.shape
+        needed, free = total * math.prod(shape) * _PAIR_BYTES, free_memory()
+        if free is not None and needed > free:
+            there = f"{needed / 1e9:.1f} GB of memory; {free / 1e9:.1f} GB are free"
+            raise TrainingError(f"{folder} with its {total} pairs needs {there}")
         images = {name: np.empty((total, *shape), dtype) for name, dtype in IMAGES.items()}
         self.notes: list[dict[str, Any]] = []
         for number, count in enumerate(index.counts):
             shard, notes = index.shard(number)
             for name, rows in shard.items():
                 images[name][len(self.notes) : len(self.notes) + count] = rows
-                self.checksum = zlib.crc32(rows.tobytes(), self.checksum)
+                checksum = zlib.crc32(rows.tobytes(), checksum)
             self.notes += notes
+        super().__init__(index.sensor, index.source, checksum, folder.resolve())
         self._images, self._tensors, self._placed = images, as_tensors(images), CPU
 
     def __len__(self) -> int:
         return len(self.notes)
 
-    @property
-    def sensors(self) -> tuple[Sensor, ...]:
-        """The one of all pairs."""
-        return (self.sensor,)
+    def __getitem__(self, i: int) -> Pair:
+        return Pair.from_compact(self.sensor, {name: images[i] for name, images in self._images.items()})
 
     def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
         """Pairs drawn at random, the same for a step (`PairSource.stack`). They are moved to a device once, if they fit
@@ -95,13 +110,131 @@ class PairFolder:
         if self._placed != device:
             self._tensors, self._placed = placed(self._tensors, device), device
         drawn = np.random.default_rng([self.checksum, step]).integers(len(self), size=scans_of_step(scans, self.sensor))
-        mine = torch.from_numpy(drawn[list(processes.share(len(drawn)))])
-        at = mine.to(self._tensors["scan_label"].device)
-        images = {name: rows[at].to(device, non_blocking=True) for name, rows in self._tensors.items()}
-        return PairStack.of(self.sensor, images)
+        return PairStack.of_rows(self.sensor, self._tensors, drawn[list(processes.share(len(drawn)))], device)
 
-    def __getitem__(self, i: int) -> Pair:
-        return Pair.from_compact(self.sensor, {name: images[i] for name, images in self._images.items()})
+
+class StreetSource(PairSource):
+    """The streets of a seed, seen by `sensor`, or by another one at each step (`sample_sensor`).
+
+    With `from_above` the layout's top view stands in for its cast (`top_view`).
+    """
+
+    def __init__(self, *, seed: int = 0, sensor: Sensor | None = None, from_above: bool = False) -> None:
+        seen_by = "sensors drawn at random" if sensor is None else sensor.name
+        decisive = [seed, None if sensor is None else sensor.to_json(), from_above]
+        words = f"streets of seed {seed}, {seen_by}{', layouts from above' * from_above}"
+        super().__init__(sensor, words, zlib.crc32(repr(decisive).encode()))
+        self.seed, self.from_above = seed, from_above
+
+    def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
+        """Pairs of one sensor, the same for a step (`PairSource.stack`)."""
+        sensor = self.sensor or sample_sensor(np.random.default_rng([self.seed, step, _SENSOR_STREAM]))
+        config = StreetConfig(sensor=sensor, poses_per_street=_POSES, simulated=True)
+        pairs = []
+        for number in processes.share(scans_of_step(scans, sensor)):
+            pair = next(streets(seed=self.seed, config=config, start=step * scans + number))
+            image = top_view(pair.layout, sensor, pair.pose) if self.from_above else pair.condition_image
+            pairs.append(_compact(pair, image))
+        images = as_tensors({name: np.stack([pair[name] for pair in pairs]) for name in IMAGES})
+        return PairStack.of(sensor, {name: rows.to(device) for name, rows in images.items()})
+
+
+class StreetBank(PairSource):
+    """The newest pairs of the streets of a seed, made by `workers` processes and held on the device that learns, for
+    devices that learn faster than streets are made.
+
+    A step draws from the pairs that are there by then: a run is not the same twice, nor is one in slices the run in
+    one. `running` starts the processes and ends them.
+    """
+
+    sensor: Sensor
+
+    def __init__(self, seed: int, sensor: Sensor, workers: int) -> None:
+        super().__init__(sensor, f"streets of seed {seed}, {sensor.name}, made meanwhile", seed)
+        self.seed, self.workers, self.made = seed, workers, 0
+        self._images: dict[str, Tensor] = {}
+        self._lock, self._ended = threading.Lock(), threading.Event()
+        self._filling: Future[None] | None = None
+
+    @contextmanager
+    def running(self, processes: Processes, device: torch.device) -> Iterator[None]:
+        """While the block runs, worker processes make the share of this one of several `processes`."""
+        pair = _PAIR_BYTES * math.prod(self.sensor.shape)
+        free = free_memory(device)
+        kept = _MOST if free is None else min(_MOST, free // 2 // pair)
+        if kept < 1:
+            raise TrainingError(f"{device} has no room for pairs of {self.sensor.name}, of {pair / 1e6:.1f} MB each")
+        empty = {name: np.zeros((1, *self.sensor.shape), dtype) for name, dtype in IMAGES.items()}
+        self._images = {
+            name: rows.new_zeros((kept, *self.sensor.shape), device=device) for name, rows in as_tensors(empty).items()
+        }
+        self.made = 0
+        self._ended.clear()
+        with ThreadPoolExecutor(1) as thread:
+            self._filling = thread.submit(self._fill, kept, processes)
+            try:
+                yield
+            finally:
+                self._ended.set()
+
+    def _fill(self, kept: int, processes: Processes) -> None:
+        config = StreetConfig(sensor=self.sensor, poses_per_street=_POSES_MEANWHILE, simulated=True)
+        shard = (processes.rank, processes.count)
+        with closing(streets(seed=self.seed, config=config, shard=shard, workers=self.workers)) as made:
+            for pair in made:
+                if self._ended.is_set():
+                    return
+                images = as_tensors(_compact(pair, pair.condition_image))
+                with self._lock:
+                    for name, image in images.items():
+                        self._images[name][self.made % kept].copy_(image)
+                    self.made += 1
+
+    def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
+        """Pairs drawn at random from those that are there (`PairSource.stack`)."""
+        assert self._filling is not None, "the bank is not running"
+        count = len(processes.share(scans_of_step(scans, self.sensor)))
+        kept = len(self._images["scan_label"])
+        while self.made < min(_LEAST * count, kept):
+            if self._filling.done():
+                self._filling.result()  # raises what ended it
+            time.sleep(0.05)
+        with self._lock:
+            drawn = np.random.default_rng([self.seed, step, processes.rank]).integers(min(self.made, kept), size=count)
+            return PairStack.of_rows(self.sensor, self._images, drawn, device)
+
+
+SourceT = TypeVar("SourceT", bound=PairSource)
+
+
+class MixedSource(PairSource, Generic[SourceT]):
+    """Sources, each with how often it is drawn from, in shares of the sum of all."""
+
+    def __init__(self, sources: tuple[SourceT, ...], weights: tuple[float, ...]) -> None:
+        if not sources:
+            raise TrainingError("there are no pairs to learn from")
+        if not all(0 < weight < float("inf") for weight in weights):
+            raise TrainingError(f"the weights of the sources are {weights}; they must be positive numbers")
+        self.sources, self.weights = sources, weights
+        self.shares = np.array(weights) / sum(weights)
+        words = (f"{share:.0%} {source.source}" for source, share in zip(sources, self.shares, strict=True))
+        decisive = [(source.checksum, weight) for source, weight in zip(sources, weights, strict=True)]
+        sensor = sources[0].sensor if len({source.sensor for source in sources}) == 1 else None
+        super().__init__(sensor, "; ".join(words), zlib.crc32(repr(decisive).encode()), sources[0].path)
+        self.sensors = tuple(sensor for source in sources for sensor in source.sensors)
+
+    def draw(self, random: np.random.Generator) -> SourceT:
+        """A source, drawn by the weights."""
+        return self.sources[int(random.choice(len(self.sources), p=self.shares))]
+
+    def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
+        """Those of one source: the same for a step."""
+        return self.draw(np.random.default_rng([step, _CHOICE_STREAM])).stack(step, scans, processes, device)
+
+
+def _compact(pair: StreetPair, condition_image: RangeImage) -> Images:
+    assert pair.simulated is not None
+    return Pair(pair.scan, condition_image, pair.simulated).compact()
 
 
 def scans_of_step(scans: int, sensor: Sensor) -> int:
@@ -111,9 +244,9 @@ def scans_of_step(scans: int, sensor: Sensor) -> int:
 
 def placed(images: dict[str, Tensor], device: torch.device) -> dict[str, Tensor]:
     """The images on a GPU if half of its free memory holds them; else in memory that it can read from."""
-    if device.type != "cuda":
+    needed, free = sum(rows.nbytes for rows in images.values()), free_memory(device)
+    if device.type != "cuda" or free is None:
         return images
-    needed, free = sum(rows.nbytes for rows in images.values()), torch.cuda.mem_get_info(device)[0]
     if needed < free / 2:
         return {name: rows.to(device) for name, rows in images.items()}
     held = f"the pairs take {needed / 1e9:.1f} GB, and {device} has {free / 1e9:.1f} GB free"
@@ -121,125 +254,15 @@ def placed(images: dict[str, Tensor], device: torch.device) -> dict[str, Tensor]
     return {name: rows.pin_memory() for name, rows in images.items()}
 
 
-def check_memory(what: str, needed: int) -> None:
-    """Raise `TrainingError` where `what` needs more bytes than are free."""
-    free = free_memory()
-    if free is not None and needed > free:
-        raise TrainingError(f"{what} needs {needed / 1e9:.1f} GB of memory; {free / 1e9:.1f} GB are free")
-
-
-def free_memory() -> int | None:
-    """Bytes that can be had without swapping; None where the system does not say."""
+def free_memory(device: torch.device = CPU) -> int | None:
+    """Bytes that can be had on a device, without swapping; None where the system does not say."""
+    if device.type == "cuda":
+        return torch.cuda.mem_get_info(device)[0]
     try:
         lines = _MEMINFO.read_text().splitlines()
     except OSError:
         return None
-    found = [line.split()[1] for line in lines if line.startswith("MemAvailable:")]
-    return 1024 * int(found[0]) if found else None
-
-
-@dataclass(frozen=True, kw_only=True)
-class StreetSource:
-    """The streets of a seed, seen by `sensor`, or by another one at each step (`sample_sensor`).
-
-    With `from_above` the layout's top view stands in for its cast (`top_view`).
-    """
-
-    seed: int = 0
-    sensor: Sensor | None = None
-    from_above: bool = False
-    path: Path = Path("streets")
-
-    @property
-    def sensors(self) -> tuple[Sensor, ...]:
-        """The one that is given."""
-        return () if self.sensor is None else (self.sensor,)
-
-    @property
-    def source(self) -> str:
-        """Where the pairs come from, in words."""
-        seen_by = "sensors drawn at random" if self.sensor is None else self.sensor.name
-        return f"streets of seed {self.seed}, {seen_by}{', layouts from above' * self.from_above}"
-
-    @property
-    def checksum(self) -> int:
-        """Of all that decides the pairs."""
-        fields: dict[str, object] = {
-            "seed": self.seed,
-            "sensor": None if self.sensor is None else self.sensor.to_json(),
-        }
-        if self.from_above:
-            fields["from_above"] = True
-        return zlib.crc32(json.dumps(fields).encode())
-
-    def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
-        """Pairs of one sensor, the same for a step (`PairSource.stack`)."""
-        sensor = self.sensor or sample_sensor(np.random.default_rng([self.seed, step, _SENSOR_STREAM]))
-        config = StreetConfig(sensor=sensor, poses_per_street=_POSES, simulated=True)
-        pairs = []
-        for number in processes.share(scans_of_step(scans, sensor)):
-            pair = next(streets(seed=self.seed, config=config, start=step * scans + number))
-            assert pair.simulated is not None
-            image = top_view(pair.layout, sensor, pair.pose) if self.from_above else pair.condition_image
-            pairs.append(Pair(pair.scan, image, pair.simulated).compact())
-        images = as_tensors({name: np.stack([pair[name] for pair in pairs]) for name in IMAGES})
-        return PairStack.of(sensor, {name: rows.to(device) for name, rows in images.items()})
-
-
-SourceT = TypeVar("SourceT", bound=PairSource)
-
-
-@dataclass(frozen=True)
-class MixedSource(Generic[SourceT]):
-    """Sources, each with how often it is drawn from, in shares of the sum of all."""
-
-    sources: tuple[SourceT, ...]
-    weights: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        if not self.sources:
-            raise TrainingError("there are no pairs to learn from")
-        if not all(0 < weight < float("inf") for weight in self.weights):
-            raise TrainingError(f"the weights of the sources are {self.weights}; they must be positive numbers")
-
-    @property
-    def sensor(self) -> Sensor | None:
-        """That of all sources, None where they differ."""
-        sensors = [source.sensor for source in self.sources]
-        return sensors[0] if all(sensor == sensors[0] for sensor in sensors) else None
-
-    @property
-    def sensors(self) -> tuple[Sensor, ...]:
-        """Those of all sources."""
-        return tuple(sensor for source in self.sources for sensor in source.sensors)
-
-    @property
-    def source(self) -> str:
-        """Where the pairs come from, in words."""
-        return "; ".join(
-            f"{weight / sum(self.weights):.0%} {source.source}"
-            for source, weight in zip(self.sources, self.weights, strict=True)
-        )
-
-    @property
-    def path(self) -> Path:
-        """Of the first source."""
-        return self.sources[0].path
-
-    @property
-    def checksum(self) -> int:
-        """Of all sources and their weights."""
-        fields = [(source.checksum, weight) for source, weight in zip(self.sources, self.weights, strict=True)]
-        return zlib.crc32(repr(fields).encode())
-
-    def draw(self, random: np.random.Generator) -> SourceT:
-        """A source, drawn by the weights."""
-        shares = np.array(self.weights) / sum(self.weights)
-        return self.sources[int(random.choice(len(self.sources), p=shares))]
-
-    def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
-        """Those of one source: the same for a step."""
-        return self.draw(np.random.default_rng([step, _CHOICE_STREAM])).stack(step, scans, processes, device)
+    return next((1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:")), None)
 
 
 def top_view(layout: Layout, sensor: Sensor, pose: np.ndarray) -> RangeImage:

@@ -32,6 +32,14 @@ class PairStack:
         """The pairs of these images; the rays are on their device."""
         return cls(sensor, images, _rays(sensor, images["scan_label"].device))
 
+    @classmethod
+    def of_rows(
+        cls, sensor: Sensor, images: Mapping[str, Tensor], drawn: np.ndarray, device: torch.device
+    ) -> PairStack:
+        """The pairs of the rows that were drawn of many, on the device."""
+        at = torch.from_numpy(drawn).to(images["scan_label"].device)
+        return cls.of(sensor, {name: rows[at].to(device, non_blocking=True) for name, rows in images.items()})
+
     def thinned(self, every: int) -> PairStack:
         """Every `every`-th beam and column, as a sensor with these alone would have them."""
         if every == 1:
