@@ -32,7 +32,7 @@ from lidardraft.semantics import BY_NAME, CLASSES
 from lidardraft.streets import StreetConfig, StreetMix, street_scan
 
 SMALL = ["--sensor", "small.json"]
-QUICK = ["--sensor", "small.json", "--steps", "2"]
+QUICK = ["--weights", "paper-small", "--sensor", "small.json", "--steps", "2"]
 SIMULATE = ["simulate", "--text", "a car ahead", "-o", "out", "--sensor", "small.json"]
 
 
@@ -194,18 +194,18 @@ def test_generate_from_a_labelled_scan(capsys: pytest.CaptureFixture[str]) -> No
 
 def test_bad_weights_and_devices_are_one_line(refused: Callable[..., str]) -> None:
     generate = ["generate", "--text", "a car ahead", "-o", "out"]
-    assert "did you mean 'street'?" in refused(*generate, "--weights", "streets")
+    assert "did you mean 'paper'?" in refused(*generate, "--weights", "papers")
     Path("not.safetensors").write_bytes(b"not weights at all")
     assert "not.safetensors" in refused(*generate, "--weights", "not.safetensors")
     weights = Path("cut.safetensors")
-    weights.write_bytes((Path(pipeline.__file__).parent / "weights/street.safetensors").read_bytes()[:-100])
+    weights.write_bytes((Path(pipeline.__file__).parent / "weights/paper-small.safetensors").read_bytes()[:-100])
     assert "cut.safetensors" in refused(*generate, "--weights", str(weights))
     assert "abacus" in refused(*generate, "--device", "abacus")
 
 
 def test_one_scan_shows_its_progress(shown_on_a_terminal: Callable[..., str]) -> None:
     shown = shown_on_a_terminal("generate", "--text", "a car ahead", "-o", "out", *QUICK)
-    assert "scan 1 of 1" in shown
+    assert "1 scan: " in shown
     assert "1/2" in shown
     assert "2/2" in shown
     assert "\rlidardraft: these weights" in shown  # on a line of its own
@@ -214,17 +214,18 @@ def test_one_scan_shows_its_progress(shown_on_a_terminal: Callable[..., str]) ->
 def test_the_speed_of_the_sensor_is_that_of_the_scan() -> None:
     text = "houses along both sides"
     assert cli.main(["generate", "--text", text, "--speed", "20", "-o", "out", *QUICK]) == 0
+    small = pipeline.Pipeline.from_pretrained("paper-small", steps=2)
     with pytest.warns(UserWarning, match="its scans may be poor"):
-        expected = pipeline.Pipeline.from_pretrained(steps=2)(text, sensor=Sensor.load("small.json"), speed=20.0)
+        expected = small(text, sensor=Sensor.load("small.json"), speed=20.0)
     np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
 
 
 def test_guidance_is_that_of_the_pipeline() -> None:
-    options = ["--weights", "paper-small", "--guidance", "3", "-o", "out", *QUICK]
+    options = ["--guidance", "3", "-o", "out", *QUICK]
     assert cli.main(["generate", "--text", "a car ahead", *options]) == 0
     paper = pipeline.Pipeline.from_pretrained("paper-small", steps=2, guidance=3.0)
     with pytest.warns(UserWarning, match="its scans may be poor"):
-        expected = paper(layout_from_text("a car ahead"), sensor=Sensor.load("small.json"))
+        expected = paper("a car ahead", sensor=Sensor.load("small.json"))
     np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
 
 
