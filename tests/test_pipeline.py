@@ -162,16 +162,6 @@ def test_weights_that_do_not_see_the_simulated_scan_get_nothing_of_it(layout: La
     assert not np.array_equal(one.depth, heeded.depth)
 
 
-def test_the_papers_sampler_takes_as_many_steps_and_gives_another_scan() -> None:
-    denoiser = of(CONTROLLED).denoiser
-    scans, steps = [], list[int]()
-    for langevin in (None, 2):
-        made = Pipeline(denoiser, steps=3, langevin=langevin)
-        scans.append(made("a car ahead", sensor=SMALL, on_step=lambda: steps.append(1)).image)
-    assert len(steps) == 6
-    assert not np.array_equal(scans[0].depth, scans[1].depth)
-
-
 @pytest.mark.parametrize("config", [CONTROLLED, recipes.tiny()[-1].denoiser], ids=["whole", "completing"])
 def test_scans_that_are_made_at_once_are_those_made_alone(
     config: DenoiserConfig, layout: Layout, monkeypatch: pytest.MonkeyPatch
@@ -251,7 +241,7 @@ def test_a_semantic_map_becomes_a_scan_and_weights_that_see_classes_alone_heed_n
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"steps": 0}, {"steps": 1.5}, {"langevin": 0}, {"guidance": -1.0}, {"guidance": math.nan}]
+    "wrong", [{"steps": 0}, {"steps": 1.5}, {"last_noise": 0}, {"guidance": -1.0}, {"guidance": math.nan}]
 )
 def test_a_pipeline_that_cannot_be(pipeline: Pipeline, wrong: dict[str, Any]) -> None:
     (name,) = wrong

@@ -53,9 +53,8 @@ class Pipeline:
 
     Weights that complete (`DenoiserConfig.completes`) leave the simulated scan of a layout as it is, and make what the
     layout leaves open; all others make the whole scan from noise. A scan is sampled in `steps` calls of the network,
-    two each where `guidance` strengthens a ControlNet, the last one at `last_noise`. `langevin` is the number of
-    updates a step of the paper's sampler, None the fast one (`sampler.sample`). `trained` says which sensors it was
-    trained on, where that is known: a scan of another one is a `UserWarning`.
+    two each where `guidance` strengthens a ControlNet, the last one at `last_noise`. `trained` says which sensors it
+    was trained on, where that is known: a scan of another one is a `UserWarning`.
     """
 
     denoiser: Denoiser
@@ -63,7 +62,6 @@ class Pipeline:
     steps: int = STEPS
     guidance: float = GUIDANCE
     last_noise: float = LAST_NOISE
-    langevin: int | None = None
     trained: SensorLimits | None = None
 
     def __post_init__(self) -> None:
@@ -73,8 +71,6 @@ class Pipeline:
             raise LidarDraftError(f"guidance is {self.guidance!r}; it must be a finite number of 0 or more")
         if not (is_number(self.last_noise) and self.last_noise > 0):
             raise LidarDraftError(f"last_noise is {self.last_noise!r}; it must be a finite number over 0")
-        if self.langevin is not None:
-            check_number("langevin", self.langevin, least=1)
         self.denoiser.eval()
 
     @classmethod
@@ -85,7 +81,6 @@ class Pipeline:
         device: str = "cpu",
         steps: int | None = None,
         guidance: float | None = None,
-        langevin: int | None = None,
         threads: int | None = None,
     ) -> Pipeline:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`.
@@ -107,7 +102,7 @@ class Pipeline:
         sampling = check_object(card.get("sampling", {})) | {k: v for k, v in given.items() if v is not None}
         with named(path):
             check_fields(sampling, (), ("steps", "guidance", "last_noise"))
-            return cls(denoiser, **sampling, langevin=langevin, trained=trained)
+            return cls(denoiser, **sampling, trained=trained)
 
     def __call__(
         self,
@@ -222,7 +217,6 @@ class Pipeline:
             steps=self.steps,
             guidance=self.guidance,
             last_noise=self.last_noise,
-            langevin=self.langevin,
         )
         for state in states:  # noqa: B007 (the last one is the result)
             for _ in given if on_step is not None else ():

@@ -157,9 +157,9 @@ def read_pipeline(arguments: argparse.Namespace) -> Pipeline:
     """The diffusion model that the options of `add_weights` name."""
     from lidardraft.pipeline import Pipeline
 
-    names = ("device", "steps", "guidance", "langevin")
-    options = {name: getattr(arguments, name) for name in names if hasattr(arguments, name)}
-    return Pipeline.from_pretrained(arguments.weights, **options)
+    return Pipeline.from_pretrained(
+        arguments.weights, device=arguments.device, steps=arguments.steps, guidance=arguments.guidance
+    )
 
 
 def add_speed(parser: Options, more: str = "") -> None:

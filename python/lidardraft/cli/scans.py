@@ -252,13 +252,7 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
     )
     add_inputs(parser, "text-file", "map")
     add_speed(parser.add_argument_group("world"))
-    model = parser.add_argument_group("model")
-    add_weights(model)
-    text = (
-        "sample by annealed Langevin dynamics as the paper does, with N updates a step (LiDARGen: --steps 232 "
-        "--langevin 5): slow (default: the fast solver)"
-    )
-    model.add_argument("--langevin", type=whole_number(1), metavar="N", help=text)
+    add_weights(parser.add_argument_group("model"))
     _add_scan_output(parser)
 
 
