@@ -219,8 +219,9 @@ class Pipeline:
             last_noise=self.last_noise,
         )
         for state in states:  # noqa: B007 (the last one is the result)
-            for _ in given if on_step is not None else ():
-                on_step()
+            for _ in given:
+                if on_step is not None:
+                    on_step()
         images = [decode_scan(one, sensor) for one in state.cpu().numpy()]
         return [
             made if one.is_open is None else merged(one.simulated, made, one.is_open)
