@@ -222,11 +222,11 @@ class Pipeline:
             for _ in given:
                 if on_step is not None:
                     on_step()
-        images = [decode_scan(one, sensor) for one in state.cpu().numpy()]
-        return [
-            made if one.is_open is None else merged(one.simulated, made, one.is_open)
-            for made, one in zip(images, given, strict=True)
-        ]
+        images = [decode_scan(each, sensor) for each in state.cpu().numpy()]
+        for number, one in enumerate(given):
+            if one.is_open is not None:
+                images[number] = merged(one.simulated, images[number], one.is_open)
+        return images
 
 
 def _given(scan: Scan, *, completes: bool) -> _Given:
