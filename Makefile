@@ -44,7 +44,7 @@ report-detail: install ## how well detailed layouts obey the coarse ones, and ho
 report-simulate: install ## layouts of recordings: cast, cast + sensor model, simulated, beside the recordings
 	"$(BIN)/python" benches/report_simulate.py
 
-report-generate: install ## generated scans beside simulated ones: recordings, unseen streets, speed, goals
+report-generate: install ## generated scans of unseen streets and of recordings, speed, goals
 	"$(BIN)/python" benches/report_generate.py
 
 report-two-sample: install ## how well a classifier tells streets from recordings, by what it looks at
@@ -53,9 +53,8 @@ report-two-sample: install ## how well a classifier tells streets from recording
 report-clouds: install ## how near the layouts of recordings come to them, and how long they take
 	"$(BIN)/python" benches/report_cloud.py
 
-report-outputs: install ## sequences, generated frames, edits; exports in foreign readers; data sets killed twenty times
+report-outputs: install ## sequences, edits; exports in foreign readers; data sets killed twenty times
 	"$(BIN)/python" benches/report_sequences.py
-	"$(BIN)/python" benches/report_generated.py
 	"$(BIN)/python" benches/edit_recordings.py
 	"$(BIN)/python" benches/dataset_workers.py
 	"$(BIN)/python" benches/export_pictures.py out/formats.png
@@ -64,9 +63,8 @@ report-outputs: install ## sequences, generated frames, edits; exports in foreig
 report-inputs: install ## how well sentences, scripts, pictures, clouds and sketches become layouts, and bad files end
 	"$(BIN)/python" benches/report_inputs.py
 
-weights: install ## train both packaged weights on streets, in out/: hours
+weights: install ## train paper-small on streets, in out/: hours
 	$(BIN)/lidardraft-train street --recipe paper-small --work out/paper-small -o out/paper-small.safetensors
-	$(BIN)/lidardraft-train street --recipe small --init out/paper-small.safetensors --work out/street -o out/street.safetensors
 
 install: $(STAMP)
 

@@ -2,7 +2,7 @@
 
     python benches/bench_generate.py [--threads 1] [--rounds 5] [--batch 4] [--sensor hdl64e] [--weights FILE]
 
-Without `--weights` the packaged ones. Both precisions take turns, and the least processor time of the rounds counts, so
+Without `--weights` of `paper`. Both precisions take turns, and the least processor time of the rounds counts, so
 that ratios hold on a busy machine; on one without the instructions bfloat16 is emulated. Steps of training are on whole
 scans, without the optimiser. Shares of the operators of a call and a step are printed with `--profile`.
 """
@@ -83,7 +83,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--batch", type=int, default=4)
     parser.add_argument("--sensor", default="hdl64e")
-    parser.add_argument("--weights", type=Path, default=PACKAGED / "street.safetensors")
+    parser.add_argument("--weights", type=Path, default=PACKAGED / "paper.safetensors")
     parser.add_argument("--profile", action="store_true")
     arguments = parser.parse_args()
     torch.set_num_threads(arguments.threads)

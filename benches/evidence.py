@@ -62,7 +62,6 @@ words.n = ["two", "three", "four", "five"]
 RECIPES = {
     "simulated streets": '[[scene]]\nstreet = ["residential", "urban", "avenue", "retail", "country", "motorway"]',
     "simulated sentences": f"[[scene]]{_SENTENCES}",
-    "generated sentences": f'[[scene]]\nweights = "street"{_SENTENCES}',
 }
 
 

@@ -20,7 +20,7 @@ import numpy as np
 
 from lidardraft import Pipeline, RangeImage, Sensor
 from lidardraft.cli.arguments import whole_number
-from lidardraft.evaluation import untrained_weights
+from lidardraft.evaluation import untrained
 from lidardraft.formats.kitti import write_bin
 from lidardraft.metrics.adherence import adherence
 from lidardraft.streets import StreetConfig, StreetPair, streets
@@ -40,8 +40,7 @@ def main() -> None:
     arguments = parser.parse_args()
     pipeline = Pipeline.from_pretrained(arguments.weights, steps=arguments.steps)
     if arguments.untrained:
-        how = {"steps": pipeline.steps, "guidance": pipeline.guidance, "last_noise": pipeline.last_noise}
-        pipeline = Pipeline(untrained_weights(pipeline.denoiser), **how)
+        pipeline = untrained(pipeline)
     agreeing = defaultdict[str, list[float]](list)
     for name, image, street in scans(pipeline, arguments.num, Sensor.preset("hdl64e")):
         folder = arguments.output / name

@@ -2,12 +2,11 @@
 
     python benches/report_generate.py [-n 50] [--weights NAME] [--sensor NAME] [--only PART] [--data FOLDER]
 
-"streets" are scored as by `lidardraft evaluate`, which explains the columns: weights that complete are given half of
-each of `-n` unseen streets, all others make whole scans. "seeds" compares what the same weights make of one half-open
-street with different streets. "recordings" holds whole scans of the layouts of labelled recordings in FOLDER (by
-default LIDARDRAFT_DATA), at most `-n` a sensor, against these (`report_simulate.py` explains the rows). "speed" is the
-time and memory of a scan. In each table of scores stand what is passed through and the same network untrained. Last
-comes what was to be reached. `--only` takes the parts whose names hold PART.
+"streets" are scored as by `lidardraft evaluate`, which explains the columns. "recordings" holds scans of the layouts of
+labelled recordings in FOLDER (by default LIDARDRAFT_DATA), at most `-n` a sensor, against these (`report_simulate.py`
+explains the rows). "speed" is the time and memory of a scan. In each table of scores stand what is passed through and
+the same network untrained. Last comes what was to be reached. `--only` takes the parts whose names hold PART. Weights
+that complete have `completed_halves.py`.
 """
 
 from __future__ import annotations
@@ -22,11 +21,11 @@ import numpy as np
 
 from cases import recorded_sets
 from generated_speed import measure_speed
-from generated_streets import compare_on_streets, compare_seeds, with_untrained
 from goals import Goal, goal_table
-from lidardraft import Pipeline
-from lidardraft.cli.arguments import add_sensor, add_weights, read_sensor, whole_number
-from markdown_table import table
+from lidardraft import Pipeline, Sensor
+from lidardraft.cli.arguments import add_sensor, add_weights, read_pipeline, read_sensor, whole_number
+from lidardraft.evaluation import Scores, evaluate, unseen_streets, untrained
+from markdown_table import Row, table
 from report_simulate import report
 
 
@@ -39,7 +38,9 @@ def main() -> None:
     parser.add_argument("--only", default="", metavar="PART", help="parts whose names hold this")
     parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
     given = parser.parse_args()
-    pipeline = Pipeline.from_pretrained(given.weights, device=given.device, steps=given.steps)
+    pipeline = read_pipeline(given)
+    if pipeline.denoiser.config.completes:
+        parser.error("these weights complete scans: see completed_halves.py")
     goals = list(printed(parts(pipeline, given)))
     if goals:
         print(f"### Goals\n\n{goal_table(goals)}")
@@ -50,24 +51,37 @@ def parts(pipeline: Pipeline, given: argparse.Namespace) -> Iterator[str | Goal]
     sensor = read_sensor(given.sensor)
     if given.only in "streets":
         yield from compare_on_streets(pipeline, sensor, given.num)
-    if given.only in "seeds" and pipeline.denoiser.config.completes:
-        yield from compare_seeds(pipeline, sensor, given.num)
     if given.only in "recordings" and given.data is not None:
         yield from compare_with_recordings(pipeline, given.data, given.num)
     if given.only in "speed":
         yield from measure_speed(given.weights)
 
 
+def compare_on_streets(pipeline: Pipeline, sensor: Sensor, number: int) -> Iterator[str | Goal]:
+    """The table of `lidardraft evaluate`, then the goals."""
+    rows = {scores.name: numbers(scores) for scores in evaluate(pipeline, unseen_streets(number, sensor=sensor))}
+    yield f"### Streets, {sensor.name}, {number} scans\n\n{table(rows)}\n"
+    made = rows["generated"]
+    yield Goal("objects that stand as in their own layout", {"objects": made["objects"]}, least=0.66)
+    yield Goal("... as in the layout of another street", {"other": made["other"]}, most=0.08)
+    yield Goal("JSD to the streets' own scans", {"bev": made["bev"]}, most=0.12)
+    lost = {"drop": made["drop"] - rows["detailed scan"]["drop"]}
+    yield Goal("rays lost, minus those of the detailed scans", lost, least=-0.01, most=0.01)
+
+
+def numbers(scores: Scores) -> Row:
+    """The scores that are one number."""
+    return {name: value for name, value in vars(scores).items() if isinstance(value, float)}
+
+
 def compare_with_recordings(pipeline: Pipeline, folder: Path, number: int) -> Iterator[str]:
     """A table of each set of recordings, of `number` scans at most."""
-    if pipeline.denoiser.config.completes:
-        yield "The layouts of recordings leave nothing open: these weights add nothing to the simulated scans.\n"
-        return
     for name, make in recorded_sets(folder):
         cases = make()
         chosen = np.unique(np.linspace(0, len(cases.cases) - 1, number).astype(int)) if cases.cases else []
         if len(chosen):
-            rows = report(replace(cases, cases=[cases.cases[k] for k in chosen]), with_untrained(pipeline))
+            both = {"generated": pipeline, "untrained": untrained(pipeline)}
+            rows = report(replace(cases, cases=[cases.cases[k] for k in chosen]), both)
             yield f"### {name}, {len(chosen)} scans\n\n{table(rows)}\n"
 
 

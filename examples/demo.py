@@ -31,13 +31,13 @@ def main() -> None:
         print(f"[{time.perf_counter() - start:5.1f} s] {text}", flush=True)
 
     say(f"drafting: {arguments.text}")
-    layout = lidardraft.layout_from_text(arguments.text, seed=arguments.seed)
+    layout = lidardraft.surround(lidardraft.layout_from_text(arguments.text, seed=arguments.seed), seed=arguments.seed)
     layout.save(folder / "layout.json")
     say(f"{len(layout)} shapes, {len(layout.boxes())} objects with a box; simulating")
     sensor = lidardraft.Sensor.preset("hdl64e")
     simulated = lidardraft.simulate(layout, sensor, seed=arguments.seed)
     say(f"{len(simulated.points())} points; loading the generator")
-    pipeline = lidardraft.Pipeline.from_pretrained("street")
+    pipeline = lidardraft.Pipeline.from_pretrained("paper-small")  # "paper" takes six times as long
     say(f"generating in {pipeline.steps} steps")
     generated = pipeline(layout, sensor=sensor, seed=arguments.seed)
     for name, scan in (("simulated", simulated), ("generated", generated)):

@@ -3,25 +3,23 @@
 import dataclasses
 import math
 import warnings
+from contextlib import nullcontext
 from typing import Any
 
 import numpy as np
 import pytest
 import torch
-from scipy.spatial import cKDTree
 
-from lidardraft import Layout, Pipeline, RangeImage, Scan, Sensor, layout_from_text, raycast, simulate
+from lidardraft import Layout, Pipeline, RangeImage, Sensor, layout_from_text, raycast, simulate
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.sensor_limits import SensorLimits
 from lidardraft.errors import CheckpointError, LidarDraftError
 from lidardraft.evaluation import unseen_streets, untrained_weights
 from lidardraft.metrics.adherence import adherence
-from lidardraft.pipeline import _cast_and_open, merged
-from lidardraft.scene import edit
+from lidardraft.pipeline import merged
 from lidardraft.scene.semantic_map import standing_on_ground
 from lidardraft.scene.visibility import open_pixels
-from lidardraft.simulation.sequence import SequenceSimulator
 from lidardraft.training import recipes
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=128)
@@ -59,11 +57,15 @@ def is_open(layout: Layout, speed: float = 0.0) -> np.ndarray:
     return open_pixels(layout, raycast(layout, SMALL, poses=poses, primitive=True), SMALL.pose())
 
 
-def test_the_packaged_weights_complete_and_are_known_by_their_sensors() -> None:
-    street = Pipeline.from_pretrained("street")
-    assert street.denoiser.config.completes
-    assert street.trained is not None
-    assert street.trained.difference(Sensor.preset("hdl64e")) is None
+def test_the_packaged_weights_say_how_they_are_sampled_and_are_known_by_their_sensors() -> None:
+    for made, steps, noise in (
+        (Pipeline.from_pretrained(), 12, 0.1),
+        (Pipeline.from_pretrained("paper-small"), 10, 1.0),
+    ):
+        assert made.denoiser.config.controlnet
+        assert (made.steps, made.guidance, made.last_noise) == (steps, 2, noise)
+        assert made.trained is not None
+        assert made.trained.difference(Sensor.preset("hdl64e")) is None
 
 
 def test_a_sensor_that_the_weights_know_is_no_warning(pipeline: Pipeline) -> None:
@@ -160,14 +162,31 @@ def test_weights_that_do_not_see_the_simulated_scan_get_nothing_of_it(layout: La
     assert not np.array_equal(one.depth, heeded.depth)
 
 
-def test_the_papers_sampler_takes_as_many_steps_and_gives_another_scan() -> None:
-    denoiser = of(CONTROLLED).denoiser
-    scans, steps = [], list[int]()
-    for langevin in (None, 2):
-        made = Pipeline(denoiser, steps=3, langevin=langevin)
-        scans.append(made("a car ahead", sensor=SMALL, on_step=lambda: steps.append(1)).image)
-    assert len(steps) == 6
-    assert not np.array_equal(scans[0].depth, scans[1].depth)
+@pytest.mark.parametrize("config", [CONTROLLED, recipes.tiny()[-1].denoiser], ids=["whole", "completing"])
+def test_scans_that_are_made_at_once_are_those_made_alone(
+    config: DenoiserConfig, layout: Layout, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made, steps, sizes = of(config), list[int](), list[int]()
+    sources = [(layout, 3), ("a bus behind", 4), (closed(layout), 5), (layout, 6), (layout, 7)]
+    with pytest.warns(UserWarning, match="nothing open") if config.completes else nullcontext():
+        alone = [made(source, sensor=SMALL, seed=seed).image for source, seed in sources]
+        monkeypatch.setattr(Pipeline, "_at_once", lambda *_: 3)
+        denoise = made.denoiser.denoise
+
+        def counted(x: torch.Tensor, *given: Any, **options: Any) -> torch.Tensor:
+            sizes.append(len(x))
+            return denoise(x, *given, **options)
+
+        monkeypatch.setattr(made.denoiser, "denoise", counted)
+        scans = list(made.scans(sources, sensor=SMALL, on_step=lambda: steps.append(1)))
+    assert set(sizes) == {3 - config.completes, 2}  # what leaves nothing open is left out
+    assert len(steps) == 2 * (5 - config.completes)
+    assert [scan.seed for scan in scans] == [3, 4, 5, 6, 7]
+    for scan, image in zip(scans, alone, strict=True):
+        np.testing.assert_array_equal(scan.image.valid, image.valid)
+        np.testing.assert_allclose(scan.image.depth, image.depth, rtol=1e-4)
+        assert (scan.image.label == image.label).mean() > 0.999
+        np.testing.assert_array_equal(scan.image.instance, image.instance)
 
 
 def test_a_merged_scan_is_one_where_it_is_open_and_the_other_elsewhere() -> None:
@@ -221,43 +240,8 @@ def test_a_semantic_map_becomes_a_scan_and_weights_that_see_classes_alone_heed_n
         assert np.array_equal(scans[0].depth, scans[1].depth) == (parts == ("class",))
 
 
-def test_an_edit_changes_nothing_outside_of_the_object_and_what_it_hid(pipeline: Pipeline, layout: Layout) -> None:
-    before = pipeline(layout, sensor=SMALL, seed=1)
-    for edited in (edit.remove(layout, "car_1"), edit.move(layout, "car_1", (6.0, 0.0, 0.0))):
-        after = pipeline(edited, sensor=SMALL, seed=1, after=before)
-        casts = [raycast(one, SMALL, SMALL.pose(), primitive=True).depth for one in (layout, edited)]
-        outside = (casts[0] == casts[1]) & (before.image.valid | after.image.valid)
-        near = np.abs(after.image.depth - before.image.depth) < 0.05
-        assert outside.sum() > 500
-        assert near[outside].mean() >= 0.99
-        assert (after.image.label == before.image.label)[outside].mean() >= 0.99
-
-
-def test_frames_show_what_earlier_ones_made_up(pipeline: Pipeline) -> None:
-    simulator = SequenceSimulator("a straight road, a car 15 m ahead", SMALL, frames=3, speed=5.0)
-    one, *_, last = pipeline.frames(simulator)
-    alone = pipeline._made(simulator.frame(2), 7, None, None)
-
-    def made_up(scan: Scan) -> np.ndarray:
-        _, where = _cast_and_open(scan)
-        return scan.image.keep(where).points(scan.poses())
-
-    off = [cKDTree(made_up(one)).query(made_up(scan))[0] for scan in (last, alone)]
-    shares = [float((each < 0.25).mean()) for each in off]
-    assert shares[0] > 1.5 * shares[1] > 0, shares
-
-
-def test_other_weights_and_sensors_go_on_from_no_scan(pipeline: Pipeline, layout: Layout) -> None:
-    scan, other = simulate(layout, SMALL), dataclasses.replace(SMALL, columns=64)
-    for one, sensor in ((of(CONTROLLED), SMALL), (pipeline, other)):
-        with pytest.raises(CheckpointError, match="go on from an earlier scan"):
-            one(layout, sensor=sensor, after=scan)
-    with pytest.raises(CheckpointError, match="go on from an earlier scan"):
-        next(of(CONTROLLED).frames(SequenceSimulator(layout, SMALL, frames=2)))
-
-
 @pytest.mark.parametrize(
-    "wrong", [{"steps": 0}, {"steps": 1.5}, {"langevin": 0}, {"guidance": -1.0}, {"guidance": math.nan}]
+    "wrong", [{"steps": 0}, {"steps": 1.5}, {"last_noise": 0}, {"guidance": -1.0}, {"guidance": math.nan}]
 )
 def test_a_pipeline_that_cannot_be(pipeline: Pipeline, wrong: dict[str, Any]) -> None:
     (name,) = wrong

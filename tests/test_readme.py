@@ -48,7 +48,7 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
     for line in lines:
         words = shlex.split(line, comments=True)[1:]
         if words[0] in ("generate", "evaluate"):
-            words += ["--steps", "1"]
+            words += ["--weights", "paper-small", "--steps", "1"]
         if words[0] == "evaluate":
             words += ["-n", "1"]  # 50 streets take minutes
         if "--frames" in words:

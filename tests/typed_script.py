@@ -108,7 +108,9 @@ def scans(layout: Layout, sensor: Sensor, denoiser: Denoiser) -> Iterator[Scan]:
     tracks: Tracks = simulator.tracks
     ego: Track = tracks.ego
     yield from SequenceSimulator(layout, sensor, Scenario(ego=Waypoints(tuple(map(tuple, ego.places.tolist())))))
-    yield Pipeline(denoiser, trained=SensorLimits.from_sensor(sensor))("a bus ahead", seed=1, after=None)
+    pipeline = Pipeline(denoiser, trained=SensorLimits.from_sensor(sensor))
+    yield pipeline("a bus ahead", seed=1)
+    yield from pipeline.scans([("a bus ahead", 2), (layout, 3)], sensor=sensor, speed=5.0)
     config = StreetConfig(sensor=sensor, mix=StreetMix(traffic=2.0))
     yield lidardraft.street_scan(3, seed=1, config=config)
     pair = next(streets.streets(seed=1, config=config, workers=2))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -12,7 +12,6 @@ import torch
 
 from lidardraft.diffusion.codec import encode_condition, encode_rays, encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
-from lidardraft.diffusion.denoiser_config import STEPS
 from lidardraft.metrics.adherence import Adherence, adherence
 from lidardraft.metrics.bev import bev_histogram
 from lidardraft.metrics.lifelike import CLASS_SETS, class_counts, mean_known, pooled_divergence
@@ -84,17 +83,10 @@ def evaluate(
     if opened is None:
         yield score("condition image", pairs, (pair.condition_image for pair in pairs))
     else:
-        bare = (merged(_simulated(pair), _lawn(pair), part) for pair, part in zip(pairs, opened, strict=True))
+        bare = (merged(_simulated(pair), lawn(pair), part) for pair, part in zip(pairs, opened, strict=True))
         yield score("bare", pairs, bare, opened)
     yield score("simulated", pairs, (_simulated(pair) for pair in pairs), opened)
-    untrained = Pipeline(
-        untrained_weights(pipeline.denoiser),
-        steps=pipeline.steps,
-        guidance=pipeline.guidance,
-        last_noise=pipeline.last_noise,
-        langevin=pipeline.langevin,
-    )
-    for name, generator in (("generated", pipeline), ("untrained", untrained)):
+    for name, generator in (("generated", pipeline), ("untrained", untrained(pipeline))):
         made = (
             generator.generate(pair.condition_image, _simulated(pair), is_open, seed=pair.index)
             for pair, is_open in zip(pairs, opened or itertools.repeat(None), strict=opened is not None)
@@ -113,14 +105,10 @@ def half_opened(scans: Sequence[RangeImage]) -> list[np.ndarray]:
 
 
 def sample_scans(
-    denoiser: Denoiser,
-    condition_images: list[RangeImage],
-    *,
-    steps: int = STEPS,
-    on_scan: Callable[[], object] | None = None,
+    denoiser: Denoiser, condition_images: list[RangeImage], *, on_scan: Callable[[], object] | None = None
 ) -> list[RangeImage]:
     """What a denoiser that does not see simulated scans makes of each condition image, from noise."""
-    pipeline = Pipeline(denoiser, steps=steps)
+    pipeline = Pipeline(denoiser)
     scans = (pipeline.generate(image, image, seed=seed) for seed, image in enumerate(condition_images))
     return list(_counted(scans, on_scan))
 
@@ -152,7 +140,7 @@ def _simulated(pair: StreetPair) -> RangeImage:
     return pair.simulated
 
 
-def _lawn(pair: StreetPair) -> RangeImage:
+def lawn(pair: StreetPair) -> RangeImage:
     """What a sensor at the place of a pair reports of a lawn without end."""
     return simulate(_LAWN, pair.scan.sensor, pose=pair.pose, speed=pair.speed, seed=pair.index).image
 
@@ -163,6 +151,11 @@ def _counted(items: Iterable[_Item], on_item: Callable[[], object] | None) -> It
         if on_item is not None:
             on_item()
         yield item
+
+
+def untrained(pipeline: Pipeline) -> Pipeline:
+    """The same pipeline with random weights."""
+    return replace(pipeline, denoiser=untrained_weights(pipeline.denoiser), trained=None)
 
 
 def untrained_weights(denoiser: Denoiser) -> Denoiser:

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
+import math
 import os
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import KW_ONLY, dataclass
+from typing import NamedTuple
 
 import numpy as np
 import torch
@@ -15,7 +19,6 @@ from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import GUIDANCE, LAST_NOISE, STEPS
 from lidardraft.diffusion.sampler import sample
 from lidardraft.diffusion.sensor_limits import SensorLimits
-from lidardraft.drafting.text.layout import layout_from_text
 from lidardraft.errors import CheckpointError, LidarDraftError, check_number, check_seed, check_type
 from lidardraft.files import named
 from lidardraft.json_fields import check_fields, check_object, is_number
@@ -25,58 +28,59 @@ from lidardraft.scene.labelling import label_by_agreement
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
-from lidardraft.scene.reprojection import reprojected
 from lidardraft.scene.semantic_map import standing_on_ground
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.visibility import open_pixels
-from lidardraft.simulation.sequence import SequenceSimulator
 from lidardraft.simulation.simulate import simulate
 
 _NOTHING_OPEN = "the layout leaves nothing open: the scan is the simulated one"
-_ONE_WORLD = "only weights that complete, such as street, go on from an earlier scan, and only of the same sensor"
+_PIXELS_AT_ONCE = 2**19  # that a GPU makes in a call: 8 scans of 64 x 1024
 
 
+class _Given(NamedTuple):
+    """What a scan is made of: the cast of a layout, its simulated scan, and a seed. Weights that complete make what
+    `is_open`, bool [H, W]; all others the whole scan, where it is None."""
+
+    cast: RangeImage
+    simulated: RangeImage
+    is_open: np.ndarray | None
+    seed: int
+
+
+@dataclass(frozen=True, eq=False)
 class Pipeline:
     """A denoiser, ready to turn sentences and layouts into scans, of an hdl64e where no sensor is given.
 
     Weights that complete (`DenoiserConfig.completes`) leave the simulated scan of a layout as it is, and make what the
     layout leaves open; all others make the whole scan from noise. A scan is sampled in `steps` calls of the network,
-    two each where `guidance` strengthens a ControlNet, the last one at `last_noise`. `langevin` is the number of
-    updates a step of the paper's sampler, None the fast one (`sampler.sample`). `trained` says which sensors it was
-    trained on, where that is known: a scan of another one is a `UserWarning`.
+    two each where `guidance` strengthens a ControlNet, the last one at `last_noise`. `trained` says which sensors it
+    was trained on, where that is known: a scan of another one is a `UserWarning`.
     """
 
-    def __init__(
-        self,
-        denoiser: Denoiser,
-        *,
-        steps: int = STEPS,
-        guidance: float = GUIDANCE,
-        last_noise: float = LAST_NOISE,
-        langevin: int | None = None,
-        trained: SensorLimits | None = None,
-    ) -> None:
-        check_type("denoiser", denoiser, Denoiser)
-        if not (is_number(guidance) and guidance >= 0):
-            raise LidarDraftError(f"guidance is {guidance!r}; it must be a finite number of 0 or more")
-        self.denoiser = denoiser.eval()
-        self.steps = check_number("steps", steps, least=1)
-        self.guidance = float(guidance)
-        if not (is_number(last_noise) and last_noise > 0):
-            raise LidarDraftError(f"last_noise is {last_noise!r}; it must be a finite number over 0")
-        self.last_noise = float(last_noise)
-        self.langevin = None if langevin is None else check_number("langevin", langevin, least=1)
-        self.trained = trained
+    denoiser: Denoiser
+    _: KW_ONLY
+    steps: int = STEPS
+    guidance: float = GUIDANCE
+    last_noise: float = LAST_NOISE
+    trained: SensorLimits | None = None
+
+    def __post_init__(self) -> None:
+        check_type("denoiser", self.denoiser, Denoiser)
+        check_number("steps", self.steps, least=1)
+        if not (is_number(self.guidance) and self.guidance >= 0):
+            raise LidarDraftError(f"guidance is {self.guidance!r}; it must be a finite number of 0 or more")
+        if not (is_number(self.last_noise) and self.last_noise > 0):
+            raise LidarDraftError(f"last_noise is {self.last_noise!r}; it must be a finite number over 0")
+        self.denoiser.eval()
 
     @classmethod
     def from_pretrained(
         cls,
-        name: str | os.PathLike[str] = "street",
+        name: str | os.PathLike[str] = "paper",
         *,
         device: str = "cpu",
         steps: int | None = None,
         guidance: float | None = None,
-        langevin: int | None = None,
         threads: int | None = None,
     ) -> Pipeline:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`.
@@ -98,7 +102,7 @@ class Pipeline:
         sampling = check_object(card.get("sampling", {})) | {k: v for k, v in given.items() if v is not None}
         with named(path):
             check_fields(sampling, (), ("steps", "guidance", "last_noise"))
-            return cls(denoiser, **sampling, langevin=langevin, trained=trained)
+            return cls(denoiser, **sampling, trained=trained)
 
     def __call__(
         self,
@@ -107,53 +111,51 @@ class Pipeline:
         sensor: Sensor | None = None,
         seed: int = 0,
         speed: float = 0.0,
-        after: Scan | None = None,
         on_step: Callable[[], object] | None = None,
     ) -> Scan:
-        """The scan of a sentence or a layout, by a sensor that moves ahead with `speed` [m/s] while it sweeps.
+        """The scan of a layout, or of a sentence in its street, by a sensor that moves ahead with `speed` [m/s].
 
-        Same arguments, same scan; another seed gives another one (of a sentence, with another layout too). What weights
-        that complete made up in the scan `after`, of this layout before an edit, stays where it is open and seen.
-        `on_step` is called after each sampling step. A layout that leaves nothing open to weights that complete is a
-        `UserWarning`; `after` with others, or of another sensor, is a `CheckpointError`.
+        Same arguments, same scan; another seed gives another one (of a sentence, with another layout too). `on_step` is
+        called after each sampling step. A layout that leaves nothing open to weights that complete is a `UserWarning`.
         """
         check_type("source", source, str, Layout)
-        sensor = sensor or Sensor.preset("hdl64e")
-        layout = layout_from_text(source, seed=seed) if isinstance(source, str) else source
-        return self._made(simulate(layout, sensor, seed=seed, speed=speed), seed, after, on_step)
+        return next(self.scans([(source, seed)], sensor=sensor, speed=speed, on_step=on_step))
 
-    def frames(self, simulator: SequenceSimulator, *, on_step: Callable[[], object] | None = None) -> Iterator[Scan]:
-        """The frames of a sequence; what one makes up, the next ones show from where the sensor is then.
+    def scans(
+        self,
+        sources: Iterable[tuple[str | Layout, int]],
+        *,
+        sensor: Sensor | None = None,
+        speed: float = 0.0,
+        on_step: Callable[[], object] | None = None,
+    ) -> Iterator[Scan]:
+        """The scans of many sentences or layouts, each with its seed. A GPU makes several in the same calls.
 
-        Raises `CheckpointError` with weights that do not complete.
+        `on_step` is called after each sampling step of each scan.
         """
-        if not self.denoiser.config.completes:
-            raise CheckpointError(_ONE_WORLD)
-        before: Scan | None = None
-        for simulated in simulator:
-            before = self._made(simulated, simulator.seed, before, on_step)
-            yield before
+        sensor, rest = sensor or Sensor.preset("hdl64e"), iter(sources)
+        while some := list(itertools.islice(rest, self._at_once(sensor))):
+            yield from self._made([simulate(each, sensor, seed=seed, speed=speed) for each, seed in some], on_step)
 
-    def _made(self, simulated: Scan, seed: int, after: Scan | None, on_step: Callable[[], object] | None) -> Scan:
-        """What becomes of a simulated scan."""
-        completes, poses = self.denoiser.config.completes, simulated.poses()
-        cast, is_open = _cast_and_open(simulated)
-        if completes and not is_open.any():
-            warnings.warn(_NOTHING_OPEN, stacklevel=3)
-            return dataclasses.replace(simulated, assumed=(*simulated.assumed, _NOTHING_OPEN))
-        given = simulated.image
-        if after is not None:
-            if not completes or after.image.sensor != given.sensor:
-                raise CheckpointError(_ONE_WORLD)
-            old, known = reprojected(after.image, _cast_and_open(after)[1], after.poses(), poses)
-            known &= is_open
-            given, cast, is_open = merged(given, old, known), merged(cast, old, known), is_open & ~known
-        image = given
-        if is_open.any() or not completes:
-            image = self.generate(cast, given, is_open, seed=seed, on_step=on_step)
-        if not completes:
-            image = label_by_agreement(image, (given, cast), simulated.layout, poses)
-        return dataclasses.replace(simulated, image=image)
+    def _at_once(self, sensor: Sensor) -> int:
+        """How many scans a call of the network makes."""
+        is_cpu = next(self.denoiser.parameters()).device.type == "cpu"
+        return 1 if is_cpu else max(1, _PIXELS_AT_ONCE // math.prod(sensor.shape))
+
+    def _made(self, simulated: Sequence[Scan], on_step: Callable[[], object] | None) -> Iterator[Scan]:
+        """What becomes of simulated scans of one sensor."""
+        given = [_given(scan, completes=self.denoiser.config.completes) for scan in simulated]
+        images = iter(self._sampled([one for one in given if one.is_open is None or one.is_open.any()], on_step))
+        for scan, one in zip(simulated, given, strict=True):
+            if one.is_open is None:
+                known = (one.simulated, one.cast)
+                image = label_by_agreement(next(images), known, scan.layout, scan.poses())
+                yield dataclasses.replace(scan, image=image)
+            elif one.is_open.any():
+                yield dataclasses.replace(scan, image=next(images))
+            else:
+                warnings.warn(_NOTHING_OPEN, stacklevel=4)
+                yield dataclasses.replace(scan, assumed=(*scan.assumed, _NOTHING_OPEN))
 
     def from_map(
         self,
@@ -175,7 +177,6 @@ class Pipeline:
         image = standing_on_ground(label, sensor or Sensor.preset("hdl64e"))
         return self.generate(image, image, seed=seed, on_step=on_step)
 
-    @torch.inference_mode()
     def generate(
         self,
         condition_image: RangeImage,
@@ -189,39 +190,50 @@ class Pipeline:
 
         Of weights that complete it is the simulated scan but where `is_open`, bool [H, W]: None is everywhere.
         """
-        sensor, config, seed = condition_image.sensor, self.denoiser.config, check_seed(seed)
+        if not self.denoiser.config.completes:
+            is_open = None
+        elif is_open is None:
+            is_open = np.ones(simulated.sensor.shape, dtype=bool)
+        (image,) = self._sampled([_Given(condition_image, simulated, is_open, check_seed(seed))], on_step)
+        return image
+
+    @torch.inference_mode()
+    def _sampled(self, given: Sequence[_Given], on_step: Callable[[], object] | None) -> list[RangeImage]:
+        """The scans of what is given, all of one sensor, in the same calls of the network."""
+        if not given:
+            return []
+        sensor, condition = given[0].simulated.sensor, None
         difference = self.trained and self.trained.difference(sensor)
         if difference:
             warnings.warn(f"these weights were trained on {difference}; its scans may be poor", stacklevel=2)
-        condition = None
-        if config.condition:
-            if not config.completes:
-                is_open = None
-            elif is_open is None:
-                is_open = np.ones(sensor.shape, dtype=bool)
-            condition = torch.from_numpy(encode_condition(condition_image, simulated, is_open))[None]
+        if self.denoiser.config.condition:
+            encoded = [encode_condition(one.cast, one.simulated, one.is_open) for one in given]
+            condition = torch.from_numpy(np.stack(encoded))
         states = sample(
             self.denoiser,
             sensor,
-            seeds=[seed],
+            seeds=[one.seed for one in given],
             condition=condition,
             steps=self.steps,
             guidance=self.guidance,
             last_noise=self.last_noise,
-            langevin=self.langevin,
         )
         for state in states:  # noqa: B007 (the last one is the result)
-            if on_step is not None:
-                on_step()
-        made = decode_scan(state[0].cpu().numpy(), sensor)
-        return merged(simulated, made, is_open) if config.completes and is_open is not None else made
+            for _ in given:
+                if on_step is not None:
+                    on_step()
+        images = [decode_scan(each, sensor) for each in state.cpu().numpy()]
+        for number, one in enumerate(given):
+            if one.is_open is not None:
+                images[number] = merged(one.simulated, images[number], one.is_open)
+        return images
 
 
-def _cast_and_open(scan: Scan) -> tuple[RangeImage, np.ndarray]:
-    """The cast of the layout of a scan, and what it leaves open, bool [H, W]."""
+def _given(scan: Scan, *, completes: bool) -> _Given:
+    """What a simulated scan's layout gives."""
     poses = scan.poses()
     cast = raycast(scan.layout, scan.image.sensor, poses=poses, primitive=True)
-    return cast, open_pixels(scan.layout, cast, poses)
+    return _Given(cast, scan.image, open_pixels(scan.layout, cast, poses) if completes else None, scan.seed)
 
 
 def merged(given: RangeImage, made: RangeImage, is_open: np.ndarray) -> RangeImage:

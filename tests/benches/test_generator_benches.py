@@ -1,4 +1,4 @@
-"""The report of generated scans: seeds beside streets, scores beside what is passed through, recordings."""
+"""The reports of generated scans: beside what is passed through, recordings, and procedural streets."""
 
 import dataclasses
 import math
@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 import torch
 
+import completed_halves
 import report_generate
 from cases import street_set
-from generated_streets import compare_seeds
 from lidardraft import Pipeline
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.networks import weight_file
@@ -45,48 +45,36 @@ def printed(
     return capsys.readouterr().out
 
 
-def test_seeds_of_one_street_are_held_against_as_many_streets(
-    completing: Pipeline, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    text, goal = compare_seeds(completing, GRID, 2)
-    cells = [line.split(" | ") for line in text.splitlines() if line.startswith("| ")][1:]
-    found = {name.strip("| "): float(value.strip("| ")) for name, value in cells}
-    assert list(found) == ["other streets", "simulated", "generated", "untrained"]
-    assert found["generated"] > 0
-    assert 0 < found["simulated"] < 0.8 * found["other streets"]  # one layout, eight units of the sensor
-    assert goal.values["BEV"] == pytest.approx(found["generated"] / found["other streets"], rel=0.01)
-    monkeypatch.setattr(Pipeline, "generate", lambda _, __, simulated, *___, **____: simulated)
-    _, goal = compare_seeds(completing, GRID, 2)
-    assert goal.values == {"BEV": 0.0}  # eight times the same scan
-
-
-@pytest.mark.parametrize(("kind", "passed_through"), [("completing", "bare"), ("whole", "condition image")])
 def test_streets_are_scored_beside_what_is_passed_through(
-    kind: str,
-    passed_through: str,
-    request: pytest.FixtureRequest,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    whole: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    out = printed(request.getfixturevalue(kind), "streets", tmp_path, monkeypatch, capsys)
+    out = printed(whole, "streets", tmp_path, monkeypatch, capsys)
     names = [line.split(" | ")[0].strip("| ") for line in out.splitlines() if line.startswith("| ")]
-    assert names[1:7] == ["detailed scan", "other streets", passed_through, "simulated", "generated", "untrained"]
-    assert ("half of each open" in out) == (kind == "completing") == ("generated / bare | <= 0.5" in out)
-    assert ("own layout | >= 0.5" in out) == (kind == "whole")
+    assert names[1:7] == ["detailed scan", "other streets", "condition image", "simulated", "generated", "untrained"]
+    assert "own layout | >= 0.66" in out
     assert "recordings" not in out
 
 
-def test_whole_scans_alone_are_held_against_recordings(
-    completing: Pipeline,
-    whole: Pipeline,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+def test_halves_are_completed_beside_a_procedural_street_and_a_lawn(
+    completing: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "weights.safetensors"
+    weight_file.save(completing.denoiser, file, {"sampling": {"steps": 1}})
+    monkeypatch.setattr(Sensor, "preset", lambda _: GRID)
+    monkeypatch.setattr("sys.argv", ["completed_halves.py", str(file), "-n", "2", "-o", str(tmp_path / "look.png")])
+    completed_halves.main()
+    lines = [line.split(" | ") for line in capsys.readouterr().out.splitlines() if line.startswith("| ")]
+    scores, shares = ({line[0].strip("| "): line for line in some} for some in (lines[1:5], lines[6:]))
+    assert list(scores) == list(shares) == ["weights", "surround", "bare", "detailed scan"]
+    assert set(shares["bare"][1:4]) == {"1"}
+    assert float(scores["surround"][2]) < float(scores["bare"][2])  # heights
+    assert (tmp_path / "look.png").exists()
+
+
+def test_scans_are_held_against_recordings(
+    whole: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr(report_generate, "recorded_sets", lambda _: [("small", lambda: street_set(3, GRID))])
-    said = "The layouts of recordings leave nothing open: these weights add nothing to the simulated scans.\n\n"
-    assert printed(completing, "recordings", tmp_path, monkeypatch, capsys) == said
     out = printed(whole, "recordings", tmp_path, monkeypatch, capsys)
     assert "### small, 2 scans" in out
     assert "| cast | + sensor model | simulated | generated | untrained |" in out

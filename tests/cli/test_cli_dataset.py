@@ -253,13 +253,13 @@ def test_a_set_goes_on_with_the_version_and_the_weights_that_began_it(
 ) -> None:
     scene = '[[scene]]\ntext = "a car ahead"\nweights = "mine.safetensors"\n'
     recipe.write_text(f'{scene}[[sensor]]\nname = "small.json"\n')
-    street, mine = PACKAGED / "street.safetensors", Path("mine.safetensors")
-    mine.write_bytes(street.read_bytes())
+    small, mine = PACKAGED / "paper-small.safetensors", Path("mine.safetensors")
+    mine.write_bytes(small.read_bytes())
     whole = made("-n", "1", "-o", "set", "--jobs", "1")
     assert made("-n", "1", "-o", "set", "--jobs", "1") == whole
     kept = json.loads(Path("set/recipe.json").read_text())
     assert kept["version"] == lidardraft.__version__
-    assert kept["weights"] == [zlib.crc32(street.read_bytes())]
+    assert kept["weights"] == [zlib.crc32(small.read_bytes())]
 
     mine.write_bytes((PACKAGED / "paper.safetensors").read_bytes())
     said = refused("dataset", "recipe.toml", "-n", "2", "-o", "set")
@@ -269,7 +269,7 @@ def test_a_set_goes_on_with_the_version_and_the_weights_that_began_it(
     assert "weights are 'mine.safetensors'; they must be a file or one of" in refused(
         "dataset", "recipe.toml", "-o", "x"
     )
-    mine.write_bytes(street.read_bytes())
+    mine.write_bytes(small.read_bytes())
 
     with monkeypatch.context() as later:
         later.setattr(lidardraft, "__version__", "9.9")
@@ -362,11 +362,11 @@ BAD = [
     ("[[sensor]]", "[sensor]", "sensor is {'name': 'small.json'"),
     ('name = "small.json"', "", "sensor 1, name is missing; it must be a text"),
     ('"small.json"', '["small.json", "hdl64e"]', "sensor 1, name is ['small.json', 'hdl64e']; it must be a text"),
-    ("speed = [0,", 'weights = ["street", "paper"]\nspeed = [0,', "scene 1, weights is ['street', 'paper']; it must"),
+    ("speed = [0,", 'weights = ["paper", "mine"]\nspeed = [0,', "scene 1, weights is ['paper', 'mine']; it must"),
     ('layout = "*.layout.json"', 'text_file = ["a", "b"]', "scene 3, text_file is ['a', 'b']; it must be a text"),
     ('layout = "*.layout.json"', 'text_file = "empty.txt"', "empty.txt holds no sentence; it must hold one a line"),
     ('remove = "car_1"', 'remove = ["a", "b"]', "scene 1, edit 1, remove is ['a', 'b']; it must be a text"),
-    ("speed = [0,", 'weights = "street"\nspeed = [0,', "weather goes without scenes with weights"),
+    ("speed = [0,", 'weights = "paper"\nspeed = [0,', "weather goes without scenes with weights"),
 ]
 
 

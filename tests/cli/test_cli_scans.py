@@ -22,17 +22,20 @@ from lidardraft import (
 )
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli import main as cli
+from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.files import locked_folder
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.boxes import read_boxes
 from lidardraft.formats.carla import carla_sensor
+from lidardraft.networks import weight_file
 from lidardraft.scan import SCAN_ENDINGS
 from lidardraft.scene.scenario import Scenario, Straight
 from lidardraft.semantics import BY_NAME, CLASSES
 from lidardraft.streets import StreetConfig, StreetMix, street_scan
+from lidardraft.training import recipes
 
 SMALL = ["--sensor", "small.json"]
-QUICK = ["--sensor", "small.json", "--steps", "2"]
+QUICK = ["--weights", "paper-small", "--sensor", "small.json", "--steps", "2"]
 SIMULATE = ["simulate", "--text", "a car ahead", "-o", "out", "--sensor", "small.json"]
 
 
@@ -180,32 +183,50 @@ def test_generate_from_text(capsys: pytest.CaptureFixture[str]) -> None:
     assert Sensor.load("out/000000.sensor.json") == Sensor.load("small.json")
 
 
-def test_generate_from_a_labelled_scan(capsys: pytest.CaptureFixture[str]) -> None:
+@pytest.fixture
+def completing() -> list[str]:
+    """Weights that complete, and have learned nothing."""
+    weight_file.save(Denoiser.from_config(recipes.tiny()[-1].denoiser), "completing.safetensors", {})
+    return ["--weights", "completing.safetensors"]
+
+
+def test_generate_from_a_labelled_scan(capsys: pytest.CaptureFixture[str], completing: list[str]) -> None:
     cli.main(["generate", "--text", "a car ahead and houses on both sides", "-o", "out", *QUICK])
     source = ["--points", "out/000000.bin", "--labels", "out/000000.label"]
-    capsys.readouterr()
     assert cli.main(["generate", *source, "-o", "again", *QUICK]) == 0
-    # a recorded scan says all there is
-    assert capsys.readouterr().err == "lidardraft: the layout leaves nothing open: the scan is the simulated one\n"
     layout = Layout.load("again/000000.layout.json")
     assert "road" in {primitive.label for primitive in layout}
     assert len(kitti.read_bin("again/000000.bin")[0]) > 200
+    capsys.readouterr()
+    assert cli.main(["generate", *source, "-o", "completed", *QUICK, *completing]) == 0
+    # a recorded scan says all there is
+    assert capsys.readouterr().err == "lidardraft: the layout leaves nothing open: the scan is the simulated one\n"
+    assert cli.main(["simulate", *source, "-o", "simulated", *SMALL]) == 0
+    assert Path("completed/000000.bin").read_bytes() == Path("simulated/000000.bin").read_bytes()
+
+
+def test_generate_stands_in_a_street_unless_it_is_bare(completing: list[str]) -> None:
+    command = ["generate", "--text", "a car ahead", *QUICK]
+    assert cli.main([*command, "-o", "street"]) == 0
+    assert Layout.load("street/000000.layout.json") == surround(layout_from_text("a car ahead"))
+    assert cli.main([*command, *completing, "--surroundings", "bare", "-o", "bare"]) == 0
+    assert Layout.load("bare/000000.layout.json") == layout_from_text("a car ahead")
 
 
 def test_bad_weights_and_devices_are_one_line(refused: Callable[..., str]) -> None:
     generate = ["generate", "--text", "a car ahead", "-o", "out"]
-    assert "did you mean 'street'?" in refused(*generate, "--weights", "streets")
+    assert "did you mean 'paper'?" in refused(*generate, "--weights", "papers")
     Path("not.safetensors").write_bytes(b"not weights at all")
     assert "not.safetensors" in refused(*generate, "--weights", "not.safetensors")
     weights = Path("cut.safetensors")
-    weights.write_bytes((Path(pipeline.__file__).parent / "weights/street.safetensors").read_bytes()[:-100])
+    weights.write_bytes((Path(pipeline.__file__).parent / "weights/paper-small.safetensors").read_bytes()[:-100])
     assert "cut.safetensors" in refused(*generate, "--weights", str(weights))
     assert "abacus" in refused(*generate, "--device", "abacus")
 
 
 def test_one_scan_shows_its_progress(shown_on_a_terminal: Callable[..., str]) -> None:
     shown = shown_on_a_terminal("generate", "--text", "a car ahead", "-o", "out", *QUICK)
-    assert "scan 1 of 1" in shown
+    assert "1 scan: " in shown
     assert "1/2" in shown
     assert "2/2" in shown
     assert "\rlidardraft: these weights" in shown  # on a line of its own
@@ -214,36 +235,37 @@ def test_one_scan_shows_its_progress(shown_on_a_terminal: Callable[..., str]) ->
 def test_the_speed_of_the_sensor_is_that_of_the_scan() -> None:
     text = "houses along both sides"
     assert cli.main(["generate", "--text", text, "--speed", "20", "-o", "out", *QUICK]) == 0
+    small = pipeline.Pipeline.from_pretrained("paper-small", steps=2)
     with pytest.warns(UserWarning, match="its scans may be poor"):
-        expected = pipeline.Pipeline.from_pretrained(steps=2)(text, sensor=Sensor.load("small.json"), speed=20.0)
+        expected = small(text, sensor=Sensor.load("small.json"), speed=20.0)
     np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
 
 
 def test_guidance_is_that_of_the_pipeline() -> None:
-    options = ["--weights", "paper-small", "--guidance", "3", "-o", "out", *QUICK]
+    options = ["--guidance", "3", "-o", "out", *QUICK]
     assert cli.main(["generate", "--text", "a car ahead", *options]) == 0
     paper = pipeline.Pipeline.from_pretrained("paper-small", steps=2, guidance=3.0)
     with pytest.warns(UserWarning, match="its scans may be poor"):
-        expected = paper(layout_from_text("a car ahead"), sensor=Sensor.load("small.json"))
+        expected = paper("a car ahead", sensor=Sensor.load("small.json"))
     np.testing.assert_array_equal(kitti.read_bin("out/000000.bin")[0], expected.points())
 
 
-def test_generate_from_a_semantic_map(capsys: pytest.CaptureFixture[str], refused: Callable[..., str]) -> None:
+def test_generate_from_a_semantic_map(
+    capsys: pytest.CaptureFixture[str], refused: Callable[..., str], completing: list[str]
+) -> None:
     label = simulate(layout_from_text("a car ahead"), Sensor.load("small.json")).image.label
     np.save("map.npy", label)
     argv = ["generate", "--map", "map.npy", "-n", "2", "-o", "out", *QUICK]
-    assert cli.main([*argv, "--weights", "paper-small"]) == 0
+    assert cli.main(argv) == 0
     assert "out: 2 scans, 000000.bin to 000001.bin, each with .label and .png" in capsys.readouterr().out
     with pytest.warns(UserWarning, match="its scans may be poor"):
         expected = pipeline.Pipeline.from_pretrained("paper-small", steps=2).from_map(
             label, sensor=Sensor.load("small.json"), seed=1
         )
     np.testing.assert_array_equal(kitti.read_bin("out/000001.bin")[0], expected.points())
-    assert "these weights complete the scan of a layout; a semantic map needs others" in refused(*argv, "--overwrite")
-    paper = [*argv, "--overwrite", "--weights", "paper-small"]
-    assert "--speed, --after and --surroundings go with a layout; a semantic map has none" in refused(
-        *paper, "--speed", "3"
-    )
+    paper = [*argv, "--overwrite"]
+    assert "these weights complete the scan of a layout; a semantic map needs" in refused(*paper, *completing)
+    assert "--speed and --surroundings go with a layout; a semantic map has none" in refused(*paper, "--speed", "3")
     np.save("map.npy", label[:8])
     assert "map.npy: the map is uint32 (8, 128); small needs whole numbers (16, 128)" in refused(*paper)
     assert "--labels goes with --points" in refused(*paper, "--labels", "map.label")

@@ -289,13 +289,14 @@ def test_an_ablation_that_cannot_be_is_one_line(capsys: pytest.CaptureFixture[st
 
 
 def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["evaluate", "-n", "1", "--sensor", "small.json", "--steps", "2"]) == 0
+    argv = ["evaluate", "--weights", "paper-small", "-n", "1", "--sensor", "small.json", "--steps", "2"]
+    assert cli.main(argv) == 0
     captured = capsys.readouterr()
-    assert captured.out.startswith("1 street, small, half of each open, 2 steps\n")
+    assert captured.out.startswith("1 street, small, 2 steps\n")
     names = captured.out.splitlines()[1].split()
     assert names == ["objects", "other", "all", "drop", "range", "height", "BEV", "classes", "holes", "lone", "own"]
     rows = re.findall(r"^(\S.*?)(?: +(?:\d\.\d{3}|nan)){11}$", captured.out, re.MULTILINE)
-    assert rows == ["detailed scan", "other streets", "bare", "simulated", "generated", "untrained"]
+    assert rows == ["detailed scan", "other streets", "condition image", "simulated", "generated", "untrained"]
     assert len(re.findall(r"^ {4}all, by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) == 6
     assert len(re.findall(r"^ {4}intensity \(JSD\), by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) >= 2
     assert captured.err == (

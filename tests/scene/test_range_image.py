@@ -5,12 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from lidardraft import Layout, Primitive, raycast
 from lidardraft.errors import FormatError, LayoutError, SensorError
 from lidardraft.scene.range_image import RangeImage, images_of
-from lidardraft.scene.reprojection import reprojected
 from lidardraft.scene.sensor import PRESETS, Sensor
-from lidardraft.semantics import BY_NAME
 
 SMALL = Sensor(name="small", elevations=(0.2, 0.1, 0.0, -0.1), columns=16)
 SPREAD = dataclasses.replace(
@@ -159,29 +156,3 @@ def test_returns_at_the_range_limits_survive_projection(name: str) -> None:
         again = RangeImage.project(image.points(), sensor)
         assert again.valid.all()
         np.testing.assert_allclose(again.depth, depth, rtol=1e-5)
-
-
-@pytest.mark.parametrize("sensor", [SMALL, SPREAD], ids=lambda sensor: sensor.name)
-def test_a_scan_seen_from_where_it_was_made_is_itself(sensor):
-    image = filled(sensor, 1)
-    where = np.random.default_rng(2).random(sensor.shape) < 0.8
-    made, reached = reprojected(image, where, sensor.pose(3.0, 1.0, 0.4), sensor.pose(3.0, 1.0, 0.4))
-    assert (reached == where).mean() > 0.97  # rays from beside the origin that found nothing may share a pixel
-    assert (made.valid == (image.valid & where)).mean() > 0.97
-    same = made.valid & image.valid & where
-    np.testing.assert_allclose(made.depth[same], image.depth[same], atol=1e-3)
-    np.testing.assert_array_equal(made.label[same], image.label[same])
-
-
-def test_ground_seen_from_elsewhere_keeps_its_height_and_a_wall_its_distance():
-    sensor = Sensor.preset("hdl32e")
-    ground = Primitive(shape="plane", center=(0, 0, 0), size=(90, 90, 0), label="terrain", id="terrain")
-    wall = Primitive(shape="box", center=(15, 0, 4), size=(0.5, 60, 8), label="building", id="wall_1")
-    poses = [sensor.pose(), sensor.pose(1.3, 0.2, 0.05)]
-    here, there = (raycast(Layout((ground, wall)), sensor, pose) for pose in poses)
-    made, reached = reprojected(here, here.valid, *poses)
-    for label, most in (("terrain", 0.02), ("building", 0.1)):
-        same = made.valid & (made.label == there.label) & (there.label == BY_NAME[label].id)
-        assert same.sum() > 2000
-        assert np.median(np.abs(made.depth - there.depth)[same]) < most
-    assert (made.label == there.label)[reached & there.valid].mean() > 0.95

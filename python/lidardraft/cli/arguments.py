@@ -141,9 +141,9 @@ def add_weights(parser: Options) -> None:
     """What runs the diffusion model: --weights, --steps, --guidance, --device, which `read_pipeline` reads."""
     parser.add_argument(
         "--weights",
-        default="street",
+        default="paper",
         metavar="NAME",
-        help="weights of the diffusion model: packaged ones by name, or a .safetensors file (default street)",
+        help="weights of the diffusion model: packaged ones by name, or a .safetensors file (default paper)",
     )
     stored = "(default: as stored with the weights, else"
     text = f"steps of denoising, a call of the network each, two with `paper` {stored} {STEPS})"
@@ -153,16 +153,12 @@ def add_weights(parser: Options) -> None:
     parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
 
 
-def read_pipeline(arguments: argparse.Namespace, *, langevin: int | None = None) -> Pipeline:
+def read_pipeline(arguments: argparse.Namespace) -> Pipeline:
     """The diffusion model that the options of `add_weights` name."""
     from lidardraft.pipeline import Pipeline
 
     return Pipeline.from_pretrained(
-        arguments.weights,
-        device=arguments.device,
-        steps=arguments.steps,
-        guidance=arguments.guidance,
-        langevin=langevin,
+        arguments.weights, device=arguments.device, steps=arguments.steps, guidance=arguments.guidance
     )
 
 

@@ -115,9 +115,8 @@ _MANY = {
 }
 
 
-def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> argparse._ArgumentGroup:
-    """The inputs, of which a command takes one, in a group of their own; `many` are those of `_MANY` that it takes,
-    and `bare` is why it adds no street by default."""
+def add_inputs(parser: argparse.ArgumentParser, *many: str) -> argparse._ArgumentGroup:
+    """The inputs, of which a command takes one, in a group of their own; `many` are those of `_MANY` that it takes."""
     names = ", ".join(f"--{name}" for name in (*_INPUTS, *many))
     group = parser.add_argument_group(f"input (exactly one of {names})")
     one = group.add_mutually_exclusive_group(required=True)
@@ -132,12 +131,10 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, bare: str = "") -> a
     model = parser.add_argument_group(title)
     for name, (_, how, text) in _OPTIONS.items():
         (model if name.startswith("llm_") else group).add_argument(f"--{name.replace('_', '-')}", help=text, **how)
-    usual = bare or f"street with {', '.join(f'--{name}' for name in _STREET_AROUND)}, else bare"
+    usual = f"street with {', '.join(f'--{name}' for name in _STREET_AROUND)}, else bare"
     text = "street: buildings, plants, traffic and people around what is given, which stays as it is and in sight; "
     text += f"their ids begin with {AROUND}; bare: nothing is added (default: {usual})"
-    group.add_argument(
-        "--surroundings", choices=("street", "bare"), default="bare" if bare else None, help=text.replace("%", "%%")
-    )
+    group.add_argument("--surroundings", choices=("street", "bare"), help=text)
     add_seed(group)
     return group
 

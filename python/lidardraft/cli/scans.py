@@ -41,9 +41,9 @@ from lidardraft.scene.weather import Weather
 from lidardraft.streets import StreetConfig, StreetMix
 
 if TYPE_CHECKING:
+    from lidardraft.pipeline import Pipeline
     from lidardraft.scan import Scan
     from lidardraft.scene.range_image import RangeImage
-    from lidardraft.simulation.sequence import SequenceSimulator
 
 _POSES = 4  # scans of a street
 _HZ = 10.0  # frames of a sequence
@@ -71,14 +71,14 @@ class Layouts:
         with named(name):
             return cls(arguments, layout_of_text(arguments, sentence, arguments.seed), sentences)
 
-    def of(self, number: int) -> tuple[int, Layout]:
-        """Seed and layout of scan `number`."""
+    def of(self, number: int) -> tuple[Layout, int]:
+        """Layout and seed of scan `number`."""
         seed = self.arguments.seed + number
         if not (number and self.sentences):
-            return seed, self.first
+            return self.first, seed
         name, sentence = self.sentences[number % len(self.sentences)]
         with named(name):
-            return seed, layout_of_text(self.arguments, sentence, seed)
+            return layout_of_text(self.arguments, sentence, seed), seed
 
     def notes(self, number: int, scan: Scan) -> list[str]:
         """What there is to say of a sentence of a file, the first time that it is read."""
@@ -91,19 +91,17 @@ def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather | None, thread
     """The simulated scan of layout `number`."""
     from lidardraft.simulation.simulate import simulate
 
-    seed, layout = layouts.of(number)
+    layout, seed = layouts.of(number)
     speed = layouts.arguments.speed or 0.0
     return simulate(layout, sensor, seed=seed, weather=weather, speed=speed, threads=threads)
 
 
-def _write_sequence(
-    arguments: argparse.Namespace, made: Callable[[SequenceSimulator], Iterator[Scan]] | None = None
-) -> None:
-    """Write the frames of a sequence, or what is made of them in their order."""
+def _write_sequence(arguments: argparse.Namespace) -> None:
+    """Write the frames of a sequence."""
     from lidardraft.scan import Scan
     from lidardraft.simulation.sequence import SequenceSimulator
 
-    for option in ("num", "street", "text_file", "poses", "map", "after"):
+    for option in ("num", "street", "text_file", "poses"):
         if getattr(arguments, option, None) is not None:
             raise FormatError(f"--{option.replace('_', '-')} does not go with --frames, which make one sequence")
     sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
@@ -125,25 +123,13 @@ def _write_sequence(
     asked = arguments.scenario is not None or arguments.speed is not None
     if not (asked or simulator.tracks.actors or simulator.tracks.ego.moves()):
         say("nothing moves: the layout has no road whose lanes are known; --speed and --scenario say more")
-    make = simulator.frame if made is None else partial(_next, made(simulator))
-    folder = ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save)
+    folder = ScanFolder(Path(arguments.output), arguments.pictures, simulator.frame, Scan.save)
     with progress(num, "frame") as bar:
         for _ in folder.write(num, jobs=jobs):
             bar.update()
     simulator.save_tracks(arguments.output)
     files = "; poses.txt, times.txt and tracks.json"
     _report(arguments, num, f"{files}{around_it(layout)}")
-
-
-def _next(frames: Iterator[Scan], _: int) -> Scan:
-    return next(frames)
-
-
-def _check_alone(arguments: argparse.Namespace) -> None:
-    """Raises `FormatError` on an option of sequences without --frames."""
-    for option in ("hz", "scenario"):
-        if getattr(arguments, option) is not None:
-            raise FormatError(f"--{option} is of a sequence; say with --frames how long it is")
 
 
 def simulate(arguments: argparse.Namespace) -> None:
@@ -156,7 +142,9 @@ def simulate(arguments: argparse.Namespace) -> None:
     if arguments.frames is not None:
         _write_sequence(arguments)
         return
-    _check_alone(arguments)
+    for option in ("hz", "scenario"):
+        if getattr(arguments, option) is not None:
+            raise FormatError(f"--{option} is of a sequence; say with --frames how long it is")
     sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
     output, pictures, around = Path(arguments.output), arguments.pictures, ""
     if arguments.street is None:
@@ -199,88 +187,72 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
     world = parser.add_argument_group("world")
     add_weather(world)
     add_speed(world, "; in a sequence that of the road")
-    _add_sequence(parser)
-    add_jobs(_add_scan_output(parser))
-
-
-def _add_sequence(parser: argparse.ArgumentParser) -> None:
     sequence = parser.add_argument_group("sequence")
     text = "make a sequence of N frames: the ego vehicle, traffic and people move"
     sequence.add_argument("--frames", type=whole_number(1), metavar="N", help=text)
     sequence.add_argument("--hz", type=positive, metavar="R", help=f"frames a second (default {_HZ:g})")
     text = "how the ego vehicle and objects move (docs/scenarios.md); the rest moves by its kind"
     sequence.add_argument("--scenario", metavar="FILE.json", help=text)
+    add_jobs(_add_scan_output(parser))
 
 
 def generate(arguments: argparse.Namespace) -> None:
     """Make labelled LiDAR scans with the diffusion model, from a sentence, a layout, a 3D model or a labelled scan."""
+    from lidardraft.scan import Scan
+
     check_output(arguments)
     sensor = read_sensor(arguments.sensor)
-    if arguments.frames is not None:
-        _write_sequence(arguments, read_pipeline(arguments, langevin=arguments.langevin).frames)
-        return
-    _check_alone(arguments)
     if arguments.map is None:
         layouts = Layouts.read(arguments)
         num, notes, around = arguments.num or len(layouts.sentences) or 1, layouts.notes, around_it(layouts.first)
     else:
         label, num, notes, around = _read_map(arguments, sensor), arguments.num or 1, None, ""
-
-    from lidardraft.scan import Scan
-
-    pipeline = read_pipeline(arguments, langevin=arguments.langevin)
-    after = None if arguments.after is None else Scan.load(arguments.after)
-    with progress(num * pipeline.steps, "step") as bar:
-
-        def make(number: int) -> Scan:
-            bar.set_description(f"scan {number + 1} of {num}")
-            if arguments.map is None:
-                seed, layout = layouts.of(number)
-                speed = arguments.speed or 0.0
-                return pipeline(layout, sensor=sensor, seed=seed, speed=speed, after=after, on_step=bar.update)
-            seed = arguments.seed + number
-            with named(arguments.map):
-                image = pipeline.from_map(label, sensor=sensor, seed=seed, on_step=bar.update)
-            return Scan(image=image, layout=Layout(), pose=sensor.pose(), seed=seed)
-
-        for _ in ScanFolder(Path(arguments.output), arguments.pictures, make, Scan.save, notes).write(num):
+    pipeline = read_pipeline(arguments)
+    with progress(num * pipeline.steps, "step", f"{num} scan{'s' * (num > 1)}") as bar:
+        if arguments.map is None:
+            sources, speed = map(layouts.of, range(num)), arguments.speed or 0.0
+            made = pipeline.scans(sources, sensor=sensor, speed=speed, on_step=bar.update)
+        else:
+            seeds = range(arguments.seed, arguments.seed + num)
+            made = _scans_of_map(pipeline, arguments.map, label, sensor, seeds, bar.update)
+        folder = ScanFolder(Path(arguments.output), arguments.pictures, lambda _: next(made), Scan.save, notes)
+        for _ in folder.write(num):
             pass
     _report(arguments, num, around)
+
+
+def _scans_of_map(
+    pipeline: Pipeline, path: str, label: np.ndarray, sensor: Sensor, seeds: range, on_step: Callable[[], object]
+) -> Iterator[Scan]:
+    from lidardraft.scan import Scan
+
+    for seed in seeds:
+        with named(path):
+            image = pipeline.from_map(label, sensor=sensor, seed=seed, on_step=on_step)
+        yield Scan(image=image, layout=Layout(), pose=sensor.pose(), seed=seed)
 
 
 def _read_map(arguments: argparse.Namespace, sensor: Sensor) -> np.ndarray:
     from lidardraft.formats.recording import read_semantic_map
 
     check_inputs(arguments)
-    if arguments.speed is not None or arguments.surroundings != "bare" or arguments.after is not None:
-        raise FormatError("--speed, --after and --surroundings go with a layout; a semantic map has none")
+    if arguments.speed is not None or arguments.surroundings is not None:
+        raise FormatError("--speed and --surroundings go with a layout; a semantic map has none")
     return read_semantic_map(arguments.map, sensor)
 
 
 def generate_options(parser: argparse.ArgumentParser) -> None:
     """The options of `generate`."""
     parser.epilog = (
-        "The weights `street` keep the simulated scan of what the layout gives, and make up what it leaves open: what "
-        "stands around a sentence's road, a sketch or boxes, and what a picture does not show; another world for each "
-        "seed. A recorded scan, a 3D model or a Blender script leaves nothing open: there `generate` adds nothing to "
-        "`simulate`, and says so. The weights `paper` make the whole scan from noise, guided by the layout, as the "
-        "paper does; of a semantic map too, with ranges that are guessed: flat ground, and all else where it stands on "
-        "it. Classes of what is made up are the network's. Weather is `simulate`'s alone: no weights have seen it."
+        "The whole scan is made from noise, and a ControlNet holds it to the cast of the layout, as the paper does; "
+        "of a semantic map too, with ranges that are guessed: flat ground, and all else where it stands on it. Labels "
+        "are the layout's where ranges agree with it, the network's elsewhere. A GPU makes several scans at once. "
+        "Weights of your own that complete (the recipe `small`) keep the simulated scan of what the layout gives, and "
+        "make up what it leaves open: give them --surroundings bare. Weather and sequences are `simulate`'s alone."
     )
-    add_inputs(parser, "text-file", "map", bare="bare, as the weights `street` make up what is left open")
-    world = parser.add_argument_group("world")
-    add_speed(world, "; in a sequence that of the road")
-    text = "an earlier scan, its NAME.bin: what it made up stays where the layout leaves it open"
-    world.add_argument("--after", metavar="SCAN", help=text)
-    _add_sequence(parser)
-    parser.set_defaults(weather=[], jobs=1)
-    model = parser.add_argument_group("model")
-    add_weights(model)
-    text = (
-        "sample by annealed Langevin dynamics as the paper does, with N updates a step (LiDARGen: --steps 232 "
-        "--langevin 5): slow (default: the fast solver)"
-    )
-    model.add_argument("--langevin", type=whole_number(1), metavar="N", help=text)
+    add_inputs(parser, "text-file", "map")
+    add_speed(parser.add_argument_group("world"))
+    add_weights(parser.add_argument_group("model"))
     _add_scan_output(parser)
 
 

@@ -274,7 +274,7 @@ def _scene(table: Table, folder: Path) -> Scene:
     weights = table.text("weights") if "weights" in table else None
     if weights and (folder / weights).is_file():
         weights = os.fspath(folder / weights)
-    usual = "bare" if weights or source == "layout" else "street"
+    usual = "bare" if source == "layout" else "street"
     return Scene(
         source="layout" if source == "layout" else "text",
         values=values,

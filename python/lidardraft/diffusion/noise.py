@@ -1,4 +1,4 @@
-"""Noise: which levels, how it is added, and what a denoised state says about the score."""
+"""Noise: which levels, and how it is added."""
 
 from __future__ import annotations
 
@@ -17,15 +17,12 @@ def karras_levels(
     `rho` is theirs (Table 1). Their `sigma_max` is 80, but states lie within -1 and 1, so noise of 20 hides them. Their
     `sigma_min` is 0.002; small networks keep to layouts better from a noise of 1, large ones are smoother from 0.1.
     """
-    _check_levels(steps, sigma_min, sigma_max)
+    if steps < 1:
+        raise LidarDraftError(f"steps is {steps}; it must be at least 1")
+    if not sigma_max > sigma_min:
+        raise LidarDraftError(f"sampling starts at the noise level {sigma_max}; it must be greater than {sigma_min}")
     high, low = sigma_max ** (1 / rho), sigma_min ** (1 / rho)
     return [(high + i / max(steps - 1, 1) * (low - high)) ** rho for i in range(steps)] + [0.0]
-
-
-def geometric_levels(steps: int, *, sigma_min: float = 0.01, sigma_max: float = 50.0) -> list[float]:
-    """The `steps` falling noise levels of NCSN, each the same share of the one before; the limits are LiDARGen's."""
-    _check_levels(steps, sigma_min, sigma_max)
-    return [sigma_max * (sigma_min / sigma_max) ** (i / max(steps - 1, 1)) for i in range(steps)]
 
 
 def training_levels(count: int, generator: torch.Generator, *, mean: float, std: float) -> Tensor:
@@ -39,20 +36,4 @@ def training_levels(count: int, generator: torch.Generator, *, mean: float, std:
 
 def add_noise(x: Tensor, sigma: Tensor, noise: Tensor) -> Tensor:
     """x + sigma * noise, `sigma` one a sample [B]."""
-    return x + _per_sample(sigma, x) * noise
-
-
-def score_from_denoised(x: Tensor, denoised: Tensor, sigma: Tensor) -> Tensor:
-    """S(x, sigma) = (D - x) / sigma^2: minus the paper's (x~ - x) / sigma_i^2, with D for the unknown x."""
-    return (denoised - x) / _per_sample(sigma, x) ** 2
-
-
-def _check_levels(steps: int, sigma_min: float, sigma_max: float) -> None:
-    if steps < 1:
-        raise LidarDraftError(f"steps is {steps}; it must be at least 1")
-    if not sigma_max > sigma_min:
-        raise LidarDraftError(f"sampling starts at the noise level {sigma_max}; it must be greater than {sigma_min}")
-
-
-def _per_sample(sigma: Tensor, x: Tensor) -> Tensor:
-    return sigma.to(x).reshape(-1, *[1] * (x.dim() - 1))
+    return x + sigma.to(x).reshape(-1, *[1] * (x.dim() - 1)) * noise
