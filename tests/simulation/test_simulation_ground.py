@@ -10,6 +10,7 @@ from lidardraft import Layout, Primitive, detail, layout_from_text
 from lidardraft.scene import edit
 from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import KERB_HEIGHT, PavedArea, Road
+from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 from lidardraft.simulation.ground import _lanes
 from lidardraft.simulation.street_frame import road_of
@@ -17,7 +18,7 @@ from lidardraft.simulation.surroundings import RoadStrip, Surroundings, road_str
 
 
 def of(road: Road) -> dict[str, Primitive]:
-    return {p.id: p for p in detail(Layout(primitives=tuple(road.surfaces()))).primitives}
+    return {p.id: p for p in detail(Layout(primitives=tuple(road_surfaces(road)))).primitives}
 
 
 def across(road: Road, part: Primitive) -> np.ndarray:
@@ -31,7 +32,7 @@ def across(road: Road, part: Primitive) -> np.ndarray:
 @pytest.mark.parametrize("width", [3.3, 3.5, 3.75])
 def test_the_lanes_of_the_solver_are_found(lanes: int, ego_lane: int, parking: float, width: float) -> None:
     road = Road(lanes=lanes, ego_lane=min(ego_lane, lanes - 1), parking=parking, lane_width=width)
-    (strip,) = road_strips(Layout(primitives=tuple(road.surfaces())))
+    (strip,) = road_strips(Layout(primitives=tuple(road_surfaces(road))))
     assert _lanes(strip) == (lanes, pytest.approx(width), pytest.approx(parking, abs=1e-9), True)
 
 
@@ -176,7 +177,7 @@ def strips(*primitives: Primitive) -> list[RoadStrip]:
 @pytest.mark.parametrize("curvature", [0.0, 0.01, -0.01])
 def test_the_frame_of_a_road_is_found(curvature: float) -> None:
     road = Road(curvature=curvature, lanes=2, parking=2.2)
-    (strip,) = strips(*road.surfaces())
+    (strip,) = strips(*road_surfaces(road))
     assert strip.half == pytest.approx(road.edge)
     assert strip.top == 0.0
     assert strip.length == pytest.approx(160.0, abs=0.1)

@@ -20,6 +20,7 @@ from lidardraft.drafting.solver.poses import half_of, row_poses
 from lidardraft.objects.mesh import quads
 from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.scene.road import Road
+from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.simulation.coarse_object import generator_of
 from lidardraft.simulation.street_frame import district_of, road_of
 from lidardraft.simulation.surroundings import RoadStrip, strip_rows
@@ -54,7 +55,7 @@ def ground_parts(layout: Layout, strips: tuple[RoadStrip, ...], seed: int) -> li
     taken = {p.id: p for p in layout}
     made, marked = [], set[str]()
     road = road_of(layout.provenance["road"]) if "road" in layout.provenance else None
-    if road is not None and all(taken.get(p.id) == p for p in road.surfaces() if p.label == "road"):
+    if road is not None and all(taken.get(p.id) == p for p in road_surfaces(road) if p.label == "road"):
         made, marked = _known_markings(road, layout, seed), {"road", "road_back"}
     rounds = _rounds(layout, strips) if strips else []
     for strip in strips:

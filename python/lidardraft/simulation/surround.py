@@ -26,6 +26,7 @@ from lidardraft.scene.edit import placed
 from lidardraft.scene.layout import AROUND, MOST_PRIMITIVES, Layout, Primitive
 from lidardraft.scene.pose import in_frame, place_around
 from lidardraft.scene.road import KERB_HEIGHT, Road
+from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.sights import SENSOR, Sights
@@ -170,7 +171,7 @@ class _Scene:
             pieces["road"] = ("road", flat[(kinds == 0) & outside])
             pieces["sidewalks"] = ("sidewalk", flat[(kinds == 1) & ~yards & outside] + np.array([0, 0, KERB_HEIGHT]))
         elif "sidewalk" in self.lacks:
-            walks = [surface for surface in self.road.surfaces() if surface.label == "sidewalk"]
+            walks = [surface for surface in road_surfaces(self.road) if surface.label == "sidewalk"]
             yield from (dataclasses.replace(walk, id=AROUND + walk.id) for walk in walks)
         pieces["drives"] = ("road", ground.drives())
         for name, (label, quad) in pieces.items():
