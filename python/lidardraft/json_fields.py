@@ -35,13 +35,26 @@ def parse_object(text: str | bytes) -> dict[str, Any]:
     return check_object(parse_json(text))
 
 
-def parse_document(text: str, schema: str, required: Iterable[str], optional: Iterable[str]) -> dict[str, Any]:
-    """The object that a JSON text of this schema holds; raises `FormatError` on another schema or other fields."""
+def parse_document(
+    text: str, schema: str, required: Iterable[str], optional: Iterable[str], *, older: Iterable[str] = ()
+) -> dict[str, Any]:
+    """The object that a JSON text of this schema, or an older one, holds; raises `FormatError` on another schema or
+    other fields."""
     document = parse_object(text)
-    if document.get("schema") != schema:
-        raise FormatError(f"schema is {document.get('schema')!r}; this version reads {schema!r}")
+    check_schema(document.get("schema"), schema, older)
     check_fields(document, ("schema", *required), optional)
     return document
+
+
+def check_schema(found: Any, schema: str, older: Iterable[str] = ()) -> None:
+    """Raises `FormatError` where the schema of a file is neither this one nor an older one that is read."""
+    if found not in (schema, *older):
+        name, _, version = str(found).rpartition("/")
+        is_later = (
+            schema.startswith(f"{name}/") and version.isdecimal() and int(version) > int(schema.rpartition("/")[2])
+        )
+        later = "; a later version of lidardraft wrote it: update lidardraft" if is_later else ""
+        raise FormatError(f"schema is {found!r}; this version reads {schema!r}{later}")
 
 
 def parse_list(text: str | bytes) -> list[Any]:

@@ -8,6 +8,7 @@ import numpy as np
 
 from lidardraft.arranging.relief import Land
 from lidardraft.arranging.sizes import Range
+from lidardraft.errors import check_choice
 from lidardraft.scene.road import LEFT, RIGHT, RING, Road
 
 PARKING_STRIP = 2.2  # m, the room of cars parked along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
@@ -196,6 +197,12 @@ SETTINGS: dict[str, District] = {
     "school": replace(_RESIDENTIAL, people=3.0, blocks=0.7, setback=(6.0, 14.0)),
     "roadworks": replace(_URBAN, equipment=RoadEquipment(cones=1.0)),
 }
+
+
+def setting(name: str) -> District:
+    """One of SETTINGS; raises `LayoutError` for another name, as a file may have it."""
+    check_choice("intent: district", name, SETTINGS)
+    return SETTINGS[name]
 
 
 def sample_road(

@@ -409,7 +409,7 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
     depth, semantics = arguments.depth or DEPTH, arguments.semantics or SEMANTICS
     masks = arguments.masks
     with _naming_options(arguments, "depth", "semantics", "masks", "intrinsics"):
-        layout = layout_from_image(
+        return layout_from_image(
             Path(arguments.image),
             depth=read_npy(depth) if depth.endswith(".npy") else depth,
             semantics=read_semantics(semantics) if semantics.endswith((".npy", ".png")) else semantics,
@@ -418,9 +418,6 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
             hfov=None if arguments.hfov is None else math.radians(arguments.hfov),
             camera_height=None if arguments.metric_depth else height,
         )
-    height, scale = layout.provenance["sensor_height"], layout.provenance["scale"]
-    say(f"{arguments.image}: depth times {scale:.2f}, so that the camera is {height:g} m over the road")
-    return layout
 
 
 @contextmanager

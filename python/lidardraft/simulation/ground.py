@@ -86,9 +86,7 @@ def _known_markings(road: Road, layout: Layout, seed: int) -> list[Primitive]:
 
 def _crossings(road: Road, layout: Layout) -> Sequence[float]:
     """Where people of a sentence cross the road [m along], before or behind another that crosses it."""
-    groups = layout.provenance.get("spec", {}).get("groups", ())
-    numbers = layout.provenance.get("objects", {})
-    cross = {name for name, number in numbers.items() if str(groups[number].get("heading")).startswith("across")}
+    cross = {name for name, asked in layout.intent.objects.items() if str(asked.heading).startswith("across")}
     found: list[float] = []
     for person in layout:
         if person.label == "person" and object_of(person) in cross and road.sidewalk > 0:

@@ -89,7 +89,7 @@ class SequenceSimulator:
             parts.get(object_of(primitive), still).append(primitive)
         # those that stand come first, so that their casts name them by their numbers in the whole
         whole = Layout((*still, *(p for some in parts.values() for p in some)))
-        weather = weather or weather_of(self.layout)
+        weather = weather or weather_of(self.layout.intent.weather)
         self._scanner = Scanner.from_layout(whole, sensor, model=model, weather=weather, by_id=True, threads=threads)
         self._still = dataclasses.replace(self._scanner, caster=Raycaster(Layout(tuple(still)), by_id=True))
         self._movers, first = list[_Mover](), len(still)

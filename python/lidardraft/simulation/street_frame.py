@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from lidardraft.arranging.district import SETTINGS, District
+from lidardraft.arranging.district import District, setting
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import VEHICLE_LABELS, LayoutGround
 from lidardraft.scene.layout import Layout
@@ -64,7 +64,7 @@ def street_frame(layout: Layout) -> StreetFrame:
         if layout.coverage[1] - layout.coverage[0] > _WIDEST_PICTURE:
             raise NoStreetError("no street around it: it shows everything around already")
         return StreetFrame(Road(lanes=1, lane_width=_LANE, sidewalk=_SIDEWALK), lacks=("road", "sidewalk", "terrain"))
-    if layout.provenance.get("source") == "boxes":
+    if any(primitive.open and primitive.label == "road" for primitive in layout):  # boxes say nothing of the ground
         return StreetFrame(_road_of_boxes(layout), plain=_BEYOND_BOXES, lacks=("sidewalk", "terrain"))
     strips = [strip for strip in road_strips(layout) if abs(strip.along_across(np.zeros((1, 2)))[1][0]) < strip.half]
     if not strips:
@@ -80,9 +80,8 @@ def road_of(fields: dict[str, Any]) -> Road:
 
 def district_of(layout: Layout, road: Road) -> District:
     """Where a road of a layout leads: as its surroundings or its sentence say, or as it looks."""
-    spec = layout.provenance.get("spec", {})
-    said = layout.provenance.get("surroundings", {}).get("district", spec.get("district"))
-    return SETTINGS[said or only_district(road, spec.get("road", {}).get("kind")) or "urban"]
+    intent = layout.intent
+    return setting(intent.around or intent.district or only_district(road, intent.road) or "urban")
 
 
 def only_district(road: Road, kind: str | None) -> str | None:

@@ -12,8 +12,6 @@ import numpy as np
 from lidardraft.scene.layout import Layout, Primitive, primitive_mesh
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 
-# What clusterings call themselves: their boxes are turned by -90 to 90 degrees, as front and back look alike.
-_CLUSTERINGS = ("cloud", "point cloud")
 LANE_SIDE = 1.75  # m, half a lane: what stands further to the left comes towards the ego vehicle
 _ALONG = math.cos(math.radians(40.0))  # what is turned by less against the ego vehicle drives along its road
 _WITH_LANE = 0.95  # share of vehicles along a road that stand in its direction: an estimate of ours
@@ -33,9 +31,7 @@ class Surroundings:
     @classmethod
     def of(cls, layout: Layout) -> Surroundings:
         """Those of the objects of a layout."""
-        provenance = layout.provenance
-        clustered = provenance.get("source") in _CLUSTERINGS or "sensor_height" in provenance
-        return cls(tuple(road_strips(layout)), clustered)
+        return cls(tuple(road_strips(layout)), not layout.intent.headed)
 
     def headed(self, coarse: CoarseObject, box: UprightBox) -> UprightBox:
         """The box with its likelier heading, where it knows no front from back: that of its lane, or any."""

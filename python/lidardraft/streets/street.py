@@ -13,6 +13,7 @@ from lidardraft.arranging.plan import plan_street
 from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix
 from lidardraft.errors import LayoutError, check_number, check_seed
 from lidardraft.objects.kinds import kind_of
+from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import Weather
@@ -80,7 +81,7 @@ def make_street(*, seed: int = 0, config: StreetConfig | None = None, number: in
     for placed in occupancy.objects:
         primitives += kind_of(placed.kind).build(placed, rng)
     provenance = {"source": "streets", "seed": seed, "number": number, "district": district}
-    scene = Layout(primitives=tuple(primitives), provenance=provenance)
+    scene = Layout(primitives=tuple(primitives), provenance=provenance, intent=Intent(district=district))
     middles = [lane.across for lane in lanes if abs(math.sin(lane.angle)) < _PARALLEL]
     return Street(
         seed, number, district, occupancy, lanes, scene, CoarseStreet(occupancy.road, occupancy.objects, scene, middles)

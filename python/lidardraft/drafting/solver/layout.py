@@ -26,6 +26,7 @@ from lidardraft.drafting.solver.scene_spec import (
 from lidardraft.errors import LayoutError, check_seed
 from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.objects.sentence_kind import SentenceKind
+from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import Layout
 
 TRIES = 60  # of places for one object
@@ -51,7 +52,7 @@ def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
     """A layout in which every relation of the spec holds and that passes every check; the same for the same arguments.
 
     What finds no room makes the scene be arranged anew, with that first and more room for what the spec leaves open.
-    `layout.provenance` holds the spec, the numbers of the road, and for each object the number of its group.
+    `layout.intent` says what was asked of each object, `layout.provenance` holds the spec and the numbers of the road.
 
     Raises `LayoutError` on an invalid seed, and where a relation cannot hold, naming it, how many of how
     many objects found room, and what is in the way.
@@ -64,7 +65,7 @@ def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
         solver = _Solver(spec, seed, attempt)
         failed = solver.arrange(urgent)
         if failed is None:
-            return Layout(primitives=tuple(solver.scene.primitives), provenance=solver.provenance(seed))
+            return solver.layout(seed)
         urgent |= dict.fromkeys(with_references(spec, failed), attempt)
         if solver.crowd is not None and not crowded:  # whether those between are worth the time: the last has most room
             crowded, solver = True, _Solver(spec, seed, ARRANGEMENTS - 1)
@@ -100,11 +101,14 @@ class _Solver:
                 return number
         return None
 
-    def provenance(self, seed: int) -> dict[str, object]:
-        """Where the layout came from, as JSON types."""
+    def layout(self, seed: int) -> Layout:
+        """The layout of what has been placed."""
         road = json.loads(json.dumps(dataclasses.asdict(self.road)))
         objects = {footprint.name: number for number in self.placed for footprint in self.placed[number]}
-        return {"source": "spec", "seed": seed, "spec": self.spec.to_dict(), "road": road, "objects": objects}
+        spec = self.spec.to_dict()
+        provenance = {"source": "spec", "seed": seed, "spec": spec, "road": road, "objects": objects}
+        intent = Intent.of_spec(spec, objects)
+        return Layout(primitives=tuple(self.scene.primitives), provenance=provenance, intent=intent)
 
     def _fill(self, number: int, group: ObjectGroup, place: str) -> bool:
         """Place what a group wants at one place; a number is met exactly, a word by as many as find room."""
