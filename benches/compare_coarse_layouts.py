@@ -17,7 +17,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from lidardraft.arranging.district import PARKING_STRIP
+from lidardraft.scene.road import PARKING_STRIP
 from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.road_from_spec import road_from_spec
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from lidardraft.arranging import sizes
-from lidardraft.arranging.district import DISTRICTS, PARKING_STRIP, sample_road
+from lidardraft.arranging.district import DISTRICTS, sample_road
+from lidardraft.scene.road import PARKING_STRIP
 from lidardraft.arranging.lanes import MAIN_ROAD
 from lidardraft.arranging.plan import plan_street
 from lidardraft.arranging.sizes import STANDING, Extents, sample_person, sample_tree

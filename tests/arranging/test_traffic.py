@@ -8,7 +8,8 @@ import pytest
 
 from lidardraft import Layout, Raycaster
 from lidardraft.arranging.car_parks import AISLE_WIDTH, BAY_LENGTH, BAY_WIDTH, sample_car_park
-from lidardraft.arranging.district import DISTRICTS, PARKING_STRIP
+from lidardraft.arranging.district import DISTRICTS
+from lidardraft.scene.road import PARKING_STRIP
 from lidardraft.arranging.lanes import MAIN_ROAD, ROUNDABOUT, SIDE_ROAD, Lane, driven_lanes
 from lidardraft.arranging.markings import road_markings
 from lidardraft.arranging.traffic import place_parked_vehicles, place_traffic

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import LayoutError
+from lidardraft.files import named
+from lidardraft.json_fields import check_fields, check_object
 from lidardraft.scene.pose import finite_array
 
 
@@ -15,8 +17,8 @@ from lidardraft.scene.pose import finite_array
 class Line:
     """A line through `middle` f64 [S, 2], S of 2 or more: straight between its points [m].
 
-    `normals` f64 [S, 2] point to its left, `along` f64 [S] are the distances [m] of the points from the first. `heights`
-    f64 [S] [m] are those of the surface on the line, `camber` f64 [S] is its slope to the left.
+    `normals` f64 [S, 2] point to its left, `along` f64 [S] are the distances [m] of the points from the first.
+    `heights` f64 [S] [m] are those of the surface on the line, `camber` f64 [S] is its slope to the left.
     """
 
     middle: np.ndarray
@@ -39,17 +41,26 @@ class Line:
         normals = np.stack([-steps[:, 1], steps[:, 0]], axis=1) / np.linalg.norm(steps, axis=1, keepdims=True)
         along = np.concatenate([[0.0], np.cumsum(lengths)])
         heights = points[:, 2] if points.shape[1] == 3 else level
-        return cls(middle, normals, along, heights, level if camber is None else finite_array("camber", camber, len(level)))
+        return cls(
+            middle, normals, along, heights, level if camber is None else finite_array("camber", camber, len(level))
+        )
+
+    @classmethod
+    def read(cls, value: Any, name: str) -> Line:
+        """The inverse of `written`; raises `FormatError` and `LayoutError` naming the place in the JSON."""
+        with named(name):
+            check_fields(check_object(value), ("points",), ("camber",))
+            return cls.through(value["points"], value.get("camber"))
+
+    def written(self) -> dict[str, Any]:
+        """The line as JSON types."""
+        camber = {"camber": self.camber.tolist()} if self.camber.any() else {}
+        return {"points": np.column_stack([self.middle, self.heights]).tolist(), **camber}
 
     @property
     def length(self) -> float:
         """In plan [m]."""
         return float(self.along[-1])
-
-    @property
-    def points(self) -> np.ndarray:
-        """x, y and height f64 [S, 3]."""
-        return np.column_stack([self.middle, self.heights])
 
     def at(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
         """x, y [..., 2] of places along and across [m] that have one shape."""
@@ -74,7 +85,7 @@ class Line:
         return self.along[best] + clipped[row, best], across[row, best]
 
     def nearest(self, x: float, y: float) -> tuple[float, float]:
-        """The point of a straight line nearest to x, y [m], or the nearest of the points that a bent one goes through."""
+        """The point of a straight line nearest to x, y [m], or the nearest of the points of a bent one."""
         if len(self.middle) == 2:
             (a, b), (c, d) = self.middle.tolist()
             length = self.length

@@ -12,6 +12,8 @@ import numpy as np
 from lidardraft.errors import LayoutError
 
 LEFT, RIGHT = 1, -1  # sides of a road: the sign of `across`
+SIDES = (RIGHT, LEFT)
+PARKING_STRIP = 2.2  # m, the room of cars parked along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
 TERRAIN_HEIGHT = -0.05  # below the road, so that the road covers it
 KERB_HEIGHT = 0.12  # usual European kerb face, 10 to 15 cm
 _STRAIGHT = 1e-9  # 1/m, the curvature below which a road is straight

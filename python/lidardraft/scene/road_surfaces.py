@@ -97,5 +97,3 @@ def ribbon(rows: np.ndarray, label: str, id: str) -> Primitive:
     a = (np.arange(count - 1)[:, None] * width + np.arange(width - 1)).ravel()
     faces = np.stack([a, a + 1, a + 1 + width, a, a + 1 + width, a + width], axis=1)
     return Primitive.from_mesh(rows.reshape(-1, 3), faces.reshape(-1, 3), label=label, id=id)
-
-

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lidardraft.arranging.lanes import Lane
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import plan_street
 from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix
@@ -16,6 +15,7 @@ from lidardraft.objects.kinds import kind_of
 from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import PRESETS, Sensor
+from lidardraft.scene.street import Path, StreetFrame
 from lidardraft.scene.weather import Weather
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
 from lidardraft.streets.coarse.coarse_street import CoarseStreet
@@ -60,7 +60,7 @@ class Street:
     number: int
     district: str
     occupancy: Occupancy
-    lanes: tuple[Lane, ...]
+    lanes: tuple[Path, ...]
     scene: Layout
     coarse: CoarseStreet
 
@@ -76,7 +76,8 @@ def make_street(*, seed: int = 0, config: StreetConfig | None = None, number: in
     seed, number = check_seed(seed), check_number("number", number)
     config = config or StreetConfig()
     rng = np.random.default_rng([seed, number])
-    occupancy, lanes, district = plan_street(rng, config.half_length, config.mix)
+    frame, district = plan_street(rng, config.half_length, config.mix)
+    occupancy, lanes = frame.occupancy, frame.street.paths()
     primitives = occupancy.ground.surfaces()
     for placed in occupancy.objects:
         primitives += kind_of(placed.kind).build(placed, rng)
