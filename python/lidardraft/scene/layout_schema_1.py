@@ -22,7 +22,7 @@ def converted(provenance: dict[str, Any]) -> dict[str, Any]:
         return {"roads": _roads(provenance), "intent": _intent(provenance), "notes": tuple(_notes(provenance))}
 
 
-def _roads(provenance: dict[str, Any]) -> RoadNetwork | None:
+def _roads(_provenance: dict[str, Any]) -> RoadNetwork | None:
     return None
 
 
