@@ -161,12 +161,9 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
             layout = _surrounded(arguments, layout, arguments.seed, usual=name in _STREET_AROUND)
     except LidarDraftError as error:
         raise type(error)(f"{error}{_other_option(name, getattr(arguments, name))}") from None
-    # The notes on a layout that was saved, also as a model or a script, were printed when it was made.
-    file = getattr(arguments, name)
-    is_new = name not in ("glb", "blender") or layout.provenance.get("source") == Path(file).name
-    if name != "layout" and (is_new or arguments.recentre):
-        for note in notes_on(layout):
-            say(note if name == "text" else f"{file}: {note}")
+    if name != "layout":  # whose notes were printed when it was made
+        for note in notes_on(arguments, layout):
+            say(note if name == "text" else f"{getattr(arguments, name)}: {note}")
     return layout
 
 
@@ -291,14 +288,11 @@ def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> L
     return _surrounded(arguments, layout, seed, usual=not arguments.llm_blender)
 
 
-def notes_on(layout: Layout) -> list[str]:
+def notes_on(arguments: argparse.Namespace, layout: Layout) -> list[str]:
     """The first of the layout's notes, and how many more there are."""
-    notes = list(layout.notes)
-    if layout.provenance.get("source") == "text" and layout.provenance.get("not_understood"):
-        notes[0] += "; --llm-url takes free text"
-    if len(notes) > _MOST_NOTES:
-        notes[_MOST_NOTES:] = [f"and {len(notes) - _MOST_NOTES} more, in the layout's provenance"]
-    return notes
+    more = "" if _asks_language_model(arguments) else "; --llm-url takes free text"
+    notes = [note + more if note.startswith("not understood: ") else note for note in layout.notes[:_MOST_NOTES]]
+    return notes + [f"and {len(layout.notes) - _MOST_NOTES} more, in its notes"] * (len(layout.notes) > _MOST_NOTES)
 
 
 def _from_text(arguments: argparse.Namespace) -> Layout:

@@ -89,7 +89,9 @@ def replace(layout: Layout, pattern: str, **fields: Any) -> Layout:
     changed = {p.id: dataclasses.replace(p, **fields) for p in _existing(layout, pattern)}
     primitives = tuple(changed.get(p.id, p) for p in layout)
     names = {object_of(before): object_of(after) for before, after in zip(layout, primitives, strict=True)}
-    return dataclasses.replace(layout, primitives=primitives, intent=layout.intent.renamed(names))
+    left = set(map(object_of, primitives))
+    intent = layout.intent.renamed({before: after for before, after in names.items() if before not in left})
+    return dataclasses.replace(layout, primitives=primitives, intent=intent)
 
 
 def _matches(primitive: Primitive, pattern: str) -> bool:

@@ -21,6 +21,18 @@ PAINTS = ("light", "mid", "dark")
 ACTIVITIES = ("empty", "quiet", "busy")
 
 
+def check_motion(name: str, motion: str | None, speed: float | None) -> None:
+    """Raises `LayoutError` where a motion or a speed [m/s], whose names begin with `name`, is invalid."""
+    if motion is not None:
+        check_choice(f"{name}motion", motion, MOTIONS)
+    fits = speed is None or (is_number(speed) and 0.0 <= speed <= MAX_SPEED)
+    check_that(fits, f"{name}speed", speed, f"0 to {MAX_SPEED:g} m/s")
+
+
+def _check_text(name: str, value: object) -> None:
+    check_that(value is None or type(value) is str, name, value, "text")
+
+
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Asked:
     """What was asked of one object, or of the ego vehicle; None where nothing was.
@@ -111,27 +123,18 @@ class Intent:
     @classmethod
     def of_spec(cls, spec: Mapping[str, Any], objects: Mapping[str, int]) -> Intent:
         """The intent of the JSON of a `SceneSpec`, where each of the `objects` is of the group of that number."""
-        road, groups = spec.get("road", {}), [dict(group) for group in spec.get("groups", ())]
-        for group in groups:
-            group["counted"] = group.get("count", 1) not in ("some", "many")
-        of_group = [
-            Asked(
-                group=number,
-                overtakes=group.get("references", ()) if group.get("motion") == "overtakes" else (),
-                **{name: group.get(name) for name in ("kind", "counted", "heading", "motion", "speed", "paint")},
-            )
-            for number, group in enumerate(groups)
-        ]
-        motion = road.get("ego_motion")
-        ahead = [one.group for one in of_group if one.heading in (None, "with")]
-        ego = Asked(motion=motion, speed=road.get("ego_speed"), overtakes=ahead if motion == "overtakes" else ())
-        counted = [one.kind for one in of_group if one.counted]
+        road, settings = spec.get("road", {}), ("district", "activity", "weather")
+        of_group = [_asked_of(number, group) for number, group in enumerate(spec.get("groups", ()))]
+        counted = [one.kind for one in of_group if one.counted and one.kind]
+        ahead = [number for number, one in enumerate(of_group) if one.heading in (None, "with")]
+        ego = {"motion": road.get("ego_motion"), "speed": road.get("ego_speed"), "references": ahead}
+        fields: dict[str, Any] = {name: spec.get(name) for name in settings}
         return cls(
             road=road.get("kind"),
             denied=tuple(dict.fromkeys((*spec.get("absent", ()), *spec.get("not_around", ()), *counted))),
-            ego=ego,
+            ego=_asked_of(None, ego),
             objects={name: of_group[number] for name, number in objects.items()},
-            **{name: spec.get(name) for name in ("district", "activity", "weather")},
+            **fields,
         )
 
     def to_dict(self) -> dict[str, Any]:
@@ -143,24 +146,19 @@ class Intent:
     def from_dict(cls, fields: Mapping[str, Any]) -> Intent:
         """The inverse of `to_dict`; raises `FormatError` for an unknown field, `LayoutError` for an invalid one."""
         check_fields(check_object(fields), (), cls.__dataclass_fields__)
-        rows = {"ego": fields.get("ego", {}), **check_object(fields.get("objects", {}))}
-        asked = {name: _asked(name, row) for name, row in rows.items()}
-        return cls(**{**fields, "ego": asked.pop("ego"), "objects": asked})
+        ego, rows = _asked("ego", fields.get("ego", {})), check_object(fields.get("objects", {}))
+        return cls(**{**fields, "ego": ego, "objects": {name: _asked(name, row) for name, row in rows.items()}})
 
 
 NOTHING_ASKED = Intent()
 
 
-def check_motion(name: str, motion: str | None, speed: float | None) -> None:
-    """Raises `LayoutError` where a motion or a speed [m/s], whose names begin with `name`, is invalid."""
-    if motion is not None:
-        check_choice(f"{name}motion", motion, MOTIONS)
-    fits = speed is None or (is_number(speed) and 0.0 <= speed <= MAX_SPEED)
-    check_that(fits, f"{name}speed", speed, f"0 to {MAX_SPEED:g} m/s")
-
-
-def _check_text(name: str, value: object) -> None:
-    check_that(value is None or type(value) is str, name, value, "text")
+def _asked_of(number: int | None, group: Mapping[str, Any]) -> Asked:
+    """What the group of that number of a spec asks of each of its objects."""
+    names = ("kind", "heading", "motion", "speed", "paint")
+    fields: dict[str, Any] = {name: group.get(name) for name in names}
+    overtakes = tuple(group.get("references", ())) if fields["motion"] == "overtakes" else ()
+    return Asked(group=number, counted=group.get("count", 1) not in ("some", "many"), overtakes=overtakes, **fields)
 
 
 def _asked(name: str, row: Any) -> Asked:

@@ -113,11 +113,9 @@ class Line:
         normal = np.array([-grade * b - slope * a, grade * a - slope * b, 1.0])
         return normal / np.linalg.norm(normal)
 
-    def spaced(self, step: float) -> Line:
-        """The line through points that are `step` [m] apart or a little less."""
-        along = np.linspace(0.0, self.length, max(2, int(np.ceil(self.length / step)) + 1))
-        points = np.column_stack([self.at(along, np.zeros(len(along))), self.height(along)])
-        return Line.through(points, np.interp(along, self.along, self.camber))
+    def spaced(self, count: int) -> np.ndarray:
+        """`count` points f64 [count, 2] of it, from end to end."""
+        return self.at(np.linspace(0.0, self.length, count), np.zeros(count))
 
     def moved(self, place: tuple[float, float, float]) -> Line:
         """The line of a frame that stands at a place, as those around see it."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 
 import numpy as np
 
-from lidardraft.scene.layout import Primitive
+from lidardraft.scene.layout import Primitive, corners_around
 from lidardraft.scene.road import KERB_HEIGHT, LEFT, TERRAIN_HEIGHT, Road
+from lidardraft.scene.road_network import Drawn
 
 _SEGMENT = 2.0  # m; the chord of a 50 m bend leaves the arc by 1 cm
 _EXTENT = 200.0
@@ -29,6 +31,16 @@ def road_surfaces(road: Road) -> list[Primitive]:
     for number, area in enumerate(road.paved_areas, start=1):
         surfaces.append(_strip(road, f"patch_{number}", "road", area.along, area.across, 0.0))
     return surfaces
+
+
+def drawn(primitives: Iterable[Primitive]) -> tuple[Drawn, ...]:
+    """Those primitives that show roads, as a network has them."""
+    found = []
+    for primitive in primitives:
+        if primitive.label == "road" and primitive.material is None:
+            low, high = map(tuple, corners_around([primitive], 0.0))
+            found.append(Drawn(id=primitive.id, low=low, high=high))
+    return tuple(found)
 
 
 def _carriageways(road: Road) -> list[Primitive]:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -100,8 +100,8 @@ class StreetFrame:
     """The road under the ego vehicle with what a street that fills it has to know.
 
     The frame of the `road` stands at `place` in the layout, the land around it is `plain` [m] high. `lacks` are those
-    of its surfaces that the layout does not show: "sidewalk", "terrain", or all but in the picture with "road". Of a drawn
-    road, `paved` is what else is paved, and `ends` how far [m] along it is drawn.
+    of its surfaces that the layout does not show: "sidewalk", "terrain", or all but in the picture with "road". Of a
+    drawn road, `paved` is what else is paved, and `ends` how far [m] along it is drawn.
 
     `speed` [m/s] is its limit, None that of where it leads. `parked` are the sides where cars are parked in the
     outermost of several lanes or beside the only one (`LEFT`, `RIGHT`); None where the lanes are those of `road`. With
@@ -122,6 +122,16 @@ class StreetFrame:
     aisles: tuple[Aisle, ...] = ()
     lights: bool = False
     relief: tuple[tuple[tuple[float, float], ...], ...] = ()
+
+    def over(self, height: Callable[[np.ndarray], np.ndarray]) -> StreetFrame:
+        """The same street on ground whose `height` f64 [N] is known at points [N, 2] of the layout's frame."""
+        lines = [lane.line for lane in replace(self, relief=()).lanes()[0]]
+        lines = [Line.through(line.spaced(2 + int(line.length / _RELIEF))) for line in lines]
+        sides = [np.concatenate([line.middle + off * line.normals for line in lines]) for off in (0.5, -0.5)]
+        left, right = height(np.concatenate(sides)).reshape(2, -1)
+        rows = np.column_stack([(left + right) / 2, left - right]).round(4).tolist()
+        rows = iter([(row[0], row[1]) for row in rows])
+        return replace(self, relief=tuple(tuple(itertools.islice(rows, len(line.along))) for line in lines))
 
     def limit(self) -> float:
         """The speed [m/s] of its traffic: that of towns where none is known."""
@@ -410,9 +420,8 @@ class _Lanes:
         line, relief = self.street.line(self.points[id]), self.street.relief
         level = KERB_HEIGHT if self.known[id].get("kind") == "sidewalk" else 0.0
         if relief:
-            line = line.spaced(_RELIEF)
             heights, camber = np.array(relief[number]).T
-            line = Line.through(np.column_stack([line.middle, heights]), camber)
+            line = Line.through(np.column_stack([line.spaced(len(heights)), heights]), camber)
         elif level:
             line = Line.through(np.column_stack([line.middle, np.full(len(line.along), level)]))
         return Lane(id=id, line=line, **{"width": self.road.lane_width, "speed": self.street.limit(), **self.known[id]})

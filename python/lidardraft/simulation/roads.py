@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -15,12 +15,12 @@ from lidardraft.errors import LayoutError
 from lidardraft.scene.check import VEHICLE_LABELS, LayoutGround
 from lidardraft.scene.edit import placed
 from lidardraft.scene.lane import Pavement
-from lidardraft.scene.layout import AROUND, Layout, Primitive, corners_around, primitive_mesh
+from lidardraft.scene.layout import AROUND, Layout, Primitive, primitive_mesh
 from lidardraft.scene.line import Line
 from lidardraft.scene.pose import Place, point_at
 from lidardraft.scene.road import Road
-from lidardraft.scene.road_network import Drawn, RoadNetwork
-from lidardraft.scene.road_surfaces import road_surfaces
+from lidardraft.scene.road_network import RoadNetwork
+from lidardraft.scene.road_surfaces import drawn, road_surfaces
 from lidardraft.scene.street import StreetFrame
 
 _LANE = 3.5  # m, usual
@@ -66,7 +66,7 @@ def with_roads(layout: Layout) -> Layout:
     given = dataclasses.replace(layout, primitives=tuple(p for p in layout if not p.id.startswith(AROUND)))
     street, shown, source = _guess(given)
     street = dataclasses.replace(street, speed=district_of(layout, street.road).speed)
-    guess = RoadNetwork(street=street, drawn=tuple(drawn(p for p in layout if p.id == shown)))
+    guess = RoadNetwork(street=street, drawn=drawn(p for p in layout if p.id == shown))
     moved = f"{changed} is not where its roads have it: " if roads is not None else ""
     return dataclasses.replace(layout, roads=guess).noted(f"{moved}the lanes of its road are guessed from its {source}")
 
@@ -79,22 +79,15 @@ def with_known_roads(layout: Layout) -> Layout:
         return dataclasses.replace(layout, roads=None)
 
 
-def drawn(primitives: Iterable[Primitive]) -> Iterator[Drawn]:
-    """What shows a road, as a network has it."""
-    for primitive in primitives:
-        low, high = corners_around([primitive], 0.0)
-        yield Drawn(primitive.id, tuple(low), tuple(high))
-
-
 def _changed(layout: Layout, roads: RoadNetwork) -> str | None:
     """The id of a primitive that showed a road and is not there any more; None where all are."""
     shown = roads.drawn
     if shown is None and roads.street is not None:
         surfaces = placed(road_surfaces(roads.street.road), roads.street.place)
-        shown = tuple(drawn(p for p in surfaces if p.label == "road"))
+        shown = drawn(surfaces)
     there = {primitive.id: primitive for primitive in layout}
     for one in shown or ():
-        found = next(drawn([there[one.id]]), None) if one.id in there else None
+        found = next(iter(drawn(filter(None, [there.get(one.id)]))), None)
         if found is None or max(abs(np.subtract((*found.low, *found.high), (*one.low, *one.high)))) > _SAME:
             return one.id
     return None

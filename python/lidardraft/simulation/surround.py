@@ -259,7 +259,7 @@ def _beside_lots(district: District, road: Road) -> District:
 
 
 def _denied(intent: Intent, counted: set[str]) -> frozenset[str]:
-    """The kinds of objects of which one more would contradict what was asked: it counts them, or says that there are none.
+    """The kinds of objects of which one more would contradict what was asked for.
 
     Sketches and boxes count the things of which they have any: they are those of the classes `counted`.
     """
