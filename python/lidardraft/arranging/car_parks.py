@@ -11,7 +11,6 @@ from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import LAMP_WIDTH, sample_person
 from lidardraft.objects.cars import sample_car
 from lidardraft.scene.road import LEFT, RIGHT, PavedArea, Road
-from lidardraft.scene.street import Aisle
 
 # EAR 05 and RASt 06: bays of 2.5 x 5.0 m at right angles to an aisle of 6.0 m.
 BAY_WIDTH, BAY_LENGTH, AISLE_WIDTH = 2.5, 5.0, 6.0
@@ -53,10 +52,6 @@ class CarPark:
     gate: float
     aisles: tuple[float, ...]
     rows: tuple[tuple[float, int], ...]
-
-    def driven(self) -> tuple[Aisle, ...]:
-        """The aisles, from end to end."""
-        return tuple(Aisle(across=across, along=self.paved_area.along) for across in self.aisles)
 
 
 def sample_car_park(road: Road, modules: int, rng: np.random.Generator) -> CarPark:

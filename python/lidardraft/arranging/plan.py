@@ -78,7 +78,7 @@ def sample_frame(rng: np.random.Generator, half_length: float, mix: StreetMix) -
         speed=district.speed,
         parked=parking,
         one_way=oneway,
-        aisles=() if car_park is None else car_park.driven(),
+        aisles=() if car_park is None else tuple((across, *car_park.paved_area.along) for across in car_park.aisles),
         lights=lights,
     )
     occupancy.ground.paint(road_markings(road, street.paths(), car_park, district.speed, rng))

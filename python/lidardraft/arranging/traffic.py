@@ -173,7 +173,8 @@ def _place_queue(occupancy: Occupancy, district: District, lane: Path, rng: np.r
 def _place_flow(occupancy: Occupancy, district: District, lane: Path, rng: np.random.Generator) -> None:
     """Free vehicles and groups of followers, at the distances that belong to their speed."""
     speed = lane.speed * rng.uniform(*_FLOW_SPEED)
-    free = district.traffic_gap if USES[lane.kind].free_gap is None else USES[lane.kind].free_gap
+    usual = USES[lane.kind].free_gap
+    free = district.traffic_gap if usual is None else usual
     distance = rng.exponential(free)
     while distance < lane.length - _LANE_END:
         kind, size = _vehicle(rng, district, lane)

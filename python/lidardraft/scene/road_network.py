@@ -97,8 +97,8 @@ class RoadNetwork:
                 twice = next(id for id in ids if ids.count(id) > 1)
                 raise LayoutError(f"two {what} have the id {twice!r}; ids must be distinct")
         junctions = {junction.id for junction in self.junctions}
-        for owner in (*self.junctions, *self.signals):
-            self._known(owner.id, owner.lanes, self._by_id)
+        for id, lanes in ((one.id, one.lanes) for some in (self.junctions, self.signals) for one in some):
+            self._known(id, lanes, self._by_id)
         for lane in self.lanes:
             self._known(lane.id, (*lane.successors, *filter(None, (lane.left, lane.right))), self._by_id)
             self._known(lane.id, filter(None, (lane.junction,)), junctions)

@@ -38,8 +38,8 @@ def drawn(primitives: Iterable[Primitive]) -> tuple[Drawn, ...]:
     found = []
     for primitive in primitives:
         if primitive.label == "road" and primitive.material is None:
-            low, high = map(tuple, corners_around([primitive], 0.0))
-            found.append(Drawn(id=primitive.id, low=low, high=high))
+            (a, b, c), (x, y, z) = corners_around([primitive], 0.0)
+            found.append(Drawn(primitive.id, (a, b, c), (x, y, z)))
     return tuple(found)
 
 

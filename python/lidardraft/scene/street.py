@@ -42,7 +42,7 @@ _INTO_RING = 0.25  # rad further on than its lane that who enters a roundabout i
 MAIN_ROAD, SIDE_ROAD, ROUNDABOUT, AISLE = "main", "side", "ring", "aisle"  # what a path leads along
 
 
-@dataclass(frozen=True, kw_only=True, slots=True)
+@dataclass(frozen=True, slots=True)
 class Path:
     """Where traffic is placed: from (`along`, `across`) [m] of the road's frame on, `angle` [rad] against the road,
     bent to the left by `bend` [1/m] in that frame. `speed` [m/s] is the limit, `stop` the distance from the start to
@@ -56,10 +56,10 @@ class Path:
     angle: float
     length: float
     speed: float
-    bend: float = 0.0
-    stop: float | None = None
     number: int = 0
     width: float = RING / 2
+    bend: float = 0.0
+    stop: float | None = None
 
     @property
     def outer(self) -> bool:
@@ -88,14 +88,6 @@ class _Offset(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
-class Aisle:
-    """The middle across [m] of an aisle of a car park, and from and to along the road [m]."""
-
-    across: float
-    along: tuple[float, float]
-
-
-@dataclass(frozen=True, kw_only=True, slots=True)
 class StreetFrame:
     """The road under the ego vehicle with what a street that fills it has to know.
 
@@ -105,7 +97,8 @@ class StreetFrame:
 
     `speed` [m/s] is its limit, None that of where it leads. `parked` are the sides where cars are parked in the
     outermost of several lanes or beside the only one (`LEFT`, `RIGHT`); None where the lanes are those of `road`. With
-    `one_way` all the room between them leads in the ego's direction. `aisles` are those of its car park, `lights` is
+    `one_way` all the room between them leads in the ego's direction. `aisles` are the middle across and from
+    and to along [m] of those of its car park, `lights` is
     whether the junction has traffic lights. `relief` holds, for each of its lanes, the height [m] and the slope to the
     left of each of its points; empty on level ground.
     """
@@ -119,7 +112,7 @@ class StreetFrame:
     speed: float | None = None
     parked: tuple[int, ...] | None = None
     one_way: bool = False
-    aisles: tuple[Aisle, ...] = ()
+    aisles: tuple[tuple[float, float, float], ...] = ()
     lights: bool = False
     relief: tuple[tuple[tuple[float, float], ...], ...] = ()
 
@@ -168,95 +161,72 @@ class StreetFrame:
         shares = _ONE_EACH_WAY if self.road.edge < _FOUR_LANES else _TWO_EACH_WAY
         return [self.road.edge * share for share in shares]
 
+    @property
+    def gap(self) -> float:
+        """From the middle of the junction to where the lanes that lead to it end [m]."""
+        radius = self.road.roundabout_radius
+        return (self.road.edge if radius is None else radius) + _JUNCTION_GAP
+
     def paths(self) -> tuple[Path, ...]:
         """Where traffic is placed: along the road, its side roads, its roundabout and its car park.
 
         The side roads of a bend, in whose frame they would widen, have none.
         """
-        side_roads = [] if self.road.curvature else self._side_paths()
-        return (*self._main_paths(), *side_roads, *self._ring(), *itertools.chain(*map(_aisle_paths, self.aisles)))
+        side_roads = () if self.road.curvature else self._side_paths()
+        return (*self._main_paths(), *side_roads, *self._ring(), *self._aisles())
 
-    def _main_paths(self) -> list[Path]:
+    def _main_paths(self) -> Iterator[Path]:
         """Along the whole road, in two pieces where a roundabout breaks it."""
-        road, paths = self.road, []
+        road, gap = self.road, self.gap
         for across, direction, number, width in self.offsets():
             start, length = -direction * road.half_length, 2 * road.half_length
-            whole = Path(
-                kind=MAIN_ROAD,
-                way="with" if direction > 0 else "against",
-                along=start,
-                across=across,
-                angle=0.0 if direction > 0 else math.pi,
-                length=length,
-                speed=self.limit(),
-                number=number,
-                width=width,
-            )
+            way, angle = ("with", 0.0) if direction > 0 else ("against", math.pi)
+            whole = Path(MAIN_ROAD, way, start, across, angle, length, self.limit(), number, width)
             if road.junction is None:
-                paths.append(whole)
+                yield whole
                 continue
             to_junction = direction * (road.junction - start)
             if road.roundabout_radius is None:
-                paths.append(replace(whole, stop=to_junction - road.verge - _STOP if self.lights else None))
+                yield replace(whole, stop=to_junction - road.verge - _STOP if self.lights else None)
                 continue
-            gap = road.roundabout_radius + _JUNCTION_GAP
             pieces = ((start, to_junction - gap), (road.junction + direction * gap, length - to_junction - gap))
-            paths += [replace(whole, along=begin, length=piece) for begin, piece in pieces if piece > _SHORTEST]
-        return paths
+            yield from (replace(whole, along=begin, length=piece) for begin, piece in pieces if piece > _SHORTEST)
 
-    def _side_paths(self) -> list[Path]:
+    def _side_paths(self) -> Iterator[Path]:
         """Those of each side road; right-hand traffic: outwards on the right seen from the junction."""
-        road, paths = self.road, list[Path]()
-        near = (road.edge if road.roundabout_radius is None else road.roundabout_radius) + _JUNCTION_GAP
-        length = road.half_length - near
+        road, near = self.road, self.gap
+        length, speed = road.half_length - near, min(self.limit(), TOWN_SPEED)
         stop = length - (road.verge - road.edge) - _STOP if self.lights and road.roundabout_radius is None else None
-        if road.junction is None:
-            return paths
-        for side, (number, offset) in itertools.product(road.side_roads, enumerate(self.side_offsets())):
-            off = side * offset
-            outwards = Path(
-                kind=SIDE_ROAD,
-                way="left.out" if side == LEFT else "right.out",
-                along=road.junction + off,
-                across=side * near,
-                angle=side * math.pi / 2,
-                length=length,
-                speed=min(self.limit(), TOWN_SPEED),
-                number=number,
-                width=road.lane_width,
-            )
-            inwards = {"along": road.junction - off, "across": side * road.half_length, "angle": -outwards.angle}
-            paths += [outwards, replace(outwards, way=outwards.way[:-3] + "in", **inwards, stop=stop)]
-        return paths
+        for side in road.side_roads if road.junction is not None else ():
+            assert road.junction is not None
+            leg, angle, end = "left" if side == LEFT else "right", side * math.pi / 2, side * road.half_length
+            for number, offset in enumerate(self.side_offsets()):
+                on, rest = side * offset, (length, speed, number, road.lane_width)
+                yield Path(SIDE_ROAD, f"{leg}.out", road.junction + on, side * near, angle, *rest)
+                yield Path(SIDE_ROAD, f"{leg}.in", road.junction - on, end, -angle, *rest, stop=stop)
 
-    def _ring(self) -> list[Path]:
+    def _ring(self) -> Iterator[Path]:
         """Once around a roundabout, counter-clockwise."""
-        if self.road.roundabout_radius is None or self.road.junction is None:
-            return []
-        radius = self.road.roundabout_radius - RING / 2
-        ring = Path(
-            kind=ROUNDABOUT,
-            way="ring",
-            along=self.road.junction + radius,
-            across=0.0,
-            angle=math.pi / 2,
-            length=2 * math.pi * radius,
-            speed=_ROUNDABOUT_SPEED,
-            bend=1 / radius,
-        )
-        return [ring]
+        if self.road.roundabout_radius is not None and self.road.junction is not None:
+            radius = self.road.roundabout_radius - RING / 2
+            start = (self.road.junction + radius, 0.0, math.pi / 2)
+            yield Path(ROUNDABOUT, "ring", *start, 2 * math.pi * radius, _ROUNDABOUT_SPEED, bend=1 / radius)
+
+    def _aisles(self) -> Iterator[Path]:
+        """One each way in each aisle."""
+        for number, (across, first, last) in enumerate(self.aisles):
+            rest = (last - first - 2 * _AISLE_END, _CAR_PARK_SPEED)
+            yield Path(AISLE, f"aisle_{number}.with", first + _AISLE_END, across - _AISLE_OFF, 0.0, *rest)
+            yield Path(AISLE, f"aisle_{number}.against", last - _AISLE_END, across + _AISLE_OFF, math.pi, *rest)
 
     def ways(self) -> tuple[Lane, ...]:
         """What drivers follow, in the frame of the layout: along the road and its side roads, over each turn from it,
         and, where cars are placed so, around a roundabout and along aisles."""
-        paths = [] if self.parked is None else [*self._ring(), *itertools.chain(*map(_aisle_paths, self.aisles))]
-        rows = [*self._through(), *self._side_ways(), *self._turning_ways(), *map(self._along_path, paths)]
+        paths = () if self.parked is None else (*self._ring(), *self._aisles())
+        rows = [*self._through(), *self._side_ways(), *self._turning_ways(), *map(self.along_path, paths)]
+        usual = {"width": self.road.lane_width, "speed": self.limit()}
         return tuple(
-            Lane(
-                id=f"way_{number}",
-                line=self.line(points),
-                **{"width": self.road.lane_width, "speed": self.limit(), **more},
-            )
+            Lane(id=f"way_{number}", line=self.line(points), **(usual | more))
             for number, (points, more) in enumerate(rows)
         )
 
@@ -287,9 +257,9 @@ class StreetFrame:
 
     def _through(self) -> Iterator[_Points]:
         """Along the road; a roundabout ends them."""
-        radius = self.road.roundabout_radius
+        gap = None if self.road.roundabout_radius is None else self.gap
         for across, direction, _, width in self.offsets():
-            for low, high in self.pieces(None if radius is None else radius + _JUNCTION_GAP):
+            for low, high in self.pieces(gap):
                 yield self.along(across, low, high, direction), {"width": width}
 
     def _side_ways(self) -> Iterator[_Points]:
@@ -331,11 +301,11 @@ class StreetFrame:
                 along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
                 yield points, {"turn": turn, "bend": (float(along[len(stations)]), float(along[-2]))}
 
-    def _along_path(self, path: Path) -> _Points:
+    def along_path(self, path: Path) -> _Points:
         """Around a roundabout, or straight on, as side roads of bends are too."""
         steps = np.linspace(0.0, path.length, math.ceil(path.length / _STATION) if path.bend else 2)
         places = np.array([path.at(step)[:2] for step in steps.tolist()])
-        more = {"speed": path.speed, "kind": "aisle" if path.kind == AISLE else "driving"}
+        more = {"kind": "aisle" if path.kind == AISLE else "driving", "width": path.width, "speed": path.speed}
         if path.kind == SIDE_ROAD and self.road.junction is not None:
             middle, axes = self.crossed()
             return middle + (places - (self.road.junction, 0.0)) @ axes, more
@@ -353,22 +323,6 @@ class StreetFrame:
 _Points = tuple[np.ndarray, dict[str, Any]]  # [S, 2] of the middle of a lane, and what else is known of it
 
 
-def _aisle_paths(aisle: Aisle) -> list[Path]:
-    """One each way."""
-    first, last = aisle.along
-    forward = Path(
-        kind=AISLE,
-        way=f"aisle_{aisle.across:.0f}.with",
-        along=first + _AISLE_END,
-        across=aisle.across - _AISLE_OFF,
-        angle=0.0,
-        length=last - first - 2 * _AISLE_END,
-        speed=_CAR_PARK_SPEED,
-    )
-    back = {"way": f"aisle_{aisle.across:.0f}.against", "along": last - _AISLE_END, "across": aisle.across + _AISLE_OFF}
-    return [forward, replace(forward, **back, angle=math.pi)]
-
-
 class _Lanes:
     """The lanes of a street while they are made: `points` [S, 2] of the road's frame, and what else is known of each;
     the `entries` and `exits` of the junction, from the outermost on, on each of its legs."""
@@ -378,90 +332,75 @@ class _Lanes:
         self.points: dict[str, np.ndarray] = {}
         self.known: dict[str, dict[str, Any]] = {}
         self.entries, self.exits = defaultdict[str, list[str]](list), defaultdict[str, list[str]](list)
-        for path in (*street._main_paths(), *street._side_paths(), *itertools.chain(*map(_aisle_paths, street.aisles))):
-            self._along(path)
-        for known in self.known.values():
-            known |= {name: id for name, id in known.pop("beside").items() if id in self.known}
-        if self.road.roundabout_radius is not None:
-            self._around(self.road.roundabout_radius - RING / 2)
-        elif self.road.junction is not None:
-            self._turns()
+        for path in street._main_paths():
+            self._main(path)
+        for path in (*street._side_paths(), *street._aisles()):
+            points, more = street.along_path(path)
+            leg, _, way = path.way.partition(".")
+            if path.kind == SIDE_ROAD:
+                (self.entries if way == "in" else self.exits)[leg].append(self._add(path, "", points, **more))
+            else:
+                self._add(path, "", points, **more)
+        for beside in self.known.values():
+            beside |= {side: id for side, id in beside.pop("beside").items() if id in self.known}
+        self._turns() if self.road.roundabout_radius is None else self._around(self.road.roundabout_radius - RING / 2)
         self._beside()
 
-    def _along(self, path: Path) -> None:
-        """The lane of a path, or those before and behind the junction."""
-        road, id = self.road, f"{path.way}_{path.number}"
-        known = {"road": path.way.partition(".")[0], "speed": path.speed, "width": path.width}
-        if path.kind == MAIN_ROAD:
-            direction, known["road"] = (1 if path.angle == 0.0 else -1), "road"
-            low, high = sorted((path.along, path.along + direction * path.length))
-            if self.street.ends is not None:
-                low, high = self.street.ends
-            cut = road.junction is not None and low < road.junction < high
-            pieces = self.street.pieces(road.edge + _JUNCTION_GAP) if cut else [(low, high)]
-            for start, end in pieces:
-                enters = road.junction is not None and (end < road.junction) == (direction > 0)
-                tail = "" if road.junction is None else ".in" if enters else ".out"
-                points = self.street.along(path.across, start, end, direction)
-                self._add(id + tail, points, beside=_numbered(path, tail), **known)
-                if road.junction is not None:
-                    leg = "behind" if end < road.junction else "ahead"
-                    (self.entries if enters else self.exits)[leg].append(id + tail)
-            return
-        points, more = self.street._along_path(path)
-        if path.kind == SIDE_ROAD:
-            (self.entries if path.way.endswith(".in") else self.exits)[known["road"]].append(id)
-            stop = self.road.half_length - self.road.verge - _GIVES_WAY
-            if path.way.endswith(".in") and self.road.roundabout_radius is None:
-                known["stop"] = min(max(stop, 0.0), path.length)
-        self._add(id, points, beside=_numbered(path), **{**more, **known})
-
     def lane(self, id: str, number: int) -> Lane:
-        line, relief = self.street.line(self.points[id]), self.street.relief
-        level = KERB_HEIGHT if self.known[id].get("kind") == "sidewalk" else 0.0
+        """The lane of an id, which was made as that number."""
+        line, known, relief = self.street.line(self.points[id]), self.known[id], self.street.relief
         if relief:
             heights, camber = np.array(relief[number]).T
             line = Line.through(np.column_stack([line.spaced(len(heights)), heights]), camber)
-        elif level:
-            line = Line.through(np.column_stack([line.middle, np.full(len(line.along), level)]))
-        return Lane(id=id, line=line, **{"width": self.road.lane_width, "speed": self.street.limit(), **self.known[id]})
+        elif known.get("kind") == "sidewalk":
+            line = Line.through(np.column_stack([line.middle, np.full(len(line.along), KERB_HEIGHT)]))
+        if "stop" in known:
+            known["stop"] = min(max(known["stop"], 0.0), line.length)
+        return Lane(id=id, line=line, bend=(0.0, line.length if "turn" in known else 0.0), **known)
 
     def signals(self) -> Iterator[Signal]:
+        """A light for each lane that leads to the junction."""
         for id in itertools.chain(*self.entries.values()) if self.street.lights else ():
             line = self.street.line(self.points[id])
-            at = np.array([max(0.0, line.length - (self.road.sidewalk + _STOP - _CORNER))])
+            at = np.array([max(0.0, line.length - (self.road.sidewalk + _STOP - _JUNCTION_GAP))])
             x, y = line.at(at, np.zeros(1))[0].tolist()
             yield Signal(id=f"light.{id}", place=(x, y, float(line.heading(at)[0])), lanes=(id,))
 
-    def _add(self, id: str, points: np.ndarray, **known: Any) -> None:
-        self.points[id], self.known[id] = points, known
+    def _add(self, path: Path, tail: str, points: np.ndarray, **more: Any) -> str:
+        """The lane of a path; returns its id."""
+        id, left, right = (f"{path.way}_{path.number + step}{tail}" for step in (0, 1, -1))
+        leg, _, way = path.way.partition(".")
+        known: dict[str, Any] = {"speed": path.speed, "width": path.width, "road": leg if way else "road", **more}
+        if way == "in":
+            known["stop"] = self.road.half_length - self.road.verge - _GIVES_WAY
+        self.points[id], self.known[id] = points, {**known, "beside": {"left": left, "right": right}}
+        return id
+
+    def _main(self, path: Path) -> None:
+        """The lane of the road itself, or those before and behind the junction."""
+        junction, direction = self.road.junction, 1 if path.angle == 0.0 else -1
+        low, high = self.street.ends or tuple(sorted((path.along, path.along + direction * path.length)))
+        if junction is None:
+            self._add(path, "", self.street.along(path.across, low, high, direction))
+            return
+        for start, end in self.street.pieces(self.street.gap) if low < junction < high else [(low, high)]:
+            enters, leg = (end < junction) == (direction > 0), "behind" if end < junction else "ahead"
+            points = self.street.along(path.across, start, end, direction)
+            legs = self.entries if enters else self.exits
+            legs[leg].append(self._add(path, ".in" if enters else ".out", points))
 
     def _turns(self) -> None:
         """From each lane straight on into that of its number, and into the outer lanes of the roads to either side."""
         for entries, exits in itertools.product(self.entries.values(), self.exits.values()):
             for number, start in enumerate(entries):
-                a, b = self.points[start][-2:]
-                into = (b - a) / np.linalg.norm(b - a)
-                d, c = self.points[exits[0]][1::-1]
-                away = (d - c) / np.linalg.norm(d - c)
-                turned = math.atan2(into[0] * away[1] - into[1] * away[0], float(into @ away))
-                if abs(turned) < math.pi / 4:
-                    out = exits[min(number, len(exits) - 1)]
-                    self._through(start, out, np.stack([b, self.points[out][0]]))
-                elif abs(turned) < 3 * math.pi / 4:
-                    axes = np.stack([into, away])
-                    share = np.linalg.solve(axes.T, c - b)
-                    bend = b + share * np.stack([np.sin(_QUARTER), 1.0 - np.cos(_QUARTER)], axis=1) @ axes
-                    points = np.concatenate([bend[:-1], c[None]])
-                    turn = "left" if turned > 0 else "right"
-                    self._through(start, exits[0], points, turn=turn, bend=(0.0, _length(points)))
-
-    def _through(self, start: str, out: str, points: np.ndarray, **known: Any) -> None:
-        """A lane through the junction."""
-        id = f"{start}>{out}"
-        self._add(id, points, junction="junction", successors=(out,), **known)
-        self.known[start].setdefault("successors", ())
-        self.known[start]["successors"] += (id,)
+                into, away = self.points[start][-2:], self.points[exits[0]][:2]
+                turned = math.remainder(_heading(away) - _heading(into), math.tau)
+                turn = {} if abs(turned) < math.pi / 4 else {"turn": "left" if turned > 0 else "right"}
+                out = exits[0 if turn else min(number, len(exits) - 1)]
+                if abs(turned) < 3 * math.pi / 4:
+                    known = {"width": self.road.lane_width, "speed": self.known[start]["speed"], **turn}
+                    self._through(f"{start}>{out}", _bent(into, self.points[out][:2]), out, **known)
+                    self.known[start]["successors"] = (*self.known[start].get("successors", ()), f"{start}>{out}")
 
     def _around(self, radius: float) -> None:
         """The ring of a roundabout in pieces, counter-clockwise, and ways into it and out of it."""
@@ -472,23 +411,26 @@ class _Lanes:
                 x, y = (self.points[id][end] - middle).tolist()
                 events.append(((math.atan2(y, x) + way * _INTO_RING) % math.tau, way, id))
         events.sort()
+        known = {"speed": _ROUNDABOUT_SPEED, "width": RING / 2}
         for number, (angle, way, id) in enumerate(events):
-            after, (end, _, _) = (number + 1) % len(events), events[(number + 1) % len(events)]
-            span = (end - angle) % math.tau or math.tau
+            after = (number + 1) % len(events)
+            span = (events[after][0] - angle) % math.tau or math.tau
             turns = angle + np.linspace(0.0, span, 2 + math.ceil(span * radius / _STATION))
             ring = middle + radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
-            more = {"junction": "junction", "speed": _ROUNDABOUT_SPEED, "width": RING / 2}
-            ways = (f"ring_{after}",) if events[after][1] > 0 else (f"ring_{after}", f"ring>{events[after][2]}")
-            self._add(f"ring_{number}", ring, successors=ways, **more)
-            tangent = np.array([-math.sin(angle), math.cos(angle)])
-            lane = self.points[id]
+            out = () if events[after][1] > 0 else (f"ring>{events[after][2]}",)
+            self._through(f"ring_{number}", ring, f"ring_{after}", *out, **known)
+            on = ring[0] + np.outer((0.0, 1.0), (-math.sin(angle), math.cos(angle)))
             if way > 0:
-                self.known[id] |= {"successors": (f"{id}>ring",), "stop": _length(lane)}
-                points = _bent(lane[-1], lane[-1] - lane[-2], ring[0], tangent)
-                self._add(f"{id}>ring", points, successors=(f"ring_{number}",), **more)
+                self.known[id] |= {"successors": (f"{id}>ring",), "stop": math.inf}
+                self._through(f"{id}>ring", _bent(self.points[id][-2:], on), f"ring_{number}", **known)
             else:
-                points = _bent(ring[0], tangent, lane[0], lane[1] - lane[0])
-                self._add(f"ring>{id}", points, successors=(id,), **more)
+                into = on - np.diff(on, axis=0)
+                self._through(f"ring>{id}", _bent(into, self.points[id][:2]), id, **known)
+
+    def _through(self, id: str, points: np.ndarray, *successors: str, **known: Any) -> None:
+        """A lane through the junction."""
+        self.points[id] = points
+        self.known[id] = {"junction": "junction", "successors": successors, **known}
 
     def _beside(self) -> None:
         """Strips of parked vehicles, and sidewalks."""
@@ -497,33 +439,25 @@ class _Lanes:
         for side, name in ((LEFT, "left"), (RIGHT, "right")):
             if road.parking or side in (street.parked or ()):
                 kind = "parking" if road.sidewalk or not road.median else "shoulder"
-                for number, (low, high) in enumerate(street.pieces(road.edge + _CORNER)):
-                    points = street.along(side * (road.edge - strip / 2), low, high, -side)
-                    self._add(f"{kind}_{name}.{number}", points, kind=kind, width=strip, speed=_CAR_PARK_SPEED)
-        if road.sidewalk:
-            for number, ((low, high), (right, left)) in enumerate(road.sidewalks()):
-                points = street.along((right + left) / 2, low, high, 1 if left < 0 else -1)
-                self._add(f"sidewalk_{number + 1}", points, kind="sidewalk", width=road.sidewalk, speed=_ON_FOOT)
+                for number, (low, high) in enumerate(street.pieces(street.gap)):
+                    id = f"{kind}_{name}.{number}"
+                    self.points[id] = street.along(side * (road.edge - strip / 2), low, high, -side)
+                    self.known[id] = {"kind": kind, "width": strip, "speed": _CAR_PARK_SPEED}
+        for number, ((low, high), (right, left)) in enumerate(road.sidewalks() if road.sidewalk else (), start=1):
+            self.points[f"sidewalk_{number}"] = street.along((right + left) / 2, low, high, 1 if left < 0 else -1)
+            self.known[f"sidewalk_{number}"] = {"kind": "sidewalk", "width": road.sidewalk, "speed": _ON_FOOT}
 
 
-def _numbered(path: Path, tail: str = "") -> dict[str, str]:
-    """The ids that the lanes to the left and to the right of a path's would have."""
-    return {side: f"{path.way}_{path.number + step}{tail}" for side, step in (("left", 1), ("right", -1))}
+def _heading(points: np.ndarray) -> float:
+    """The direction [rad] from the first point to the second."""
+    return math.atan2(points[1, 1] - points[0, 1], points[1, 0] - points[0, 0])
 
 
-def _length(points: np.ndarray) -> float:
-    return float(np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))[-1])
-
-
-def _bent(start: np.ndarray, into: np.ndarray, end: np.ndarray, away: np.ndarray) -> np.ndarray:
-    """Points [S, 2] of the curve of third degree from place to place that begins and ends in these directions."""
+def _bent(into: np.ndarray, away: np.ndarray) -> np.ndarray:
+    """Points [S, 2] of the cubic curve from the end of one line [2, 2] to the begin of another, in their directions."""
+    start, end, t = into[1], away[0], np.linspace(0.0, 1.0, 17)[:, None]
     reach = np.linalg.norm(end - start)
-    into, away = into / np.linalg.norm(into) * reach, away / np.linalg.norm(away) * reach
-    t = np.linspace(0.0, 1.0, 9)[:, None]
-    points: np.ndarray = (
-        (2 * t**3 - 3 * t**2 + 1) * start
-        + (t**3 - 2 * t**2 + t) * into
-        + (3 * t**2 - 2 * t**3) * end
-        + (t**3 - t**2) * away
-    )
+    first, last = (reach * (line[1] - line[0]) / np.linalg.norm(line[1] - line[0]) for line in (into, away))
+    points: np.ndarray = start + (3 * t**2 - 2 * t**3) * (end - start)
+    points += (t**3 - 2 * t**2 + t) * first + (t**3 - t**2) * last
     return points

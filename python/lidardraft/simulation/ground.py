@@ -39,8 +39,8 @@ def ground_parts(layout: Layout, strips: tuple[RoadStrip, ...], seed: int) -> li
     walks = [p for p in layout if p.label == "sidewalk" and p.material is None]
     taken = {p.id: p for p in layout}
     made, marked = [], set[str]()
-    street = layout.roads.street if layout.roads is not None and layout.roads.drawn is None else None
-    road = street and street.road
+    roads = layout.roads
+    road = None if roads is None or roads.street is None or roads.drawn is not None else roads.street.road
     if road is not None and all(taken.get(p.id) == p for p in road_surfaces(road) if p.label == "road"):
         made, marked = _known_markings(road, layout, seed), {"road", "road_back"}
     rounds = _rounds(layout, strips) if strips else []
