@@ -88,7 +88,8 @@ def test_in_range() -> None:
 
 
 def test_check_runs_all() -> None:
-    bad = Layout((*road_surfaces(Road()), box("a", (1, 0, 3), (9, 2, 1.5)), box("b", (1, 0, 3)), box("c", (300, 50, 0.75))))
+    boxes = (box("a", (1, 0, 3), (9, 2, 1.5)), box("b", (1, 0, 3)), box("c", (300, 50, 0.75)))
+    bad = Layout((*road_surfaces(Road()), *boxes))
     names = {finding.check for finding in check(bad)}
     assert names == {"overlap", "grounded", "on_road", "size", "in_range"}
 
