@@ -201,7 +201,8 @@ class StreetFrame:
             assert road.junction is not None
             leg, angle, end = "left" if side == LEFT else "right", side * math.pi / 2, side * road.half_length
             for number, offset in enumerate(self.side_offsets()):
-                on, rest = side * offset, (length, speed, number, road.lane_width)
+                width = road.lane_width if self.parked is None else road.edge / len(self.side_offsets())
+                on, rest = side * offset, (length, speed, number, width)
                 yield Path(SIDE_ROAD, f"{leg}.out", road.junction + on, side * near, angle, *rest)
                 yield Path(SIDE_ROAD, f"{leg}.in", road.junction - on, end, -angle, *rest, stop=stop)
 
