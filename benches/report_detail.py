@@ -109,7 +109,7 @@ def of_streets(counts: Counts, number: int) -> None:
         scene = scanner.caster.scan(SENSOR, ego.pose @ visible.pose)
         for style in STYLES:
             table = coarse_layout(street.coarse, style, rng, ego.pose, visible)
-            layout = table.layout({"source": style.source})
+            layout = table.layout({"source": style.source}, intent=Intent(headed=style.source != "cloud"))
             bare = raycast(layout, SENSOR, visible.pose)
             add(counts, f"{style.source}", bare, raycast(detail(layout, seed=number), SENSOR, visible.pose))
             add(counts, f"{style.source}: street", bare, scene)

@@ -26,6 +26,7 @@ from lidardraft.pipeline import Pipeline as Pipeline
 from lidardraft.scan import Scan as Scan
 from lidardraft.scene import edit as edit
 from lidardraft.scene.box import Box as Box
+from lidardraft.scene.intent import Asked as Asked, Intent as Intent
 from lidardraft.scene.layout import Layout as Layout, Primitive as Primitive
 from lidardraft.scene.mesh import TriangleMesh as TriangleMesh
 from lidardraft.scene.range_image import RangeImage as RangeImage, RangeImageBatch as RangeImageBatch

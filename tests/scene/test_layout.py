@@ -240,7 +240,7 @@ def row(**changes):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{}", r"schema is None; this version reads 'lidardraft.layout/1'"),
+        ("{}", r"schema is None; this version reads 'lidardraft.layout/2'"),
         (document(schema="lidardraft.layout/9"), r"schema is 'lidardraft.layout/9'; this version reads"),
         (document(primitives={}), r"primitives is {}; it must be a list of objects"),
         (document(primitives=[{"id": "a"}]), r"a: 'center' is missing"),

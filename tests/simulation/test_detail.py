@@ -58,7 +58,7 @@ def bounds(parts: list[Primitive], turn: np.ndarray) -> tuple[np.ndarray, np.nda
 
 @pytest.mark.parametrize("seed", range(12))
 def test_any_layout_keeps_its_objects_in_their_boxes(seed: int) -> None:
-    given = random_layout(seed, source="spec" if seed % 2 else "point cloud")
+    given = random_layout(seed, headed=bool(seed % 2))
     made = detail(given, seed=seed)
     assert Layout.from_json(made.to_json()) == made
     assert owners(made) == owners(given)

@@ -144,10 +144,12 @@ def test_a_road_that_was_moved_is_marked_where_it_is_now() -> None:
 
 
 def test_only_clusterings_know_no_front_from_back() -> None:
-    assert Surroundings.of(Layout(provenance={"source": "point cloud", "sensor_height": 1.7})).clustered
-    assert Surroundings.of(Layout(provenance={"source": "my.bin", "sensor_height": 1.7})).clustered
-    assert Surroundings.of(Layout(provenance={"source": "cloud"})).clustered
-    assert not Surroundings.of(Layout(provenance={"source": "text", "seed": 1})).clustered
+    points = np.array([[12.0, 0, 0.1 * k] for k in range(8)] + [[x, 2, -1.7] for x in range(5, 25)])
+    labels = np.array([BY_NAME["car"].id] * 8 + [BY_NAME["road"].id] * 20)
+    clustered = layout_from_cloud(points, labels, sensor_height=1.7)
+    assert Surroundings.of(clustered).clustered
+    assert Surroundings.of(Layout.from_json(clustered.to_json())).clustered
+    assert not Surroundings.of(layout_from_text("a car ahead")).clustered
     assert not Surroundings.of(Layout()).clustered
 
 

@@ -18,6 +18,7 @@ from lidardraft.scene.box import Box
 _MOST_BOXES = 65_535  # as many as there are instances
 # What stands in the files of other tools.
 _TOOLS = {"<tracklets": "KITTI tracklets", '"figures"': "Supervisely", '"centroid"': "labelCloud", '"psr"': "SUSTech"}
+_OF_WEBDATASET = ("pose", "sensor", "provenance", "intent", "notes")
 _OPTIONAL = ("velocity",)
 _FIELDS = (*(field.name for field in dataclasses.fields(Box) if field.name not in _OPTIONAL), "num_points")
 
