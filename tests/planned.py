@@ -10,7 +10,7 @@ from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import plan_street
 from lidardraft.arranging.relief import Land
 from lidardraft.scene.road import Road
-from lidardraft.scene.street import Path
+from lidardraft.scene.street import Path, paths_of
 
 FLAT = Land(grade=0.0, hillside=0.0, rolling=0.0)
 
@@ -28,7 +28,7 @@ def surface(ground: Ground, along: float, across: float) -> str:
 @cache
 def plans() -> list[tuple[Occupancy, tuple[Path, ...], str]]:
     planned = (plan_street(np.random.default_rng([seed, 9]), 90.0) for seed in range(120))
-    return [(frame.occupancy, frame.street.paths(), name) for frame, name in planned]
+    return [(frame.occupancy, paths_of(frame.street), name) for frame, name in planned]
 
 
 def occupancies() -> list[Occupancy]:

@@ -14,7 +14,7 @@ from lidardraft.arranging.sizes import STANDING, Extents, sample_person, sample_
 from lidardraft.arranging.street_mix import StreetMix, applied
 from lidardraft.errors import LayoutError
 from lidardraft.scene.road import LEFT, PARKING_STRIP, RIGHT, Road
-from lidardraft.scene.street import MAIN_ROAD
+from lidardraft.scene.street import MAIN_ROAD, paths_of
 from lidardraft.streets.ego import sample_ego
 from planned import occupancies, plans
 
@@ -52,7 +52,7 @@ def test_streets_of_any_length():
     for seed in range(30):
         for half_length in (40.0, 200.0):
             frame, _ = plan_street(np.random.default_rng([seed, 77]), half_length)
-            lanes = frame.street.paths()
+            lanes = paths_of(frame.street)
             assert sample_ego(frame.occupancy, lanes, np.random.default_rng(0)).lane in lanes
 
 

@@ -13,7 +13,7 @@ from lidardraft.arranging.markings import road_markings
 from lidardraft.arranging.traffic import place_parked_vehicles, place_traffic
 from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import LEFT, PARKING_STRIP, RIGHT, Road
-from lidardraft.scene.street import MAIN_ROAD, ROUNDABOUT, SIDE_ROAD, Path, StreetFrame
+from lidardraft.scene.street import MAIN_ROAD, ROUNDABOUT, SIDE_ROAD, Path, StreetFrame, paths_of
 from planned import empty, occupancies, plans, surface
 
 
@@ -33,7 +33,7 @@ def test_an_arc_is_followed():
 
 
 def lanes_of(road: Road, parking: tuple[int, ...] = (), *, oneway: bool = False, lights: bool = False) -> list[Path]:
-    return list(StreetFrame(road=road, parked=parking, one_way=oneway, lights=lights).paths())
+    return list(paths_of(StreetFrame(road=road, parked=parking, one_way=oneway, lights=lights)))
 
 
 def test_traffic_keeps_to_the_right_but_in_a_one_way_street():

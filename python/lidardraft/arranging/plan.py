@@ -32,7 +32,7 @@ from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix, applied
 from lidardraft.arranging.traffic import place_parked_vehicles, place_traffic
 from lidardraft.arranging.walkers import place_people
 from lidardraft.scene.road import SIDES, Road
-from lidardraft.scene.street import StreetFrame
+from lidardraft.scene.street import StreetFrame, paths_of
 
 # Closed fronts behind front gardens: their share among closed fronts, and what is different there. Numbers without a
 # source are estimates of ours, here and below.
@@ -81,7 +81,7 @@ def sample_frame(rng: np.random.Generator, half_length: float, mix: StreetMix) -
         aisles=() if car_park is None else tuple((across, *car_park.paved_area.along) for across in car_park.aisles),
         lights=lights,
     )
-    occupancy.ground.paint(road_markings(road, street.paths(), car_park, district.speed, rng))
+    occupancy.ground.paint(road_markings(road, paths_of(street), car_park, district.speed, rng))
     return Frame(district, street, occupancy, car_park), name
 
 
@@ -116,7 +116,7 @@ def fill(frame: Frame, rng: np.random.Generator) -> None:
     if car_park is not None:
         place_in_car_park(occupancy, car_park, rng)
     place_parked_vehicles(occupancy, frame.street.parked or (), car_park, rng)
-    place_traffic(occupancy, district, frame.street.paths(), rng)
+    place_traffic(occupancy, district, paths_of(frame.street), rng)
     place_people(occupancy, district, frame.street.lights, rng)
     place_yard_objects(occupancy, district, rng)
     place_shrub_beds(occupancy, district, rng)

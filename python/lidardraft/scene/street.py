@@ -99,8 +99,8 @@ class StreetFrame:
     outermost of several lanes or beside the only one (`LEFT`, `RIGHT`); None where the lanes are those of `road`. With
     `one_way` all the room between them leads in the ego's direction. `aisles` are the middle across and from
     and to along [m] of those of its car park, `lights` is
-    whether the junction has traffic lights. `relief` holds, for each of its lanes, the height [m] and the slope to the
-    left of each of its points; empty on level ground.
+    whether the junction has traffic lights. `relief` holds, for each of its lanes and then of its ways, the height [m]
+    and the slope to the left of each of its points; empty on level ground.
     """
 
     road: Road
@@ -118,8 +118,9 @@ class StreetFrame:
 
     def over(self, height: Callable[[np.ndarray], np.ndarray]) -> StreetFrame:
         """The same street on ground whose `height` f64 [N] is known at points [N, 2] of the layout's frame."""
-        lines = [lane.line for lane in replace(self, relief=()).lanes()[0]]
-        lines = [Line.through(line.spaced(2 + int(line.length / _RELIEF))) for line in lines]
+        flat = replace(self, relief=())
+        lines = [lane.line for lane in (*flat.lanes()[0], *flat.ways())]
+        lines = [Line.through(line.spaced(max(len(line.along), 2 + int(line.length / _RELIEF)))) for line in lines]
         sides = [np.concatenate([line.middle + off * line.normals for line in lines]) for off in (0.5, -0.5)]
         left, right = height(np.concatenate(sides)).reshape(2, -1)
         rows = np.column_stack([(left + right) / 2, left - right]).round(4).tolist()
@@ -130,7 +131,7 @@ class StreetFrame:
         """The speed [m/s] of its traffic: that of towns where none is known."""
         return TOWN_SPEED if self.speed is None else self.speed
 
-    def offsets(self) -> list[_Offset]:
+    def _offsets(self) -> list[_Offset]:
         """The lanes of the road itself. Parked cars take the outermost of several, or a strip beside the only one."""
         road, parked = self.road, self.parked or ()
         strip = road.parking or PARKING_STRIP
@@ -167,18 +168,10 @@ class StreetFrame:
         radius = self.road.roundabout_radius
         return (self.road.edge if radius is None else radius) + _JUNCTION_GAP
 
-    def paths(self) -> tuple[Path, ...]:
-        """Where traffic is placed: along the road, its side roads, its roundabout and its car park.
-
-        The side roads of a bend, in whose frame they would widen, have none.
-        """
-        side_roads = () if self.road.curvature else self._side_paths()
-        return (*self._main_paths(), *side_roads, *self._ring(), *self._aisles())
-
     def _main_paths(self) -> Iterator[Path]:
         """Along the whole road, in two pieces where a roundabout breaks it."""
         road, gap = self.road, self.gap
-        for across, direction, number, width in self.offsets():
+        for across, direction, number, width in self._offsets():
             start, length = -direction * road.half_length, 2 * road.half_length
             way, angle = ("with", 0.0) if direction > 0 else ("against", math.pi)
             whole = Path(MAIN_ROAD, way, start, across, angle, length, self.limit(), number, width)
@@ -224,18 +217,23 @@ class StreetFrame:
         """What drivers follow, in the frame of the layout: along the road and its side roads, over each turn from it,
         and, where cars are placed so, around a roundabout and along aisles."""
         paths = () if self.parked is None else (*self._ring(), *self._aisles())
-        rows = [*self._through(), *self._side_ways(), *self._turning_ways(), *map(self.along_path, paths)]
+        rows = [*self._through(), *self._side_ways(), *self._turning_ways(), *map(self._along_path, paths)]
         usual = {"width": self.road.lane_width, "speed": self.limit()}
         return tuple(
-            Lane(id=f"way_{number}", line=self.line(points), **(usual | more))
+            Lane(id=f"way_{number}", line=self.line(points, number - len(rows)), **(usual | more))
             for number, (points, more) in enumerate(rows)
         )
 
-    def line(self, points: np.ndarray) -> Line:
-        """The line through points [S, 2] of the road's frame, in that of the layout."""
+    def line(self, points: np.ndarray, number: int) -> Line:
+        """The line through points [S, 2] of the road's frame, in that of the layout, of which the relief has that
+        number."""
         x, y, yaw = self.place
         cos, sin = math.cos(yaw), math.sin(yaw)
-        return Line.through(points @ np.array([[cos, sin], [-sin, cos]]) + (x, y))
+        line = Line.through(points @ np.array([[cos, sin], [-sin, cos]]) + (x, y))
+        if not self.relief:
+            return line
+        heights, camber = np.array(self.relief[number]).T
+        return Line.through(np.column_stack([line.spaced(len(heights)), heights]), camber)
 
     def pieces(self, gap: float | None) -> list[tuple[float, float]]:
         """From and to along the road [m]: all of it, or what lies `gap` [m] or more from the middle of the junction."""
@@ -259,7 +257,7 @@ class StreetFrame:
     def _through(self) -> Iterator[_Points]:
         """Along the road; a roundabout ends them."""
         gap = None if self.road.roundabout_radius is None else self.gap
-        for across, direction, _, width in self.offsets():
+        for across, direction, _, width in self._offsets():
             for low, high in self.pieces(gap):
                 yield self.along(across, low, high, direction), {"width": width}
 
@@ -285,7 +283,7 @@ class StreetFrame:
         middle, axes = self.crossed()
         far, outer = road.edge + _CORNER, self.side_offsets()[0]
         low, high = self.ends or (-road.half_length, road.half_length)
-        for across, way, _, _ in self.offsets():
+        for across, way, _, _ in self._offsets():
             begin, own = low if way > 0 else high, way * across
             stations = np.linspace(begin, road.junction - way * far, max(2, math.ceil(road.half_length / _STATION)))[
                 :-1
@@ -302,7 +300,7 @@ class StreetFrame:
                 along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
                 yield points, {"turn": turn, "bend": (float(along[len(stations)]), float(along[-2]))}
 
-    def along_path(self, path: Path) -> _Points:
+    def _along_path(self, path: Path) -> _Points:
         """Around a roundabout, or straight on, as side roads of bends are too."""
         steps = np.linspace(0.0, path.length, math.ceil(path.length / _STATION) if path.bend else 2)
         places = np.array([path.at(step)[:2] for step in steps.tolist()])
@@ -324,6 +322,15 @@ class StreetFrame:
 _Points = tuple[np.ndarray, dict[str, Any]]  # [S, 2] of the middle of a lane, and what else is known of it
 
 
+def paths_of(street: StreetFrame) -> tuple[Path, ...]:
+    """Where traffic is placed: along the road, its side roads, its roundabout and its car park.
+
+    The side roads of a bend, in whose frame they would widen, have none.
+    """
+    side_roads = () if street.road.curvature else street._side_paths()
+    return (*street._main_paths(), *side_roads, *street._ring(), *street._aisles())
+
+
 class _Lanes:
     """The lanes of a street while they are made: `points` [S, 2] of the road's frame, and what else is known of each;
     the `entries` and `exits` of the junction, from the outermost on, on each of its legs."""
@@ -336,7 +343,7 @@ class _Lanes:
         for path in street._main_paths():
             self._main(path)
         for path in (*street._side_paths(), *street._aisles()):
-            points, more = street.along_path(path)
+            points, more = street._along_path(path)
             leg, _, way = path.way.partition(".")
             if path.kind == SIDE_ROAD:
                 (self.entries if way == "in" else self.exits)[leg].append(self._add(path, "", points, **more))
@@ -349,11 +356,8 @@ class _Lanes:
 
     def lane(self, id: str, number: int) -> Lane:
         """The lane of an id, which was made as that number."""
-        line, known, relief = self.street.line(self.points[id]), self.known[id], self.street.relief
-        if relief:
-            heights, camber = np.array(relief[number]).T
-            line = Line.through(np.column_stack([line.spaced(len(heights)), heights]), camber)
-        elif known.get("kind") == "sidewalk":
+        line, known = self.street.line(self.points[id], number), self.known[id]
+        if known.get("kind") == "sidewalk" and not self.street.relief:
             line = Line.through(np.column_stack([line.middle, np.full(len(line.along), KERB_HEIGHT)]))
         if "stop" in known:
             known["stop"] = min(max(known["stop"], 0.0), line.length)
@@ -362,7 +366,7 @@ class _Lanes:
     def signals(self) -> Iterator[Signal]:
         """A light for each lane that leads to the junction."""
         for id in itertools.chain(*self.entries.values()) if self.street.lights else ():
-            line = self.street.line(self.points[id])
+            line = self.street.line(self.points[id], list(self.points).index(id))
             at = np.array([max(0.0, line.length - (self.road.sidewalk + _STOP - _JUNCTION_GAP))])
             x, y = line.at(at, np.zeros(1))[0].tolist()
             yield Signal(id=f"light.{id}", place=(x, y, float(line.heading(at)[0])), lanes=(id,))

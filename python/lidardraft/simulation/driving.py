@@ -151,7 +151,7 @@ class _Traffic:
                 return
 
     def places(self) -> np.ndarray:
-        """x, y, z, yaw [D, 4] of the drivers; z is 0."""
+        """x, y, z, yaw [D, 4] of the drivers; z is the height of their lanes."""
         found = np.zeros((len(self.drivers), 4))
         for numbers in self.lanes.values():
             rows = [self.drivers[number] for number in numbers]
@@ -159,7 +159,7 @@ class _Traffic:
             along, left, first, start, returns = np.array(
                 [(row.along, row.left, row.yaw, row.start, row.returns) for row in rows]
             ).T
-            found[numbers, :2] = lane.line.at(along, left)
+            found[numbers, :2], found[numbers, 2] = lane.line.at(along, left), lane.line.height(along, left)
             off = first * np.exp((start - along) / _AIM) - np.arctan(returns * left / _RETURN)
             found[numbers, 3] = lane.line.heading(along) + off
         return found

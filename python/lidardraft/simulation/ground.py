@@ -19,7 +19,7 @@ from lidardraft.objects.mesh import quads
 from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.scene.road import Road
 from lidardraft.scene.road_surfaces import road_surfaces
-from lidardraft.scene.street import StreetFrame
+from lidardraft.scene.street import StreetFrame, paths_of
 from lidardraft.simulation.coarse_object import generator_of
 from lidardraft.simulation.roads import RoadStrip, district_of, lanes_of, strip_rows
 
@@ -63,7 +63,7 @@ def _known_markings(road: Road, layout: Layout, seed: int) -> list[Primitive]:
         district = district_of(layout, road)
         street = StreetFrame(road=road, speed=district.speed, parked=(), lights=lights)
         rng, crossings = generator_of(seed, "markings"), _crossings(road, layout)
-        spans = road_markings(road, street.paths(), None, district.speed, rng, crossings=crossings)
+        spans = road_markings(road, paths_of(street), None, district.speed, rng, crossings=crossings)
     if road.curvature and len(spans):
         spans = cut(spans, np.arange(-road.half_length, road.half_length, _BEND_PIECE), 0)
     plane = road.points(spans[:, [0, 1, 1, 0]], spans[:, [2, 2, 3, 3]]) if len(spans) else np.zeros((0, 4, 2))

@@ -97,9 +97,13 @@ def _moved(
         elif name == "ego" or motion != Straight(0.0):
             others[name] = _track(motion, bodies[name].place, times)
     tracks = others | drive(drivers, others, bodies, times)
+    rises = {driver.body.name for driver in drivers if driver.lane.line.heights.any()}
     for name, track in tracks.items():
         home = np.array([bodies[name].place])
-        track.places[:, 2] = home[0, 2] + ground.at(track.places)[0] - ground.at(home)[0]
+        if name in rises:
+            track.places[:, 2] += home[0, 2] - track.places[0, 2]
+        else:
+            track.places[:, 2] = home[0, 2] + ground.at(track.places)[0] - ground.at(home)[0]
     return tracks
 
 

@@ -18,7 +18,7 @@ from lidardraft.scene.pose import place_around, point_at
 from lidardraft.scene.road_network import RoadNetwork
 from lidardraft.scene.road_surfaces import drawn
 from lidardraft.scene.sensor import PRESETS, Sensor
-from lidardraft.scene.street import Path, StreetFrame
+from lidardraft.scene.street import Path, StreetFrame, paths_of
 from lidardraft.scene.weather import Weather
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
 from lidardraft.streets.coarse.coarse_street import CoarseStreet, place_of
@@ -97,7 +97,7 @@ def make_street(*, seed: int = 0, config: StreetConfig | None = None, number: in
     config = config or StreetConfig()
     rng = np.random.default_rng([seed, number])
     frame, district = plan_street(rng, config.half_length, config.mix)
-    occupancy, lanes = frame.occupancy, frame.street.paths()
+    occupancy, lanes = frame.occupancy, paths_of(frame.street)
     primitives = occupancy.ground.surfaces()
     for placed in occupancy.objects:
         primitives += kind_of(placed.kind).build(placed, rng)
