@@ -8,8 +8,11 @@ from dataclasses import replace
 from typing import Any
 
 from lidardraft.files import expecting, named
+from lidardraft.json_fields import read_as
 from lidardraft.scene.intent import Intent
+from lidardraft.scene.road import Road
 from lidardraft.scene.road_network import RoadNetwork
+from lidardraft.scene.street import StreetFrame
 
 SCHEMA_1 = "lidardraft.layout/1"
 _CLUSTERINGS = ("cloud", "point cloud")  # sources whose boxes know no front from back
@@ -22,8 +25,9 @@ def converted(provenance: dict[str, Any]) -> dict[str, Any]:
         return {"roads": _roads(provenance), "intent": _intent(provenance), "notes": tuple(_notes(provenance))}
 
 
-def _roads(_provenance: dict[str, Any]) -> RoadNetwork | None:
-    return None
+def _roads(provenance: dict[str, Any]) -> RoadNetwork | None:
+    road = provenance.get("road")
+    return None if road is None else RoadNetwork(street=StreetFrame(road=read_as(Road, road, "road")))
 
 
 def _intent(provenance: dict[str, Any]) -> Intent:

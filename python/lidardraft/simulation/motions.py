@@ -13,12 +13,13 @@ import numpy as np
 
 from lidardraft.scene.check import VEHICLE_LABELS
 from lidardraft.scene.intent import Asked
+from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk
 from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME, GROUND
-from lidardraft.simulation.driving import Body, Driver, Lane, driver_of
+from lidardraft.simulation.driving import Body, Driver, driver_of
 
 _DRIVES = frozenset({*VEHICLE_LABELS, "rider"})
 _WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around who walks; m between places that are looked at

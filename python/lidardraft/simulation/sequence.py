@@ -31,6 +31,7 @@ from lidardraft.scene.scenario import Scenario, Track
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.weather import Weather, weather_of
+from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
 from lidardraft.simulation.tracks import tracks_of
 
@@ -81,7 +82,8 @@ class SequenceSimulator:
     ) -> None:
         _check_rate(sensor, frames, hz)
         self.frames, self.hz, self.seed = frames, hz, check_seed(seed)
-        self.layout, scene, self._assumed = prepared(layout, seed, detail)
+        layout, scene, self._assumed = prepared(layout, seed, detail)
+        self.layout = with_known_roads(layout)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
         still = list[Primitive]()
         parts: dict[str, list[Primitive]] = {name: [] for name in self.tracks.actors}

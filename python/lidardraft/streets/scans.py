@@ -29,7 +29,7 @@ def street_scan(index: int, *, seed: int = 0, config: StreetConfig | None = None
     ego, visible, _ = scan_street(street, scanner, index)
     provenance = {"source": "streets", "seed": seed, "index": index, "district": street.district}
     shapes = as_boxes(street.coarse, BoxStyle(relief=True), ego.pose)
-    layout = shapes.layout(provenance, intent=street.scene.intent)
+    layout = street.with_roads(shapes.layout(provenance, intent=street.scene.intent), ego.pose, relief=True)
     ahead = (1.0, 0.0, 0.0)  # in the layout's frame, which is fixed to the road; the sensor leans with the car's body
     image, pose = as_sent(visible.scan), visible.pose
     return Scan(image=image, layout=layout, pose=pose, seed=seed, speed=ego.speed, heading=ahead)

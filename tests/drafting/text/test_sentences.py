@@ -23,11 +23,10 @@ from lidardraft.errors import LayoutError, TextError
 from lidardraft.objects.cars import PAINTS
 from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.scene.check import check, objects
-from lidardraft.scene.road import Road
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.weather import Weather
 from lidardraft.simulation.simulate import Simulator
-from spec_checker import broken
+from spec_checker import broken, road_of
 
 
 class Sentence(NamedTuple):
@@ -287,7 +286,7 @@ def test_weather_and_paint_reach_the_scan() -> None:
 def test_a_junction_is_where_the_sentence_says(kind: str) -> None:
     for seed in range(3):
         layout = layout_from_text(f"a {kind} 40 m ahead, two cars at it", seed=seed)
-        road = Road(**{**layout.provenance["road"], "paved_areas": ()})
+        road = road_of(layout)
         assert road.junction is not None
         assert road.junction - (road.roundabout_radius or road.edge) == pytest.approx(40.0)
     with pytest.raises(LayoutError, match=r"road: junction is .*; it must be a range in metres, 6 <= from <= to"):

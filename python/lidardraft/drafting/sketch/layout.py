@@ -29,7 +29,7 @@ from lidardraft.formats.picture import opened_picture
 from lidardraft.json_fields import is_number
 from lidardraft.objects.coarse_shapes import CoarseShape
 from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.scene.road import terrain
+from lidardraft.scene.road_surfaces import terrain
 from lidardraft.semantics import BY_NAME, GROUND
 
 _EXTENT = 200.0  # m of terrain to each side, or what the sketch needs

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import json
 import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from lidardraft.arranging.district import SETTINGS, only_district
 from lidardraft.drafting.solver.poses import RoadPose, Try, each_lane, lanes_of, sample_full
 from lidardraft.drafting.solver.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.solver.road_from_spec import road_from_spec
@@ -28,6 +28,8 @@ from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.road_network import RoadNetwork
+from lidardraft.scene.street import StreetFrame
 
 TRIES = 60  # of places for one object
 ARRANGEMENTS = 10  # of the whole scene
@@ -52,7 +54,7 @@ def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
     """A layout in which every relation of the spec holds and that passes every check; the same for the same arguments.
 
     What finds no room makes the scene be arranged anew, with that first and more room for what the spec leaves open.
-    `layout.intent` says what was asked of each object, `layout.provenance` holds the spec and the numbers of the road.
+    `layout.intent` says what was asked of each object, `layout.roads` holds the road, `layout.provenance` the spec.
 
     Raises `LayoutError` on an invalid seed, and where a relation cannot hold, naming it, how many of how
     many objects found room, and what is in the way.
@@ -103,12 +105,14 @@ class _Solver:
 
     def layout(self, seed: int) -> Layout:
         """The layout of what has been placed."""
-        road = json.loads(json.dumps(dataclasses.asdict(self.road)))
+        kind, where = self.spec.road.kind, self.spec.district
+        speed = SETTINGS[where or only_district(self.road, kind) or "urban"].speed
+        roads = RoadNetwork(street=StreetFrame(road=self.road, speed=speed))
         objects = {footprint.name: number for number in self.placed for footprint in self.placed[number]}
         spec = self.spec.to_dict()
-        provenance = {"source": "spec", "seed": seed, "spec": spec, "road": road, "objects": objects}
+        provenance = {"source": "spec", "seed": seed, "spec": spec, "objects": objects}
         intent = Intent.of_spec(spec, objects)
-        return Layout(primitives=tuple(self.scene.primitives), provenance=provenance, intent=intent)
+        return Layout(primitives=tuple(self.scene.primitives), provenance=provenance, roads=roads, intent=intent)
 
     def _fill(self, number: int, group: ObjectGroup, place: str) -> bool:
         """Place what a group wants at one place; a number is met exactly, a word by as many as find room."""
