@@ -23,7 +23,17 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft import Layout, RangeImage, Sensor, detail, layout_from_cloud, layout_from_text, raycast, surround
+from lidardraft import (
+    Intent,
+    Layout,
+    RangeImage,
+    Sensor,
+    detail,
+    layout_from_cloud,
+    layout_from_text,
+    raycast,
+    surround,
+)
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.labelling import agrees
 from lidardraft.scene.layout import object_of

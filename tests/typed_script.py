@@ -9,6 +9,7 @@ from lidardraft import (
     CLASSES,
     AlongLane,
     Annotation,
+    Asked,
     Box,
     Denoiser,
     Edit,
@@ -16,6 +17,7 @@ from lidardraft import (
     Hits,
     Insert,
     IntensityCurve,
+    Intent,
     Layout,
     Motion,
     Move,
@@ -49,6 +51,12 @@ from lidardraft import (
     edit,
     streets,
 )
+
+
+def asked(layout: Layout) -> Asked:
+    """Of an object."""
+    intent: Intent = layout.intent
+    return intent.of("car_1")
 
 
 def layouts(file: str, points: np.ndarray, boxes: list[Box]) -> Iterator[Layout]:

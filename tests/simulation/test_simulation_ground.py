@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from coarse_boxes import box
 
-from lidardraft import Layout, Primitive, detail, layout_from_text
+from lidardraft import Layout, Primitive, detail, layout_from_cloud, layout_from_text
 from lidardraft.scene import edit
 from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import KERB_HEIGHT, PavedArea, Road
 from lidardraft.scene.road_surfaces import road_surfaces
+from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
 from lidardraft.simulation.roads import RoadStrip, lanes_of, road_strips
 from lidardraft.simulation.surroundings import Surroundings

@@ -27,8 +27,7 @@ def test_the_front_is_where_the_box_has_it() -> None:
 @pytest.mark.parametrize(("y", "ahead"), [(0.0, 1.0), (-3.0, 1.0), (3.6, -1.0), (7.0, -1.0)])
 def test_of_a_clustering_cars_stand_in_the_direction_of_their_lane(y: float, ahead: float) -> None:
     yaws = [
-        detailed(box("car", (4.2, 1.8, 1.5), at=(15, y, 0), id=f"car_{k}"), headed=False)[0].yaw
-        for k in range(200)
+        detailed(box("car", (4.2, 1.8, 1.5), at=(15, y, 0), id=f"car_{k}"), headed=False)[0].yaw for k in range(200)
     ]
     assert 0.88 < sum(math.cos(yaw) * ahead > 0 for yaw in yaws) / 200 < 0.995
     assert math.cos(detailed(box("car", (4.2, 1.8, 1.5), at=(15, y, 0)))[0].yaw) > 0

@@ -88,13 +88,13 @@ def test_the_reply_in_the_docs_is_read_as_they_say(server: ReplayServer) -> None
     page = (Path(__file__).parents[3] / "docs" / "language-models.md").read_text()
     text, reply = page.split('For the text "')[1].split('"')[0], page.split("```json")[1].split("```")[0]
     server.answers = [openai(reply)]
-    layout = draft(server, text)
+    names = {"layout": draft(server, text)}
     lines = [line.split("  # ") for line in page.splitlines() if line.startswith("layout.") and "  # " in line]
     *lines, (llm, keys) = lines
     assert len(lines) == 3
     for expression, said in lines:
-        assert repr(eval(expression)) == said
-    assert ", ".join(eval(llm)) == keys
+        assert eval(expression, names) == eval(said)
+    assert ", ".join(eval(llm, names)) == keys
 
 
 def test_what_is_asked_and_what_is_told_of_it(server: ReplayServer) -> None:
