@@ -404,7 +404,7 @@ def test_depth_may_be_left_as_it_is(photo: list[str], refused: Callable[..., str
     assert cli.main(words) == 0
     layout = Layout.load("layout.json")
     found = layout.provenance
-    assert layout.notes == ("depth times 1.00, so that the camera is 1.81 m over the road",)
+    assert layout.notes[0] == f"depth times 1.00, so that the camera is {found['sensor_height']:g} m over the road"
     assert (found["scale"], found["sensor_height"]) == (1.0, pytest.approx(1.1 * 1.65, abs=0.02))
     assert "both set the scale" in refused(*words, "--camera-height", "2")
 

@@ -290,7 +290,8 @@ def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> L
 
 def notes_on(arguments: argparse.Namespace, layout: Layout) -> list[str]:
     """The first of the layout's notes, and how many more there are."""
-    more = "" if _asks_language_model(arguments) else "; --llm-url takes free text"
+    is_sentence = any(getattr(arguments, name, None) for name in _TEXTS) and not _asks_language_model(arguments)
+    more = "; --llm-url takes free text" * is_sentence
     notes = [note + more if note.startswith("not understood: ") else note for note in layout.notes[:_MOST_NOTES]]
     return notes + [f"and {len(layout.notes) - _MOST_NOTES} more, in its notes"] * (len(layout.notes) > _MOST_NOTES)
 
