@@ -244,6 +244,17 @@ def test_modules_of_the_core_use_what_stands_above_them_in_the_table() -> None:
     assert not below, f"these use what stands below them: {sorted(below)}"
 
 
+def test_one_module_makes_lanes() -> None:
+    """Those of streets; others come from files, by `read_as`, or are of several joined."""
+    makers = {
+        path.relative_to(PACKAGE).as_posix()
+        for path, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Lane"
+    }
+    assert makers == {"scene/street.py"}
+
+
 def test_the_ten_second_table_is_true() -> None:
     table = (ROOT / "ARCHITECTURE.md").read_text().split("## The ten-second table")[1].split("\n## ")[0]
     rows = [[cell.strip(" `") for cell in line.split("|")[2:4]] for line in table.splitlines() if line.startswith("| ")]
