@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
@@ -47,7 +47,8 @@ class RoadNetwork:
 
     `lanes`, `junctions`, `crossings`, `signals` and `paved` areas refer to each other by ids, and may lie over each
     other, on several levels. `drawn` are the primitives that show the roads; None are those of `street.road`
-    (`scene.road_surfaces`). Nothing of a network is ever changed.
+    (`scene.road_surfaces`). A street rises and falls as its `ground` does, whose height f64 [N] at points [N, 2] is
+    asked for when somebody needs it. Nothing of a network is ever changed.
 
     Raises `LayoutError` for an id that is unknown or given twice, for lanes that do not meet their successors, and for
     a street with other lanes.
@@ -63,13 +64,22 @@ class RoadNetwork:
         signals: tuple[Signal, ...] = (),
         paved: tuple[Pavement, ...] = (),
         drawn: tuple[Drawn, ...] | None = None,
+        ground: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> None:
-        self.street, self.crossings, self.paved, self.drawn = street, crossings, paved, drawn
+        self._flat, self.crossings, self.paved, self.drawn, self._ground = street, crossings, paved, drawn, ground
         self._given = (lanes, junctions, signals)
         if street is None:
             self._check()
         elif any(self._given):
             raise LayoutError("the network has a street and other lanes; those of a street follow from it")
+
+    @cached_property
+    def street(self) -> StreetFrame | None:
+        """The street, if it is one."""
+        return self._flat if self._flat is None or self._ground is None else self._flat.over(self._ground)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _network, (self._fields(),)
 
     @cached_property
     def _made(self) -> tuple[tuple[Lane, ...], tuple[Junction, ...], tuple[Signal, ...]]:
@@ -260,6 +270,10 @@ class RoadNetwork:
         """The inverse of `to_dict`; raises `FormatError` for a missing or unknown field, `LayoutError` for a value."""
         check_fields(fields, (), _FIELDS)
         return cls(**{name: read_as(_FIELDS[name], value, name) for name, value in fields.items()})
+
+
+def _network(fields: dict[str, Any]) -> RoadNetwork:
+    return RoadNetwork(**fields)
 
 
 def _joined(chain: Sequence[Lane], middle: Lane) -> Lane:

@@ -87,7 +87,7 @@ class Street:
             over: np.ndarray = (np.column_stack([x, y, z]) - pose[:3, 3]) @ pose[:3, 2]
             return over
 
-        roads = RoadNetwork(street=street.over(height) if relief else street, drawn=drawn(layout))
+        roads = RoadNetwork(street=street, drawn=drawn(layout), ground=height if relief else None)
         return replace(layout, roads=roads)
 
 
