@@ -243,14 +243,15 @@ class RoadNetwork:
     def moved(self, place: Place) -> RoadNetwork:
         """The network of a frame that stands at a place, as those around see it; `drawn` is that of its own frame."""
         if self.street is not None:
-            return self._with(street=replace(self.street, place=in_frame(self.street.place, place)))
+            return self.but(street=replace(self.street, place=in_frame(self.street.place, place)))
         parts = {
             name: tuple(replace(part, place=in_frame(part.place, place)) for part in getattr(self, name))
             for name in ("crossings", "signals", "paved")
         }
-        return self._with(lanes=tuple(replace(lane, line=lane.line.moved(place)) for lane in self.lanes), **parts)
+        return self.but(lanes=tuple(replace(lane, line=lane.line.moved(place)) for lane in self.lanes), **parts)
 
-    def _with(self, **fields: Any) -> RoadNetwork:
+    def but(self, **fields: Any) -> RoadNetwork:
+        """The same network, but for some of what it is made from."""
         return RoadNetwork(**{**self._fields(), **fields})
 
     def _fields(self) -> dict[str, Any]:

@@ -33,8 +33,6 @@ _CHECKED = 60.0
 _SLOW_TURN = 0.35  # rad against the ego vehicle; what is turned by more does not drive along its road
 _VEHICLE_HALF = 1.0  # m
 _WIDEST_PICTURE = math.radians(170.0)
-
-
 _SHORTEST, _LONGEST, _NARROWEST, _WIDEST = 10.0, 2e4, 2.5, 45.0  # m of what is taken for a road
 _SLENDER = 1.5  # times as long as wide, at least
 _ADJOINING = 0.5  # m between roads that are one surface
@@ -58,44 +56,51 @@ def with_roads(layout: Layout) -> Layout:
     Where roads that it has disagree with the primitives that show them, the primitives count, and a note says so.
     Raises `NoStreetError` where there is no road under the ego vehicle.
     """
-    roads = layout.roads
-    if roads is not None and (street := roads.street) is not None and street.speed is None:
-        roads = RoadNetwork(street=dataclasses.replace(street, speed=district_of(layout, street.road).speed))
-    if roads is not None and (changed := _changed(layout, roads)) is None:
-        return dataclasses.replace(layout, roads=roads)
-    given = dataclasses.replace(layout, primitives=tuple(p for p in layout if not p.id.startswith(AROUND)))
-    street, shown, source = _guess(given)
+    roads, changed = layout.roads, ""
+    if roads is not None:
+        if roads.street is not None and roads.street.speed is None:
+            limit = district_of(layout, roads.street.road).speed
+            roads = roads.but(street=dataclasses.replace(roads.street, speed=limit))
+        if not (changed := _changed(layout, roads)):
+            return dataclasses.replace(layout, roads=roads)
+        changed = f"{changed} is not where its roads have it: "
+    try:
+        street, shown, source = _guess(layout)
+    except NoStreetError as error:
+        raise NoStreetError(f"{changed}{error}") from None
     street = dataclasses.replace(street, speed=district_of(layout, street.road).speed)
     guess = RoadNetwork(street=street, drawn=drawn(p for p in layout if p.id == shown))
-    moved = f"{changed} is not where its roads have it: " if roads is not None else ""
-    return dataclasses.replace(layout, roads=guess).noted(f"{moved}the lanes of its road are guessed from its {source}")
+    note = f"{changed}the lanes of its road are guessed from its {source}"
+    return dataclasses.replace(layout, roads=guess).noted(note)
 
 
 def with_known_roads(layout: Layout) -> Layout:
-    """As `with_roads`, or the layout without roads where it has none that could be told."""
+    """As `with_roads`, or the layout without roads where it has none that could be told; a note says what became of
+    those that it had."""
     try:
         return with_roads(layout)
-    except NoStreetError:
-        return dataclasses.replace(layout, roads=None)
+    except NoStreetError as error:
+        bare = dataclasses.replace(layout, roads=None)
+        return bare if layout.roads is None else bare.noted(str(error))
 
 
-def _changed(layout: Layout, roads: RoadNetwork) -> str | None:
-    """The id of a primitive that showed a road and is not there any more; None where all are."""
-    shown = roads.drawn
-    if shown is None and roads.street is not None:
-        surfaces = placed(road_surfaces(roads.street.road), roads.street.place)
-        shown = drawn(surfaces)
-    there = {primitive.id: primitive for primitive in layout}
+def _changed(layout: Layout, roads: RoadNetwork) -> str:
+    """The id of a primitive that showed a road and is not there any more; none where all are."""
+    shown, street = roads.drawn, roads.street
+    if shown is None and street is not None:
+        shown = drawn(placed(road_surfaces(street.road), street.place))
+    there = {one.id: one for one in drawn(layout)}
     for one in shown or ():
-        found = next(iter(drawn(filter(None, [there.get(one.id)]))), None)
+        found = there.get(one.id)
         if found is None or max(abs(np.subtract((*found.low, *found.high), (*one.low, *one.high)))) > _SAME:
             return one.id
-    return None
+    return ""
 
 
 def _guess(layout: Layout) -> tuple[StreetFrame, str, str]:
     """What the shapes of a layout tell of the road under the ego vehicle, the id of what shows it, if anything does,
     and what told it."""
+    layout = dataclasses.replace(layout, primitives=tuple(p for p in layout if not p.id.startswith(AROUND)))
     if layout.coverage is not None:
         if layout.coverage[1] - layout.coverage[0] > _WIDEST_PICTURE:
             raise NoStreetError("no street around it: it shows everything around already")

@@ -24,7 +24,7 @@ from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import AROUND, MOST_PRIMITIVES, Layout, Primitive
 from lidardraft.scene.pose import in_frame, place_around
 from lidardraft.scene.road import KERB_HEIGHT, SIDES, Road
-from lidardraft.scene.road_network import Drawn, RoadNetwork
+from lidardraft.scene.road_network import RoadNetwork
 from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.scene.solids import Solid
 from lidardraft.scene.street import StreetFrame
@@ -68,7 +68,7 @@ def surround(layout: Layout, *, seed: int = 0) -> Layout:
     rng = np.random.default_rng([seed, _STREAM])
     try:
         layout = with_roads(layout)
-        street, shown = _street_of(layout.roads)
+        roads, street = _to_fill(layout)
         scene = _Scene(layout, street)
         frame, name = scene.frame(rng)
         fill(frame, rng)
@@ -79,8 +79,7 @@ def surround(layout: Layout, *, seed: int = 0) -> Layout:
     except NoStreetError as error:
         return layout.noted(str(error))
     intent = dataclasses.replace(layout.intent, around=name)
-    known = dataclasses.replace(scene.street, speed=frame.district.speed, lights=frame.street.lights)
-    roads = RoadNetwork(street=known, drawn=shown)
+    roads = roads.but(street=dataclasses.replace(street, speed=frame.district.speed, lights=frame.street.lights))
     whole = dataclasses.replace(layout, primitives=(*layout.primitives, *around), intent=intent, roads=roads)
     said = {"district": name, "seed": seed, "objects": len(standing), "in_sight": scene.sights.share_open(whole)}
     hidden = {name: by for name, by in scene.sights.hidden.items() if name not in scene.free}
@@ -233,13 +232,14 @@ class _Scene:
         return outside
 
 
-def _street_of(roads: RoadNetwork | None) -> tuple[StreetFrame, tuple[Drawn, ...] | None]:
-    """The street to fill, and what shows its road."""
+def _to_fill(layout: Layout) -> tuple[RoadNetwork, StreetFrame]:
+    """The roads of a layout, and the street that is to be filled."""
+    roads = layout.roads
     if roads is None or roads.street is None:
         raise NoStreetError("no street around it: its roads are those of a map, and only one road can be filled")
     if roads.street.parked is not None:
         raise NoStreetError("no street around it: it is a whole street already")
-    return roads.street, roads.drawn
+    return roads, roads.street
 
 
 def _sample_district(road: Road, intent: Intent, rng: np.random.Generator) -> str:
