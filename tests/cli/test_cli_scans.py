@@ -424,6 +424,17 @@ def test_a_sequence_in_which_nothing_moves_is_said_to_be_one(capsys: pytest.Capt
     assert "nothing moves: the layout has no road whose lanes are known" in capsys.readouterr().err
 
 
+def test_a_sequence_says_that_its_lanes_are_guessed(capsys: pytest.CaptureFixture[str]) -> None:
+    road = Primitive(shape="plane", center=(0, 1.75, 0), size=(120, 7, 0), label="road", id="asphalt")
+    Layout((road,)).save("road.json")
+    asked = ["simulate", "--layout", "road.json", *SMALL, "--frames", "2", "--no-picture", "-o", "out"]
+    assert cli.main(asked) == 0
+    told = capsys.readouterr().err
+    assert told.count("the lanes of its road are guessed from its shapes") == 1
+    assert "nothing moves" not in told
+    assert Layout.load("out/000001.layout.json").notes == ("the lanes of its road are guessed from its shapes",)
+
+
 @pytest.mark.parametrize(
     ("more", "said"),
     [

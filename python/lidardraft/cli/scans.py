@@ -120,6 +120,8 @@ def _write_sequence(arguments: argparse.Namespace) -> None:
             weather=weather,
             threads=1 if jobs > 1 else None,
         )
+    for note in simulator.layout.notes[len(layout.notes) :]:
+        say(note)
     asked = arguments.scenario is not None or arguments.speed is not None
     if not (asked or simulator.tracks.actors or simulator.tracks.ego.moves()):
         say("nothing moves: the layout has no road whose lanes are known; --speed and --scenario say more")
