@@ -345,11 +345,19 @@ def test_a_network_that_cannot_be_gets_one_line(change, error, message) -> None:
         ({"road": {}, "lights": 1}, FormatError, "street.lights is 1; it must be true or false"),
         ({"road": {"junction": float("inf")}}, FormatError, "street.road.junction is inf; it must be a finite number"),
         ({}, FormatError, "street.road is missing"),
+        ({"road": {}, "speed": 0}, LayoutError, "street: speed is 0; it must be over 0 m/s, or null"),
+        ({"road": {}, "parked": [2]}, LayoutError, r"street: parked is \(2,\); it must be of 1 \(left\) and -1"),
+        ({"road": {}, "ends": [9, 1]}, LayoutError, r"street: ends is \(9, 1\); it must be from less to more"),
+        (
+            {"road": {}, "relief": [[[0, 0], [1, 0]]]},
+            LayoutError,
+            "street: relief is of 1 lines; it must be of all",
+        ),
     ],
 )
 def test_a_street_that_cannot_be_gets_one_line(street, error, message) -> None:
     with pytest.raises(error, match=message):
-        RoadNetwork.from_dict({"street": street})
+        _ = RoadNetwork.from_dict({"street": street}).lanes
 
 
 def test_a_street_with_all_that_it_may_have_is_read_back() -> None:

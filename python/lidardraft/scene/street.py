@@ -14,10 +14,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from lidardraft.errors import LayoutError, check_that
 from lidardraft.scene.lane import Junction, Lane, Pavement, Signal
 from lidardraft.scene.line import Line
 from lidardraft.scene.pose import Place
-from lidardraft.scene.road import KERB_HEIGHT, LEFT, PARKING_STRIP, RIGHT, RING, TERRAIN_HEIGHT, Road
+from lidardraft.scene.road import KERB_HEIGHT, LEFT, PARKING_STRIP, RIGHT, RING, SIDES, TERRAIN_HEIGHT, Road
 
 # Limits [m/s] of the German road code (StVO).
 TOWN_SPEED = 50 / 3.6
@@ -115,6 +116,11 @@ class StreetFrame:
     aisles: tuple[tuple[float, float, float], ...] = ()
     lights: bool = False
     relief: tuple[tuple[tuple[float, float], ...], ...] = ()
+
+    def __post_init__(self) -> None:
+        check_that(self.speed is None or self.speed > 0.0, "street: speed", self.speed, "over 0 m/s, or null")
+        check_that(set(self.parked or ()) <= set(SIDES), "street: parked", self.parked, "of 1 (left) and -1 (right)")
+        check_that(self.ends is None or self.ends[0] < self.ends[1], "street: ends", self.ends, "from less to more")
 
     def over(self, height: Callable[[np.ndarray], np.ndarray]) -> StreetFrame:
         """The same street on ground whose `height` f64 [N] is known at points [N, 2] of the layout's frame."""
@@ -232,6 +238,8 @@ class StreetFrame:
         line = Line.through(points @ np.array([[cos, sin], [-sin, cos]]) + (x, y))
         if not self.relief:
             return line
+        if not -len(self.relief) <= number < len(self.relief):
+            raise LayoutError(f"street: relief is of {len(self.relief)} lines; it must be of all lanes and ways")
         heights, camber = np.array(self.relief[number]).T
         return Line.through(np.column_stack([line.spaced(len(heights)), heights]), camber)
 
