@@ -177,6 +177,10 @@ class RelativePoses:
     def _on_sidewalk(self) -> bool:
         return self.surface == "sidewalk" and self.road.sidewalk > 0.9
 
+    @property
+    def _goes_across(self) -> bool:
+        return (self.kind.walks or self.kind.cycles) and str(self.heading).startswith("across")
+
     def _pose(self, along: float, across: float, reference: Footprint, at: Try, side: int = 0) -> RoadPose | None:
         """The pose there, moved to where its kind may be: a lane or the kerb, or beside the road."""
         found, yaw = self._ground_at(across, reference, at, side)
@@ -187,7 +191,7 @@ class RelativePoses:
         most = _MOVED_EXACTLY if exactly else _MOVED_BETWEEN if in_between else max(_MOVED, beside)
         if self._on_sidewalk and self.relation in ("near", "beside"):
             most = _MOVED_TO_SIDEWALK
-        if moved > most or (side and apart < max(0.3, self.size[1] / 4)):
+        if (moved > most and not self._goes_across) or (side and apart < max(0.3, self.size[1] / 4)):
             return None
         towards = reference.half_across < abs(reference.pose.across) - abs(found)
         if self.relation == "in-front-of" and not (towards or reference.kind.drives or reference.kind.walks):
@@ -196,7 +200,9 @@ class RelativePoses:
 
     def _ground_at(self, across: float, reference: Footprint, at: Try, side: int) -> tuple[float, float]:
         """The nearest place across the road where its kind may be, and the yaw there."""
-        if (self.kind.walks or self.kind.cycles) and str(self.heading).startswith("across"):
+        if self._goes_across:  # between the kerbs, wherever what it is in front of stands
+            free = self.road.edge - self.road.parking - 0.5
+            across = across if abs(across) < free or self._on_sidewalk else at.uniform(-free, free)
             return across, at.walking_yaw(str(self.heading))
         if self._on_sidewalk:
             low, high = self.road.edge + 0.4, max(self.road.edge + 0.5, self.road.verge - 0.4)

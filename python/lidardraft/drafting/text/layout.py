@@ -18,6 +18,7 @@ from lidardraft.drafting.text.explanation import Explanation, Meaning
 from lidardraft.drafting.text.grammar import UNSHOWN, grammar, parse
 from lidardraft.drafting.text.left_over import LeftOver
 from lidardraft.drafting.text.lexicon import lexicon, vocabulary
+from lidardraft.drafting.text.meaning import mismatches
 from lidardraft.drafting.text.parts import divided, part
 from lidardraft.drafting.text.scenery import with_scenery
 from lidardraft.drafting.text.statements import resolve
@@ -125,7 +126,7 @@ def explain(sentence: str) -> Explanation:
             f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are; {_FREE_TEXT}"
         )
     spec = dataclasses.replace(spec, not_understood=unknown)
-    return Explanation(tuple(meanings), spec, not_shown)
+    return Explanation(tuple(meanings), spec, not_shown, tuple(mismatches(nodes, texts, spec, silent)))
 
 
 def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]]:
