@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from lidardraft.arranging.district import SETTINGS, only_district
+from lidardraft.drafting.solver.kept import unkept
 from lidardraft.drafting.solver.poses import RoadPose, Try, each_lane, lanes_of, sample_full
 from lidardraft.drafting.solver.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.solver.road_from_spec import road_from_spec
@@ -56,7 +57,8 @@ def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
     """A layout in which every relation of the spec holds and that passes every check; the same for the same arguments.
 
     What finds no room makes the scene be arranged anew, with that first and more room for what the spec leaves open.
-    `layout.intent` says what was asked of each object, `layout.roads` holds the road, `layout.provenance` the spec.
+    `layout.intent` says what was asked of each object, `layout.roads` holds the road, `layout.provenance` the spec;
+    a note names what the objects do not keep of it.
 
     Raises `LayoutError` on an invalid seed, and where a relation cannot hold, naming it, how many of how
     many objects found room, and what is in the way.
@@ -114,7 +116,8 @@ class _Solver:
         spec = self.spec.to_dict()
         provenance = {"source": "spec", "seed": seed, "spec": spec, "objects": objects}
         intent = Intent.of_spec(spec, objects)
-        return Layout(primitives=tuple(self.scene.primitives), provenance=provenance, roads=roads, intent=intent)
+        layout = Layout(primitives=tuple(self.scene.primitives), provenance=provenance, roads=roads, intent=intent)
+        return layout.noted(*unkept(self.spec, layout, self.road, objects))
 
     def _fill(self, number: int, group: ObjectGroup, place: str) -> bool:
         """Place what a group wants at one place; a number is met exactly, a word by as many as find room."""
@@ -451,8 +454,9 @@ def closed(group: ObjectGroup, rng: np.random.Generator) -> ObjectGroup:
     asked, times = group.size or (None,) * 3, group.scale or (1.0,) * 3
     size = [said or one * factor for said, one, factor in zip(asked, kind.sizes.sample(rng), times, strict=True)]
     size[0] = min(size[0], max(_NARROWEST, _LONGEST_ROW / (group.fewest or 1)))
-    back = None if group.set_back or kind.setback is None else max(0.1, kind.setback[0] - kind.sizes.largest[1] / 2)
-    back = group.from_sidewalk if back is None else (back, back)
+    back = group.from_sidewalk
+    if kind.setback is not None and not group.set_back:
+        back = (max(0.1, kind.setback[0] - kind.sizes.largest[1] / 2),) * 2
     return dataclasses.replace(group, size=(size[0], size[1], size[2]), spacing=CLOSED, from_sidewalk=back)
 
 

@@ -123,7 +123,8 @@ class RelativePoses:
         """In its row, `at.number` objects of this size after the first."""
         usual = _IN_LANE if self.kind.is_vehicle or reference.kind.is_vehicle else _CLOSE
         least = reference.half_along + self.size[0] / 2
-        off = max(least + 0.3, at.uniform(*self.distance)) if self.distance else least + self._gap(usual, at)
+        off = at.uniform(*self.distance) if self.distance else least + self._gap(usual, at)
+        off = least + off if self.distance and off < least + 0.3 else off  # no room for the middle: between the ends
         off += at.number * (self.size[0] + usual[0])
         return self._pose(at.along + way * off, reference.pose.across, reference, at)
 

@@ -114,10 +114,10 @@ class ObjectGroup:
     `motion`, one of MOTIONS, and `speed` [m/s] are how it moves in a sequence; 0 stands.
     `distance` is a range from the ego [m]: across the road at places beside the ego, and for what stands beside the
     road at places that are neither in front nor behind; else along the road. `spacing` is the distance between
-    neighbours [m], or their ends where it is shorter than they are; CLOSED is none. `from_road` is a range from the kerb to the near side [m], beyond the kerb, but before it for
-    what drives and on the surface "road"; `from_sidewalk` is one from the far edge of the sidewalk. `size` is
-    length, width and height [m], None where nothing is said, and `scale` what the usual size is multiplied by;
-    `paint`, one of PAINTS, is for vehicles.
+    neighbours [m], or their ends where it is shorter than they are; CLOSED is none. `from_road` is a range from the
+    kerb to the near side [m], beyond the kerb, but before it for what drives and on the surface "road"; `from_sidewalk`
+    is one from the far edge of the sidewalk. `size` is length, width and height [m], None where nothing is said, and
+    `scale` what the usual size is multiplied by; `paint`, one of PAINTS, is for vehicles.
 
     `relation` says where the objects are from those of other groups, `references`, by their numbers in the spec;
     then `distance` is measured from there. `words` are those of the sentence that asked for the group.

@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec
+from lidardraft.drafting.solver.scene_spec import SceneSpec
 from lidardraft.drafting.text.chart import Node
 from lidardraft.drafting.text.grammar import parse
 from lidardraft.drafting.text.lexicon import vocabulary
@@ -46,8 +46,8 @@ def mismatches(nodes: Sequence[Node], texts: Sequence[str], spec: SceneSpec, lef
     lines = _missing([(texts, *one) for one in found], texts, partial(held_by, spec), "scene")
     lines += [] if lines else _doubled(nodes, [phrase for _, phrase in found], texts, spec)
     said = {name: list[Node]() for name in ("road", "length", "relation")}
-    for name, leaf in ((name, leaf) for node in nodes for name in said for leaf in leaves(node, name)):
-        said[name] += [leaf] if left.isdisjoint(range(leaf.start, leaf.end)) else []
+    for leaf in (leaf for node in nodes for kind in said for leaf in leaves(node, kind)):
+        said[leaf.symbol] += [leaf] if left.isdisjoint(range(leaf.start, leaf.end)) else []
     lost = [(one, f"the road is {spec.road.kind}") for one in said["road"] if not _is_on(one.get("road"), spec)]
     lost += [(one, "no length is that") for one in said["length"] if not _has_length(one.get("length"), spec)]
     lost += [(one, "nothing is placed from that") for one in _unplaced(said["relation"], spec)]
