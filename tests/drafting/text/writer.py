@@ -49,11 +49,12 @@ def nouns() -> list[tuple[str, str, str]]:
     for entries in lexicon().values():
         for parts, word in entries:
             if word.category == "kind" and set(word.features) == {"kind", "plural", "noun"}:
-                forms.setdefault((word.features["kind"], word.features["noun"]), {})[word.features["plural"]] = " ".join(
-                    parts
+                forms.setdefault((word.features["kind"], word.features["noun"]), {})[word.features["plural"]] = (
+                    " ".join(parts)
                 )
     found = [(kind, form[False], form[True]) for (kind, _), form in forms.items() if {False, True} <= form.keys()]
-    return [row for row in found if not row[1].startswith(("noise", "sound", "acoustic", "terrace", "row h"))]
+    named = ("noise", "sound", "acoustic", "terrace", "row h", "yard")  # which say more, or are a length
+    return [row for row in found if row[0] != "shelter" and not row[1].startswith(named)]  # where who waits would wait
 
 
 class Writer:

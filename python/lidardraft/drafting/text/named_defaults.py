@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from lidardraft.drafting.solver.scene_spec import CLOSED
 from lidardraft.drafting.text.mentions import Mention
-from lidardraft.drafting.text.tree import NO_SCALE, NO_SIZE
+from lidardraft.drafting.text.tree import NO_SCALE
 
 _TERRACES = ("terrace", "row h")  # terraced houses, terrace houses and cottages, row houses and homes
 _AGAINST_NOISE = ("noise", "sound", "acoustic")
@@ -21,11 +21,13 @@ def as_named(mention: Mention, mentions: Sequence[Mention]) -> Mention:
     """A mention with what its noun says of its size and its place, and the sentence leaves open."""
     at, noun = mention.at, mention.noun
     free = mention.relation is None and at.distance is None and at.spacing is None
-    unsized = mention.size == NO_SIZE and mention.scale == NO_SCALE
     if noun.startswith(_TERRACES) and free and mention.count != 1:
         return replace(mention, at=replace(at, spacing=CLOSED))
-    if noun.startswith(_AGAINST_NOISE) and mention.record.follows_road and unsized:
-        return replace(mention, size=(_NOISE_LENGTH if free and mention.count == 1 else None, None, _NOISE_HEIGHT))
+    if noun.startswith(_AGAINST_NOISE) and mention.record.follows_road:
+        (length, width, height), (longer, _, higher) = mention.size, mention.scale
+        length = _NOISE_LENGTH if length is None and free and mention.count == 1 and longer >= 1.0 else length
+        height = _NOISE_HEIGHT if height is None and higher == 1.0 else height
+        return replace(mention, size=(length, width, height))
     if noun.endswith(_PUMPS):
         of_building = mention.relation == "near" and all(
             mentions[one].kind is not None and mentions[one].record.family == "buildings" for one in mention.references
