@@ -242,6 +242,7 @@ def test_names_say_what_a_sentence_leaves_open() -> None:
     assert spec_from_text("two noise barriers on the right").groups[0].size == (None, None, 4.0)
     assert spec_from_text("terraced houses on the left").groups[0].spacing == CLOSED
     assert spec_from_text("a terraced house on the left").groups[0].spacing is None
+    assert spec_from_text("a concrete pump on the left").groups[0].size is None
     building, pumps = spec_from_text("a filling station with four pumps", strict=True).groups
     assert (pumps.relation, pumps.size, building.kind) == ("in-front-of", (0.5, 0.9, 1.7), "building")
 

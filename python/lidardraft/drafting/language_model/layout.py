@@ -6,9 +6,8 @@ import dataclasses
 import json
 import os
 import re
-from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any, TypeVar
+from typing import Any
 
 from platformdirs import user_cache_path
 
@@ -50,7 +49,6 @@ from lidardraft.scene.weather import WEATHERS
 from lidardraft.semantics import CLASSES
 
 Schema = dict[str, Any]
-T = TypeVar("T")
 MAX_LENGTH = 10_000  # characters of a text
 MAX_GROUPS = 50  # of a spec; the solver takes minutes for many that find no room
 
@@ -92,21 +90,23 @@ def layout_from_llm(
     replies, limit = ReplyCache(kept), TimeLimit(timeout)
     if blender:
         script = Request(server, blender_prompt(), text, {"seed": seed})
-        left_out = partial(_left_out, text, _drawn)
-        read = once_more(lambda reply: layout_from_blender(code_of(reply), strict=True), left_out)
+        read = once_more(
+            lambda reply: layout_from_blender(code_of(reply), strict=True),
+            lambda layout: omissions(text, partial(_drawn, layout)),
+        )
         drawn = converse(script, read, replies, limit)
         findings, layout = check(drawn.result), _with_provenance(drawn.result, drawn, {"seed": seed})
-        return layout.noted(*left_out(drawn.result), *(finding.message for finding in findings))
+        return layout.noted(*omissions(text, partial(_drawn, drawn.result)), *(finding.message for finding in findings))
     schema = {"name": "scene_spec", "strict": True, "schema": scene_spec_schema()}
     asked = Request(server, spec_prompt(), text, {"response_format": {"type": "json_schema", "json_schema": schema}})
-    left_out = partial(_left_out, text, held_by)
-    described = converse(asked, once_more(lambda reply: _spec_of(reply, text), left_out), replies, limit)
+    read_spec = once_more(lambda reply: _spec_of(reply, text), lambda spec: omissions(text, partial(held_by, spec)))
+    described = converse(asked, read_spec, replies, limit)
     spec = described.result
     if spec.not_understood and spec == SceneSpec(not_understood=spec.not_understood):
         raise TextError(f"nothing of {text!r} was understood by {server.model}")
     layout = _with_provenance(layout_from_spec(spec, seed=seed), described, {"understood": relations(spec)})
     unknown = [f"not understood: {', '.join(spec.not_understood)}"] * bool(spec.not_understood)
-    return layout.noted(*unknown, *left_out(spec))
+    return layout.noted(*unknown, *omissions(text, partial(held_by, spec)))
 
 
 def spec_prompt() -> Prompt:
@@ -139,11 +139,6 @@ def _spec_of(reply: str, text: str) -> SceneSpec:
             raise LayoutError(f"{said!r} is no part of the text, as {foreign[0]!r} is not in it; copy words of it")
     layout_from_spec(spec)
     return spec
-
-
-def _left_out(text: str, held: Callable[[T, NounPhrase], Sequence[tuple[float, float]]], result: T) -> list[str]:
-    """What of a text a spec or a layout leaves out."""
-    return omissions(text, partial(held, result))
 
 
 def _drawn(layout: Layout, phrase: NounPhrase) -> list[tuple[float, float]]:

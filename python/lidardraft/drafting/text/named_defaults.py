@@ -28,7 +28,7 @@ def as_named(mention: Mention, mentions: Sequence[Mention]) -> Mention:
         length = _NOISE_LENGTH if length is None and free and mention.count == 1 and longer >= 1.0 else length
         height = _NOISE_HEIGHT if height is None and higher == 1.0 else height
         return replace(mention, size=(length, width, height))
-    if noun.endswith(_PUMPS):
+    if noun.endswith(_PUMPS) and mention.kind == "pole":  # not of concrete
         of_building = mention.relation == "near" and all(
             mentions[one].kind is not None and mentions[one].record.family == "buildings" for one in mention.references
         )
