@@ -128,6 +128,8 @@ def test_a_rewriting_that_keeps_the_meaning_keeps_the_scene(rewriting: int) -> N
     [
         ("a motorway with a car", SceneSpec(groups=(ObjectGroup(kind="car"),)),
          "the sentence says 'motorway'; in the scene the road is straight"),
+        ("a truck convoy of five trucks", SceneSpec(groups=tuple(ObjectGroup(kind="truck", count=n) for n in (1, 5))),
+         "the sentence says 'a truck convoy of five trucks'; it is read as two things"),
         ("a car 20 m ahead", SceneSpec(groups=(ObjectGroup(kind="car", places=("front",), distance=(30, 30)),)),
          "the sentence says '20 m'; in the scene no length is that"),
         ("a car behind a bus", SceneSpec(groups=(ObjectGroup(kind="car"), ObjectGroup(kind="bus"))),

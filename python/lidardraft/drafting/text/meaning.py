@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence, Set
@@ -52,6 +53,11 @@ def mismatches(nodes: Sequence[Node], texts: Sequence[str], spec: SceneSpec, lef
     lost += [(one, "no length is that") for one in said["length"] if not _has_length(one.get("length"), spec)]
     lost += [(one, "nothing is placed from that") for one in _unplaced(said["relation"], spec)]
     lines += [f"the sentence says {_words_of(texts, one)!r}; in the scene {what}" for one, what in lost]
+    for one, after in itertools.pairwise(nodes):  # but not "bus (1) car (2)"
+        words = texts[one.start : after.end]
+        beside = (one.symbol, after.symbol) == ("object", "object") and "(" not in words
+        if beside and left.isdisjoint(range(one.start, after.end)):
+            lines.append(f"the sentence says {' '.join(words)!r}; it is read as two things")
     if _DENYING.isdisjoint(texts):
         sides = {word for number, word in enumerate(texts) if word in ("left", "right") and number not in left}
         lines += [
@@ -123,7 +129,7 @@ def _plural(kind: str, count: int) -> str:
 def _is_on(road: str | None, spec: SceneSpec) -> bool:
     """Whether a road of that kind is that of a spec."""
     bends = [str(kind).rpartition("-")[2] for kind in (road, spec.road.kind)]
-    return bends == ["bend", "bend"] or road in (None, "straight", spec.road.kind, spec.district)
+    return bends == ["bend", "bend"] or road in (None, "straight", spec.road.kind)
 
 
 def _has_length(length: tuple[float, float], spec: SceneSpec) -> bool:
