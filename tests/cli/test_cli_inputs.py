@@ -319,6 +319,20 @@ def test_what_a_sentence_became_is_explained(capsys: pytest.CaptureFixture[str])
     assert "\\n" not in said
 
 
+def test_strict_refuses_a_sentence_whose_scene_is_another(
+    refused: Callable[..., str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    draft, line = (
+        ("draft", "--no-preview", "-o", "a.json"),
+        "the sentence names 1 motorcycle; the scene has motorcycle: 2",
+    )
+    text = ("--text", "two people on a motorbike ahead")
+    assert f"{line}; say it otherwise; --llm-url takes free text" in refused(*draft, *text, "--strict")
+    assert cli.main([*draft, *text]) == 0
+    assert capsys.readouterr().err == f"lidardraft: {line}\n"
+    assert cli.main([*draft, "--text", "two cars ahead", "--strict"]) == 0
+
+
 def test_what_is_drafted_is_read_again(capsys: pytest.CaptureFixture[str]) -> None:
     source = ["--text", "two cars ahead, a house on the left", "--no-preview"]
     assert cli.main(["draft", *source, "-o", "a.json"]) == 0

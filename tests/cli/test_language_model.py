@@ -73,7 +73,7 @@ def test_the_environment_names_the_model_and_an_empty_url_none(
 def test_the_model_writes_a_script(
     server: ReplayServer, model: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    server.answers = [llama_cpp(SCRIPT)]
+    server.answers = [llama_cpp(SCRIPT)] * 2
     assert cli.main([*DRAFT, *model, "--llm-blender"]) == 0
     notes = ["line 5: bpy.ops.render.render is passed over", "the sentence names 'two cars'; the reply has car: 1"]
     notes += ["car_1 floats 0.25 m over the ground"]
@@ -85,7 +85,9 @@ def test_of_many_findings_the_first_are_told(
     server: ReplayServer, model: tuple[str, ...], capsys: pytest.CaptureFixture[str]
 ) -> None:
     cube = "import bpy\nfor k in range(40):\n    bpy.ops.mesh.primitive_cube_add(location=(8 + 10 * k, 0, 1))\n"
-    server.answers = [llama_cpp(f'{cube}    bpy.context.object.name = f"wall_{{k}}"\n    bpy.ops.render.render()\n')]
+    server.answers = [
+        llama_cpp(f'{cube}    bpy.context.object.name = f"wall_{{k}}"\n    bpy.ops.render.render()\n')
+    ] * 2
     assert cli.main([*DRAFT, *model, "--llm-blender"]) == 0
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 11

@@ -16,7 +16,7 @@ import numpy as np
 from lidardraft.arranging.district import DISTRICTS
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_seed, assignments, number, read_sensor, reading
 from lidardraft.cli.command import say
-from lidardraft.errors import FormatError, LidarDraftError, MissingExtraError, extra
+from lidardraft.errors import FormatError, LidarDraftError, MissingExtraError, TextError, extra
 from lidardraft.files import named
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
@@ -58,8 +58,9 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
     "class": (_MODELS, {"dest": "classes", "action": "append", "metavar": "NAME=CLASS"},
         "class of the objects, materials or collections of that name in --obj, --glb or --blender, where their names "
         "say none or another; repeatable"),
-    "strict": (("blender",), _FLAG,
-        "refuse a --blender script in which the names of an object say no class, in place of a note"),
+    "strict": (("blender", *_TEXTS), _FLAG,
+        "refuse a --text that is not understood or not shown as it says, and a --blender script in which the names of "
+        "an object say no class, in place of a note"),
     "up": (("obj", "glb"), {"choices": ("y", "z")}, "axis that points up in --obj (default z) or --glb (default y)"),
     "scale": (_MODELS, _METRES,
         "length of a unit of --obj, --glb or --blender, in metres (default 1; 0.01 for centimetres)"),
@@ -275,13 +276,15 @@ def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> L
             cache=arguments.llm_cache,
             timeout=120.0 if arguments.llm_timeout is None else arguments.llm_timeout,
         )
+        if arguments.strict and layout.notes:
+            raise TextError(f"{'; '.join(layout.notes)}; without --strict these are notes")
     else:
         from lidardraft.drafting.text.layout import explain, layout_from_text
 
         if arguments.explain:
             for line in str(explain(sentence)).splitlines():
                 say(line)
-        layout = layout_from_text(sentence, seed=seed)
+        layout = layout_from_text(sentence, seed=seed, strict=bool(arguments.strict))
     return _surrounded(arguments, layout, seed, usual=not arguments.llm_blender)
 
 

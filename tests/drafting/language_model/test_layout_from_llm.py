@@ -14,7 +14,6 @@ import lidardraft
 from lidardraft import Layout, layout_from_blender
 from lidardraft.drafting.language_model.conversation import Prompt
 from lidardraft.drafting.language_model.layout import (
-    _described,
     _spec_of,
     blender_prompt,
     code_of,
@@ -34,7 +33,7 @@ from lidardraft.drafting.solver.scene_spec import (
     SceneSpec,
 )
 from lidardraft.drafting.text.layout import spec_from_text
-from lidardraft.drafting.text.omissions import omissions
+from lidardraft.drafting.text.meaning import held_by, omissions
 from lidardraft.errors import LanguageModelError, LayoutError, TextError
 from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.scene.check import check
@@ -320,15 +319,29 @@ DOG: dict[str, Any] = {"kind": "animal", "words": "a dog", "relation": "near", "
 def test_what_a_reply_leaves_out_of_the_text_is_a_note(
     server: ReplayServer, groups: list[dict[str, Any]], notes: list[str]
 ) -> None:
-    server.answers = [replied({"road": {"kind": "straight"}, "groups": groups, "absent": ["truck", "van"]})]
+    server.answers = [replied({"road": {"kind": "straight"}, "groups": groups, "absent": ["truck", "van"]})] * 2
     assert list(draft(server, NAMED).notes) == [f"the sentence names {note}" for note in notes]
+
+
+def test_a_model_is_asked_once_more_for_what_it_left_out(server: ReplayServer) -> None:
+    buses = [{"kind": "bus", "count": count} for count in (1, 2)]
+    server.answers = [
+        replied({"road": {"kind": "straight"}, "groups": [MAN, DOG, bus], "absent": ["truck", "van"]}) for bus in buses
+    ]
+    layout = draft(server, NAMED)
+    assert layout.notes == ()
+    first, last = layout.provenance["llm"]["attempts"]
+    assert first["error"] == "the sentence names 'two buses'; the reply has bus: 1; add what is missing"
+    assert last["error"] is None
+    assert len(server.answers) == 0 or len(server.requests) == 2
+    assert draft(server, NAMED) == layout  # from the cache, in which are both replies
 
 
 def test_what_a_script_leaves_out_of_the_text_is_a_note(server: ReplayServer) -> None:
     text = "a bus 20 m ahead, three trees and a cyclist, no cars"
     tree = "bpy.ops.mesh.primitive_cube_add(size=2, location=(20, {}, 1))\nbpy.context.object.name = 'Tree_{}'\n"
     script = SCRIPT.format(x=20) + tree.format(9, 1) + tree.format(-9, 2)
-    server.answers = [openai(script)]
+    server.answers = [openai(script)] * 2
     found = [note for note in draft(server, text, blender=True).notes if note.startswith("the sentence")]
     names = [("'three trees'", "tree: 2"), ("'a cyclist'", "no bicycle")]
     assert found == [f"the sentence names {words}; the reply has {has}" for words, has in names]
@@ -353,7 +366,7 @@ def test_what_a_script_leaves_out_of_the_text_is_a_note(server: ReplayServer) ->
 )
 def test_omissions_of_a_text(text: str, notes: list[str]) -> None:
     spec = SceneSpec(groups=(ObjectGroup(kind="car"),))
-    assert omissions(text, partial(_described, spec)) == [f"the sentence names {note}" for note in notes]
+    assert omissions(text, partial(held_by, spec)) == [f"the sentence names {note}" for note in notes]
 
 
 def test_the_specs_of_sentences_leave_nothing_out_and_without_a_kind_it_is_missed() -> None:
@@ -365,11 +378,11 @@ def test_the_specs_of_sentences_leave_nothing_out_and_without_a_kind_it_is_misse
             spec = spec_from_text(line, strict=True)
         except TextError:
             continue
-        assert any(load in line for load in loads) or omissions(line, partial(_described, spec)) == [], line
+        assert any(load in line for load in loads) or omissions(line, partial(held_by, spec)) == [], line
         for kind in {group.kind for group in spec.groups}:
             free = (dataclasses.replace(group, relation=None, references=()) for group in spec.groups)
             fewer = dataclasses.replace(spec, groups=tuple(group for group in free if group.kind != kind))
-            missed += any(note.endswith(f"no {kind}") for note in omissions(line, partial(_described, fewer)))
+            missed += any(note.endswith(f"no {kind}") for note in omissions(line, partial(held_by, fewer)))
             total += 1
     assert total > 100
     assert missed > 0.9 * total

@@ -30,25 +30,30 @@ from spec_checker import broken, road_of
 
 
 class Sentence(NamedTuple):
-    """A sentence with what it says, what is unknown of it, what has no shape, and the refusal that it meets, if any."""
+    """A sentence with what it says, what is unknown of it, what has no shape, what its spec does not hold, and the
+    refusal that it meets, if any."""
 
     text: str
     relations: list[str]
     unknown: list[str]
     shapeless: list[str]
+    mismatches: list[str]
     refusal: str
 
 
 def read_sentences() -> list[Sentence]:
-    """Those of sentences.txt: under each its relations, "? unknown words", "~ words of no shape", "! a refusal"."""
+    """Those of sentences.txt: under each its relations, "? unknown words", "~ words of no shape", "- a mismatch", and
+    "! a refusal"."""
     found: list[Sentence] = []
     for line in Path(__file__).with_name("sentences.txt").read_text(encoding="utf-8").splitlines():
         if not line.startswith("    "):
-            found.append(Sentence(line, [], [], [], ""))
+            found.append(Sentence(line, [], [], [], [], ""))
         elif line.startswith("    ? "):
             found[-1].unknown.append(line[6:])
         elif line.startswith("    ~ "):
             found[-1].shapeless.append(line[6:])
+        elif line.startswith("    - "):
+            found[-1].mismatches.append(line[6:])
         elif line.startswith("    ! "):
             found[-1] = found[-1]._replace(refusal=line[6:])
         else:
@@ -132,8 +137,9 @@ def test_what_is_understood_and_what_is_not(sentence: Sentence) -> None:
     assert [text for text in relations(spec) if text != "road: straight"] == sentence.relations
     assert list(spec.not_understood) == sentence.unknown
     assert list(explanation.not_shown) == sentence.shapeless
-    if sentence.unknown:
-        with pytest.raises(TextError, match="not understood: "):
+    assert list(explanation.mismatches) == sentence.mismatches
+    if sentence.unknown or sentence.mismatches:
+        with pytest.raises(TextError, match="not understood: " if sentence.unknown else "the sentence says "):
             spec_from_text(sentence.text, strict=True)
     else:
         assert spec_from_text(sentence.text, strict=True) == spec

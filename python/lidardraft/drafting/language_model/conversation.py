@@ -13,7 +13,7 @@ from string import Template
 from typing import Any, Generic, TypeVar
 
 from lidardraft.drafting.language_model.chat_server import ChatReply, ChatServer, TimeLimit
-from lidardraft.errors import FormatError, LanguageModelError, LidarDraftError
+from lidardraft.errors import FormatError, LanguageModelError, LayoutError, LidarDraftError
 from lidardraft.files import named, read_text, written_whole
 from lidardraft.json_fields import parse_object
 
@@ -169,6 +169,22 @@ def converse(request: Request, read: Callable[[str], T], cache: ReplyCache, limi
         messages = messages + _retry(attempt)
     model = request.server.model
     raise LanguageModelError(f"{model}: none of {MAX_ATTEMPTS} replies can be used; the last one: {attempts[-1].error}")
+
+
+def once_more(read: Callable[[str], T], missing: Callable[[T], list[str]]) -> Callable[[str], T]:
+    """`read`, by which the first reply with something `missing` goes back to the model, unless it is the last one."""
+    seen: list[bool] = []
+
+    def checked(reply: str) -> T:
+        seen.append(False)
+        result = read(reply)
+        lines = missing(result) if len(seen) < MAX_ATTEMPTS and not any(seen) else []
+        if lines:
+            seen[-1] = True
+            raise LayoutError(f"{'; '.join(lines)}; add what is missing")
+        return result
+
+    return checked
 
 
 def _use(reply: ChatReply, read: Callable[[str], T]) -> tuple[Attempt, T | None]:

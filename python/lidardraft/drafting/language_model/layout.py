@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import dataclasses
 import json
-import math
 import os
 import re
 from functools import partial
 from typing import Any
 
-import numpy as np
 from platformdirs import user_cache_path
 
 from lidardraft.drafting.blender.layout import layout_from_blender
 from lidardraft.drafting.blender.script.reading import fenced
 from lidardraft.drafting.language_model.chat_server import MODEL, URL, ChatServer, TimeLimit
-from lidardraft.drafting.language_model.conversation import Conversation, Prompt, ReplyCache, Request, converse
+from lidardraft.drafting.language_model.conversation import (
+    Conversation,
+    Prompt,
+    ReplyCache,
+    Request,
+    converse,
+    once_more,
+)
 from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.road_from_spec import MAX_DISTANCE
 from lidardraft.drafting.solver.scene_spec import (
@@ -30,7 +35,7 @@ from lidardraft.drafting.solver.scene_spec import (
     SceneSpec,
     relations,
 )
-from lidardraft.drafting.text.omissions import omissions
+from lidardraft.drafting.text.meaning import held_by, omissions
 from lidardraft.drafting.text.tree import NounPhrase
 from lidardraft.errors import LayoutError, TextError, check_seed, check_type
 from lidardraft.files import named
@@ -63,7 +68,8 @@ def layout_from_llm(
     `url` is the API of any server that answers as OpenAI's does, by default the environment variable
     LIDARDRAFT_LLM_URL, and `model` its model, by default LIDARDRAFT_LLM_MODEL. A key is read from LIDARDRAFT_LLM_KEY.
     The model writes a `SceneSpec`, which the seed turns into metres as that of a sentence; with `blender` it writes a
-    Blender script for the seed, which is read as data. What cannot be used goes back to it with the reason, twice.
+    Blender script for the seed, which is read as data. What cannot be used goes back to it with the reason, twice,
+    and what leaves out nouns or numbers of the text once; what it leaves out again is a note.
 
     Replies are kept in the folder `cache`, by default in the user's cache folder: the same text, seed, model and server
     give the same layout again, without the server. `timeout` is how long all replies together may take [s].
@@ -84,19 +90,23 @@ def layout_from_llm(
     replies, limit = ReplyCache(kept), TimeLimit(timeout)
     if blender:
         script = Request(server, blender_prompt(), text, {"seed": seed})
-        drawn = converse(script, lambda reply: layout_from_blender(code_of(reply), strict=True), replies, limit)
-        missing, findings = omissions(text, partial(_drawn, drawn.result)), check(drawn.result)
-        layout = _with_provenance(drawn.result, drawn, {"seed": seed})
-        return layout.noted(*missing, *(finding.message for finding in findings))
+        read = once_more(
+            lambda reply: layout_from_blender(code_of(reply), strict=True),
+            lambda layout: omissions(text, partial(_drawn, layout)),
+        )
+        drawn = converse(script, read, replies, limit)
+        findings, layout = check(drawn.result), _with_provenance(drawn.result, drawn, {"seed": seed})
+        return layout.noted(*omissions(text, partial(_drawn, drawn.result)), *(finding.message for finding in findings))
     schema = {"name": "scene_spec", "strict": True, "schema": scene_spec_schema()}
     asked = Request(server, spec_prompt(), text, {"response_format": {"type": "json_schema", "json_schema": schema}})
-    described = converse(asked, lambda reply: _spec_of(reply, text), replies, limit)
+    read_spec = once_more(lambda reply: _spec_of(reply, text), lambda spec: omissions(text, partial(held_by, spec)))
+    described = converse(asked, read_spec, replies, limit)
     spec = described.result
     if spec.not_understood and spec == SceneSpec(not_understood=spec.not_understood):
         raise TextError(f"nothing of {text!r} was understood by {server.model}")
     layout = _with_provenance(layout_from_spec(spec, seed=seed), described, {"understood": relations(spec)})
     unknown = [f"not understood: {', '.join(spec.not_understood)}"] * bool(spec.not_understood)
-    return layout.noted(*unknown, *omissions(text, partial(_described, spec)))
+    return layout.noted(*unknown, *omissions(text, partial(held_by, spec)))
 
 
 def spec_prompt() -> Prompt:
@@ -129,21 +139,6 @@ def _spec_of(reply: str, text: str) -> SceneSpec:
             raise LayoutError(f"{said!r} is no part of the text, as {foreign[0]!r} is not in it; copy words of it")
     layout_from_spec(spec)
     return spec
-
-
-def _described(spec: SceneSpec, phrase: NounPhrase) -> list[tuple[float, float]]:
-    """The groups of a spec that a phrase may name, as `omissions` wants them; a rider may be a "person" of the text."""
-    kind, found = SENTENCE_KINDS[str(phrase.kind)], list[tuple[float, float]]()
-    if kind.name in (*spec.absent, *spec.not_around) or any(phrase.noun in said for said in spec.not_understood):
-        return [(0, math.inf)]
-    for group in spec.groups:
-        its = SENTENCE_KINDS[group.kind]
-        fits = its == kind or (kind.name == "person" and its.is_ridden)
-        fits = fits or ("vehicle" in (kind.name, its.name) and kind.is_vehicle and its.is_vehicle)
-        if fits or (its.label == kind.label and phrase.noun in group.words.casefold()):
-            count = (math.nan, math.inf) if isinstance(group.count, str) else np.broadcast_to(group.count, 2).tolist()
-            found.append((count[0], count[1] * (math.inf if group.lane == "each" else max(len(group.places), 1))))
-    return found
 
 
 def _drawn(layout: Layout, phrase: NounPhrase) -> list[tuple[float, float]]:

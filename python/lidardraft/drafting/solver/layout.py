@@ -10,12 +10,14 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from lidardraft.arranging.district import SETTINGS, only_district
+from lidardraft.drafting.solver.kept import unkept
 from lidardraft.drafting.solver.poses import RoadPose, Try, each_lane, lanes_of, sample_full
 from lidardraft.drafting.solver.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.solver.road_from_spec import road_from_spec
 from lidardraft.drafting.solver.road_zones import Zone, along_row, measured_from, zone_of
 from lidardraft.drafting.solver.scene import GAP, SpecScene, is_at
 from lidardraft.drafting.solver.scene_spec import (
+    CLOSED,
     EXTENTS,
     ObjectGroup,
     SceneSpec,
@@ -41,6 +43,7 @@ _MOST_SPACED = 40  # objects of a row whose number is a word
 _APART = 1.5  # m between what stands in a row at a wall
 _BETWEEN_CROWNS = 0.3  # m
 _LONGEST_ROW, _SHORTEST_STRIP = 90.0, 3.0  # m, of many walls or hedges together, and of one of them
+_NARROWEST = 5.0  # m, of a house in a long terrace
 _BARRIER = 2.0  # m, the length of a fence or wall that stands in a lane, across it
 _AT_KERB = (0.1, 0.4)  # m from the road to the fronts of an alley
 _LEAST = 200  # tries to find room in a crowd before anything is said of it
@@ -54,7 +57,8 @@ def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
     """A layout in which every relation of the spec holds and that passes every check; the same for the same arguments.
 
     What finds no room makes the scene be arranged anew, with that first and more room for what the spec leaves open.
-    `layout.intent` says what was asked of each object, `layout.roads` holds the road, `layout.provenance` the spec.
+    `layout.intent` says what was asked of each object, `layout.roads` holds the road, `layout.provenance` the spec;
+    a note names what the objects do not keep of it.
 
     Raises `LayoutError` on an invalid seed, and where a relation cannot hold, naming it, how many of how
     many objects found room, and what is in the way.
@@ -81,11 +85,11 @@ class _Solver:
 
     def __init__(self, spec: SceneSpec, seed: int, attempt: int) -> None:
         self.spec, self.attempt = spec, attempt
-        self.groups = tuple(map(with_gap, with_sides(long_strips(spec.groups))))
-        if spec.district == "alley" and attempt < _DEEPER:
-            self.groups = tuple(map(at_the_kerb, self.groups))
         self.rng = np.random.default_rng([seed, attempt] if attempt else seed)
         self.road = road_from_spec(spec, self.rng, attempt)
+        self.groups = tuple(with_gap(closed(group, self.rng)) for group in with_sides(long_strips(spec.groups)))
+        if spec.district == "alley" and attempt < _DEEPER:
+            self.groups = tuple(map(at_the_kerb, self.groups))
         self.scene = SpecScene(self.road, self.rng)
         self.placed: dict[int, list[Footprint]] = {}
         self.crowd: Crowd | None = None
@@ -112,7 +116,8 @@ class _Solver:
         spec = self.spec.to_dict()
         provenance = {"source": "spec", "seed": seed, "spec": spec, "objects": objects}
         intent = Intent.of_spec(spec, objects)
-        return Layout(primitives=tuple(self.scene.primitives), provenance=provenance, roads=roads, intent=intent)
+        layout = Layout(primitives=tuple(self.scene.primitives), provenance=provenance, roads=roads, intent=intent)
+        return layout.noted(*unkept(self.spec, layout, self.road, objects))
 
     def _fill(self, number: int, group: ObjectGroup, place: str) -> bool:
         """Place what a group wants at one place; a number is met exactly, a word by as many as find room."""
@@ -436,6 +441,23 @@ def with_gap(group: ObjectGroup) -> ObjectGroup:
     if spacing >= least + GAP:
         return group
     return dataclasses.replace(group, size=(length, *size[1:]), spacing=spacing + length)
+
+
+def closed(group: ObjectGroup, rng: np.random.Generator) -> ObjectGroup:
+    """The group as a row without gaps, of one size and in line, where it is one: walls along a side whose number is a
+    word, and what has no more than CLOSED between its ends."""
+    kind, along = group.record, all(place in ("left", "right") for place in group.places)
+    free = group.relation is None and group.distance is None and not group.on_road
+    lines = kind.follows_road and isinstance(group.count, str) and group.spacing is None and group.places
+    if kind.sizes is None or not free or not along or not (lines or group.spacing == CLOSED):
+        return group
+    asked, times = group.size or (None,) * 3, group.scale or (1.0,) * 3
+    size = [said or one * factor for said, one, factor in zip(asked, kind.sizes.sample(rng), times, strict=True)]
+    size[0] = min(size[0], max(_NARROWEST, _LONGEST_ROW / (group.fewest or 1)))
+    back = group.from_sidewalk
+    if kind.setback is not None and not group.set_back:
+        back = (max(0.1, kind.setback[0] - kind.sizes.largest[1] / 2),) * 2
+    return dataclasses.replace(group, size=(size[0], size[1], size[2]), spacing=CLOSED, from_sidewalk=back)
 
 
 def at_the_kerb(group: ObjectGroup) -> ObjectGroup:

@@ -123,7 +123,8 @@ class RelativePoses:
         """In its row, `at.number` objects of this size after the first."""
         usual = _IN_LANE if self.kind.is_vehicle or reference.kind.is_vehicle else _CLOSE
         least = reference.half_along + self.size[0] / 2
-        off = max(least + 0.3, at.uniform(*self.distance)) if self.distance else least + self._gap(usual, at)
+        off = at.uniform(*self.distance) if self.distance else least + self._gap(usual, at)
+        off = least + off if self.distance and off < least + 0.3 else off  # no room for the middle: between the ends
         off += at.number * (self.size[0] + usual[0])
         return self._pose(at.along + way * off, reference.pose.across, reference, at)
 
@@ -177,6 +178,10 @@ class RelativePoses:
     def _on_sidewalk(self) -> bool:
         return self.surface == "sidewalk" and self.road.sidewalk > 0.9
 
+    @property
+    def _goes_across(self) -> bool:
+        return (self.kind.walks or self.kind.cycles) and str(self.heading).startswith("across")
+
     def _pose(self, along: float, across: float, reference: Footprint, at: Try, side: int = 0) -> RoadPose | None:
         """The pose there, moved to where its kind may be: a lane or the kerb, or beside the road."""
         found, yaw = self._ground_at(across, reference, at, side)
@@ -187,7 +192,7 @@ class RelativePoses:
         most = _MOVED_EXACTLY if exactly else _MOVED_BETWEEN if in_between else max(_MOVED, beside)
         if self._on_sidewalk and self.relation in ("near", "beside"):
             most = _MOVED_TO_SIDEWALK
-        if moved > most or (side and apart < max(0.3, self.size[1] / 4)):
+        if (moved > most and not self._goes_across) or (side and apart < max(0.3, self.size[1] / 4)):
             return None
         towards = reference.half_across < abs(reference.pose.across) - abs(found)
         if self.relation == "in-front-of" and not (towards or reference.kind.drives or reference.kind.walks):
@@ -196,7 +201,9 @@ class RelativePoses:
 
     def _ground_at(self, across: float, reference: Footprint, at: Try, side: int) -> tuple[float, float]:
         """The nearest place across the road where its kind may be, and the yaw there."""
-        if (self.kind.walks or self.kind.cycles) and str(self.heading).startswith("across"):
+        if self._goes_across:  # between the kerbs, wherever what it is in front of stands
+            free = self.road.edge - self.road.parking - 0.5
+            across = across if abs(across) < free or self._on_sidewalk else at.uniform(-free, free)
             return across, at.walking_yaw(str(self.heading))
         if self._on_sidewalk:
             low, high = self.road.edge + 0.4, max(self.road.edge + 0.5, self.road.verge - 0.4)

@@ -67,7 +67,7 @@ class SpecScene:
         blocker, primitives = self._limit(kind, group, parts, pose), []
         if blocker is None:
             primitives = [self._primitive(kind, part, pose, bent) for part in parts]
-            ahead = FOLLOWING_GAP if moving and not close else GAP
+            ahead = FOLLOWING_GAP if moving and not close else min(GAP, gap_of(group) / 2)
             wide = [Solid.from_primitive(primitive).widened(ahead, GAP) for primitive in primitives]
             blocker = next(self._obstacles(wide, side_roads=not (moving or kind.walks)), None)
         if blocker is not None:
@@ -144,6 +144,12 @@ class SpecScene:
             part = part._replace(center=(0.0, *part.center[1:]), size=(length, width, height))
         x, y, heading = self.road.at(along, across)
         return part.placed((x, y, yaw + heading), self.ground.height(x, y), kind.name)
+
+
+def gap_of(group: ObjectGroup) -> float:
+    """How far the ends of neighbours in a row are apart [m]; infinite for what stands in none."""
+    length = group.size[0] if group.size else None
+    return math.inf if group.spacing is None or length is None else max(0.0, group.spacing - length)
 
 
 _NAMES = {"ego": "the ego vehicle", "road_left": "the crossing road", "road_right": "the crossing road"}

@@ -34,7 +34,7 @@ DISTRICTS = tuple(SETTINGS)
 MAX_COUNT = 5000
 MAX_LANES = 6  # in one direction
 NEAREST_JUNCTION = 6.0  # m, before the ego
-MIN_SPACING = 0.1  # m
+MIN_SPACING = CLOSED = 0.1  # m, of a row without gaps
 EXTENTS = (0.05, 100.0)  # m, that an object can be asked for with
 
 _FORE = {"front": "in front", "behind": "behind", "beside": "beside the ego vehicle"}
@@ -114,10 +114,10 @@ class ObjectGroup:
     `motion`, one of MOTIONS, and `speed` [m/s] are how it moves in a sequence; 0 stands.
     `distance` is a range from the ego [m]: across the road at places beside the ego, and for what stands beside the
     road at places that are neither in front nor behind; else along the road. `spacing` is the distance between
-    neighbours [m]. `from_road` is a range from the kerb to the near side [m], beyond the kerb, but before it for
-    what drives and on the surface "road"; `from_sidewalk` is one from the far edge of the sidewalk. `size` is
-    length, width and height [m], None where nothing is said, and `scale` what the usual size is multiplied by;
-    `paint`, one of PAINTS, is for vehicles.
+    neighbours [m], or their ends where it is shorter than they are; CLOSED is none. `from_road` is a range from the
+    kerb to the near side [m], beyond the kerb, but before it for what drives and on the surface "road"; `from_sidewalk`
+    is one from the far edge of the sidewalk. `size` is length, width and height [m], None where nothing is said, and
+    `scale` what the usual size is multiplied by; `paint`, one of PAINTS, is for vehicles.
 
     `relation` says where the objects are from those of other groups, `references`, by their numbers in the spec;
     then `distance` is measured from there. `words` are those of the sentence that asked for the group.
@@ -378,7 +378,7 @@ def group_relations(group: ObjectGroup, spec: SceneSpec, place: str) -> list[str
             near, far = length
             found.append(f"{near:g} m {said}" if near == far else f"{near:g} to {far:g} m {said}")
     if group.spacing is not None:
-        found.append(f"every {group.spacing:g} m")
+        found.append("without gaps" if group.spacing == CLOSED else f"every {group.spacing:g} m")
     found += [_HEADINGS[group.heading]] if group.heading is not None else []
     found += _motion_text(group.motion, group.speed)
     found += [f"{group.paint} paint"] if group.paint is not None else []

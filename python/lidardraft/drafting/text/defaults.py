@@ -7,6 +7,7 @@ from dataclasses import replace
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, RoadSpec, SceneSpec
 from lidardraft.drafting.text.exceptions import keep_away
 from lidardraft.drafting.text.mentions import JUNCTIONS, Mention, Mentions, RoadNotes
+from lidardraft.drafting.text.named_defaults import as_named
 from lidardraft.drafting.text.parts import divided
 from lidardraft.drafting.text.positions import BEHIND, BESIDE, Place, Position
 from lidardraft.drafting.text.tree import NO_SCALE
@@ -24,7 +25,7 @@ _CROSSED = ("crossroads", "t-junction")
 def spec_of(mentions: Mentions, road: RoadNotes, texts: list[str]) -> SceneSpec:
     """The spec of what is wanted, less what is denied, with what the setting implies."""
     denied = [one for one in mentions if one.kind is not None and one.count == 0]
-    wanted = [(number, _wanted(one, denied, road)) for number, one in divided(mentions)]
+    wanted = [(number, as_named(_wanted(one, denied, road), mentions)) for number, one in divided(mentions)]
     walking = {one.kind for _, one in wanted}
     absent = {
         str(one.kind): one

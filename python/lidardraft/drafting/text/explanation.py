@@ -26,11 +26,15 @@ class Meaning:
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """The words of a sentence in their order, with what each became, and its spec."""
+    """The words of a sentence in their order, with what each became, and its spec.
+
+    `mismatches` are lines on what the sentence says and the spec does not hold, or holds otherwise.
+    """
 
     meanings: tuple[Meaning, ...]
     spec: SceneSpec
     not_shown: tuple[str, ...] = ()
+    mismatches: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         """A line for each run of words; a group is described where it is named first."""
@@ -40,7 +44,7 @@ class Explanation:
         for one in self.meanings:
             lines.append(f"{one.words:<{wide}}  {self._said(one, told)}".rstrip())
             told |= set(one.groups)
-        return "\n".join([*lines, f"road: {', '.join(road_relations(self.spec.road))}"])
+        return "\n".join([*lines, f"road: {', '.join(road_relations(self.spec.road))}", *self.mismatches])
 
     def _said(self, one: Meaning, told: Collection[int]) -> str:
         gave = [*(self._group(number, number in told) for number in one.groups), *one.others]

@@ -18,6 +18,7 @@ from lidardraft.drafting.text.explanation import Explanation, Meaning
 from lidardraft.drafting.text.grammar import UNSHOWN, grammar, parse
 from lidardraft.drafting.text.left_over import LeftOver
 from lidardraft.drafting.text.lexicon import lexicon, vocabulary
+from lidardraft.drafting.text.meaning import mismatches
 from lidardraft.drafting.text.parts import divided, part
 from lidardraft.drafting.text.scenery import with_scenery
 from lidardraft.drafting.text.statements import resolve
@@ -38,26 +39,26 @@ def layout_from_text(sentence: str, *, seed: int = 0, strict: bool = False) -> L
 
     Around it nothing is made up: `surround` adds the street that `simulate` puts around a sentence.
 
-    `layout.provenance` holds the sentence, the seed and the spec, and
-    - "understood": the relations that the sentence was read as, a line each;
-    - "not_understood": the words that changed nothing, and "nearest_words": known words that some of them are near to;
-    - "not_shown": words that are understood, but have no shape, such as "talking" and "with an umbrella";
-    - "objects": for each object the number of its group in the spec, whose "words" asked for it;
-    - "notes": words with a slip, and what they are read as.
+    `layout.provenance` holds the sentence, the seed and the spec; "understood" are the relations that the sentence was
+    read as, a line each. `layout.notes` say what was not understood, has no shape or was read with a slip, and what the
+    sentence says that the spec does not hold or the layout does not show.
 
-    Raises `TextError` where nothing was understood or, with `strict`, anything was not; `LayoutError` where a relation
-    cannot hold, naming it and what is in the way.
+    Raises `TextError` where nothing was understood or, with `strict`, anything was not, or is not held; `LayoutError`
+    where a relation cannot hold, naming it and what is in the way.
     """
     explanation = explain(sentence)
-    spec = _strictly(explanation.spec) if strict else explanation.spec
+    spec = _strictly(explanation) if strict else explanation.spec
     layout = layout_from_spec(spec, seed=seed)
+    if strict and layout.notes:
+        raise TextError(f"{'; '.join(layout.notes)}; say it otherwise, or take another seed")
     said = {"source": "text", "sentence": sentence, "understood": relations(spec)}
     near = "".join(f"; did you mean {known!r}?" for known in nearest_words(spec.not_understood).values())
     notes = [f"not understood: {', '.join(spec.not_understood)}{near}"] * bool(spec.not_understood)
     notes += [f"not shown: {', '.join(explanation.not_shown)}"] * bool(explanation.not_shown)
     notes += [f"{word!r} is read as {slip!r}" for word, slip in slips(sentence).items()]
     intent = dataclasses.replace(layout.intent, sentence=sentence)
-    return dataclasses.replace(layout, provenance=layout.provenance | said, intent=intent).noted(*notes)
+    layout = dataclasses.replace(layout, provenance=layout.provenance | said, intent=intent)
+    return layout.noted(*notes, *explanation.mismatches)
 
 
 def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
@@ -65,14 +66,17 @@ def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
 
     Raises `TextError` as above, and on a sentence that is empty or longer than `MAX_LENGTH`.
     """
-    spec = explain(sentence).spec
-    return _strictly(spec) if strict else spec
+    explanation = explain(sentence)
+    return _strictly(explanation) if strict else explanation.spec
 
 
-def _strictly(spec: SceneSpec) -> SceneSpec:
-    if spec.not_understood:
-        raise TextError(f"not understood: {_listed(spec.not_understood)}; {_FREE_TEXT}")
-    return spec
+def _strictly(explanation: Explanation) -> SceneSpec:
+    unknown = explanation.spec.not_understood
+    if unknown:
+        raise TextError(f"not understood: {_listed(unknown)}; {_FREE_TEXT}")
+    if explanation.mismatches:
+        raise TextError(f"{'; '.join(explanation.mismatches)}; say it otherwise; {_FREE_TEXT}")
+    return explanation.spec
 
 
 def explain(sentence: str) -> Explanation:
@@ -122,7 +126,7 @@ def explain(sentence: str) -> Explanation:
             f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are; {_FREE_TEXT}"
         )
     spec = dataclasses.replace(spec, not_understood=unknown)
-    return Explanation(tuple(meanings), spec, not_shown)
+    return Explanation(tuple(meanings), spec, not_shown, tuple(mismatches(nodes, texts, spec, silent)))
 
 
 def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]]:
