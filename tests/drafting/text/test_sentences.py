@@ -166,7 +166,7 @@ def test_every_relation_holds_for_three_seeds(sentence: Sentence) -> None:
 @pytest.mark.parametrize("clause", UNKNOWN_CLAUSES)
 def test_an_unknown_clause_changes_nothing_of_the_rest(clause: str) -> None:
     """In nearly all sentences: some go on after the clause as if it were known, as in "two wombats crossing and X"."""
-    texts = [sentence.text for sentence in SENTENCES[::5]]
+    texts = [sentence.text for sentence in SENTENCES[UNKNOWN_CLAUSES.index(clause) :: 10]]
     changed = [text for text in texts if spec_of(clause.format(text.rstrip(".!"))) != spec_of(text)]
     assert len(changed) <= 0.1 * len(texts), changed
 
