@@ -18,6 +18,7 @@ EGO_SIZE = (4.5, 2.0, 2.0)  # m around the origin, standing on the road
 MAX_RANGE = 210.0  # m, what the furthest-seeing presets reach, and the far ends of what stands there
 OVERLAP_TOLERANCE = 0.02  # m
 GROUND_TOLERANCE = 0.15  # m, a kerb
+_LEVEL = 0.01  # m over the bottom of an object: parts that low stand on the ground, as all legs of an animal do
 
 # Smallest and largest (length, width, height) [m] of the classes that are counted.
 SIZE_RANGES = {row.name: row.limits for row in CLASSES if row.limits}
@@ -52,12 +53,13 @@ def overlap(layout: Layout) -> list[Finding]:
 
 
 def grounded(layout: Layout) -> list[Finding]:
-    """Objects that float over the ground or are sunk into it, measured at the middle of their lowest part."""
+    """Objects that float over the ground or are sunk into it, measured amid its lowest parts."""
     ground = LayoutGround(layout)
     findings = []
     for name, parts in objects(layout).items():
-        lowest = min(parts, key=_bottom)
-        gap = _bottom(lowest) - ground.height(*lowest.center[:2])
+        bottom = min(map(_bottom, parts))
+        feet = [part.center[:2] for part in parts if _bottom(part) < bottom + _LEVEL]
+        gap = bottom - ground.height(*np.mean(feet, axis=0).tolist())
         if abs(gap) > GROUND_TOLERANCE:
             state = "floats {:.2f} m over the ground" if gap > 0 else "is sunk {:.2f} m into the ground"
             findings.append(Finding("grounded", tuple(p.id for p in parts), f"{name} {state.format(abs(gap))}"))

@@ -148,6 +148,13 @@ def test_what_a_spec_does_not_hold_is_a_line(text: str, spec: SceneSpec, line: s
     assert found_in(text, spec) == [line]
 
 
+@pytest.mark.parametrize(
+    "more", ["and a second car is 20 m away", "and two cars are behind us", "and another car is on the left"]
+)
+def test_the_car_is_one_that_is_not_counted(more: str) -> None:
+    assert layout_from_text(f"The car in front of us is 8 metres away {more}").notes == ()
+
+
 def test_a_mismatch_is_a_note_a_line_of_the_explanation_and_with_strict_an_error() -> None:
     text, line = "two people on a motorbike ahead", "the sentence names 1 motorcycle; the scene has motorcycle: 2"
     assert layout_from_text(text).notes == (line,)

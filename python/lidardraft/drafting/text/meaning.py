@@ -101,7 +101,9 @@ def _missing(
 
 
 def _doubled(nodes: Sequence[Node], phrases: Sequence[NounPhrase], texts: Sequence[str], spec: SceneSpec) -> list[str]:
-    """A line for each kind of which the spec holds more than a sentence counts."""
+    """A line for each kind of which the spec holds more than a sentence counts; it does not count "the car"."""
+    phrase_of = (noun_phrase(leaf) for node in nodes for leaf in leaves(node, "object"))
+    uncounted = {str(phrase.kind) for phrase in phrase_of if phrase.plain and phrase.definite}
     parts = any(True for node in nodes for _ in leaves(node, "ellipsis", "tally"))
     if parts or not _SHARING.isdisjoint(texts) or not _DENYING.isdisjoint(texts):
         return []
@@ -110,7 +112,8 @@ def _doubled(nodes: Sequence[Node], phrases: Sequence[NounPhrase], texts: Sequen
         of_kind = [phrase for phrase in phrases if phrase.kind == kind]
         groups = [group for group in spec.groups if group.kind == kind and group.words]
         counts = [phrase.count for phrase in of_kind if not phrase.definite and isinstance(phrase.count, int)]
-        open_count = len(counts) < len(of_kind) or any(one.lane == "each" or one.record.follows_road for one in groups)
+        open_count = kind in uncounted or len(counts) < len(of_kind)
+        open_count |= any(one.lane == "each" or one.record.follows_road for one in groups)
         held = [
             math.inf if isinstance(one.count, str) else np.max(one.count) * max(len(one.places), 1) for one in groups
         ]
