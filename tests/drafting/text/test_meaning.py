@@ -114,6 +114,7 @@ def test_a_rewriting_that_keeps_the_meaning_keeps_the_scene(rewriting: int) -> N
     pattern, other = SAME[rewriting]
     mixed = r"\b(of them|lane|way|m by|hundred|dozen|or|each|man|men|point|one|all)\b"
     texts = [one for one in SENTENCES if re.search(pattern, one) and not re.search(mixed, one)]
+    texts = texts[:: 1 + len(texts) // 150]
     broken = []
     for text in texts:
         one, changed = read(text), read(re.sub(pattern, other, text))
