@@ -17,12 +17,12 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from lidardraft.arranging.district import PARKING_STRIP
 from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.road_from_spec import road_from_spec
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec
 from lidardraft.errors import LayoutError
 from lidardraft.objects.cars import BODIES
+from lidardraft.scene.road import PARKING_STRIP
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.semantics import CLASSES
 from lidardraft.streets.coarse.coarse_layout import TextStyle, as_text

@@ -23,7 +23,17 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft import Layout, RangeImage, Sensor, detail, layout_from_cloud, layout_from_text, raycast, surround
+from lidardraft import (
+    Intent,
+    Layout,
+    RangeImage,
+    Sensor,
+    detail,
+    layout_from_cloud,
+    layout_from_text,
+    raycast,
+    surround,
+)
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.labelling import agrees
 from lidardraft.scene.layout import object_of
@@ -109,7 +119,7 @@ def of_streets(counts: Counts, number: int) -> None:
         scene = scanner.caster.scan(SENSOR, ego.pose @ visible.pose)
         for style in STYLES:
             table = coarse_layout(street.coarse, style, rng, ego.pose, visible)
-            layout = table.layout({"source": style.source})
+            layout = table.layout({"source": style.source}, intent=Intent(headed=style.source != "cloud"))
             bare = raycast(layout, SENSOR, visible.pose)
             add(counts, f"{style.source}", bare, raycast(detail(layout, seed=number), SENSOR, visible.pose))
             add(counts, f"{style.source}: street", bare, scene)

@@ -68,7 +68,7 @@ def alone(pipeline: Pipeline, scan: Scan, seed: int) -> Scan:
 def kept(pipeline: Pipeline, sentence: str) -> list[tuple[float, float]]:
     """The shares of returns that two edits of a draft leave: with the same seed alone, and going on from the scan."""
     layout = layout_from_text(sentence, seed=0)
-    name, scan = next(iter(layout.provenance["objects"])), pipeline(layout, sensor=SENSOR, seed=1)
+    name, scan = next(iter(layout.intent.objects)), pipeline(layout, sensor=SENSOR, seed=1)
     found = []
     for edited in (edit.remove(layout, name), edit.move(layout, name, (3.0, 0.0, 0.0))):
         casts = [raycast(one, SENSOR, scan.pose).depth for one in (layout, edited)]

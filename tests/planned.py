@@ -6,11 +6,11 @@ from functools import cache
 import numpy as np
 
 from lidardraft.arranging.ground import Ground
-from lidardraft.arranging.lanes import Lane
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import plan_street
 from lidardraft.arranging.relief import Land
 from lidardraft.scene.road import Road
+from lidardraft.scene.street import Path, paths_of
 
 FLAT = Land(grade=0.0, hillside=0.0, rolling=0.0)
 
@@ -26,8 +26,9 @@ def surface(ground: Ground, along: float, across: float) -> str:
 
 
 @cache
-def plans() -> list[tuple[Occupancy, tuple[Lane, ...], str]]:
-    return [plan_street(np.random.default_rng([seed, 9]), 90.0) for seed in range(120)]
+def plans() -> list[tuple[Occupancy, tuple[Path, ...], str]]:
+    planned = (plan_street(np.random.default_rng([seed, 9]), 90.0) for seed in range(120))
+    return [(frame.occupancy, paths_of(frame.street), name) for frame, name in planned]
 
 
 def occupancies() -> list[Occupancy]:

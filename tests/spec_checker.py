@@ -7,7 +7,7 @@ import numpy as np
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec, split_place
 from lidardraft.scene.check import objects
 from lidardraft.scene.layout import Layout
-from lidardraft.scene.road import PavedArea, Road
+from lidardraft.scene.road import Road
 
 EGO_HALF = 2.25  # m
 
@@ -57,10 +57,9 @@ def _reach(part, road: Road) -> list[float]:
 
 def road_of(layout: Layout) -> Road:
     """The road of a layout made from a spec."""
-    fields = dict(layout.provenance["road"])
-    fields["paved_areas"] = tuple(PavedArea(tuple(a["along"]), tuple(a["across"])) for a in fields["paved_areas"])
-    fields["side_roads"] = tuple(fields["side_roads"])
-    return Road(**fields)
+    assert layout.roads is not None
+    assert layout.roads.street is not None
+    return layout.roads.street.road
 
 
 def broken(spec: SceneSpec, layout: Layout) -> list[str]:

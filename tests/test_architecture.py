@@ -128,6 +128,31 @@ def test_names_and_sizes() -> None:
                 assert node.end_lineno - node.lineno < LONGEST_FUNCTION, f"{path}: {node.name} is too long"
 
 
+def reads_of_provenance(tree: ast.AST) -> set[str]:
+    """The functions that look into a provenance; it is looked into by a name, a method or `in`, not by `|`."""
+    found = set()
+    for function in (node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)):
+        for node in ast.walk(function):
+            used = [node.value] if isinstance(node, ast.Attribute | ast.Subscript) else []
+            used = node.comparators if isinstance(node, ast.Compare) else used
+            if "provenance" in [getattr(one, "attr", getattr(one, "id", "")) for one in used]:
+                found.add(function.name)
+    return found
+
+
+def test_a_provenance_is_shown_and_saved_but_nothing_depends_on_it() -> None:
+    """What depends on where a layout came from has a field of its own; only files of the first schema have none."""
+    shown = {"scene/layout.py": {"__repr__"}, "cli/inputs.py": {"around_it"}}
+    for path, tree in TREES.items():
+        name = path.relative_to(PACKAGE).as_posix()
+        if name != "scene/layout_schema_1.py":
+            assert reads_of_provenance(tree) == shown.get(name, set()), name
+    looks = "def f(layout):\n    return layout.provenance['a']\ndef g(x):\n    return 'b' in x.provenance\n"
+    looks += "def h(x):\n    provenance = x.provenance\n    return provenance.get('c')\n"
+    looks += "def i(x):\n    return x.provenance | {}"
+    assert reads_of_provenance(ast.parse(looks)) == {"f", "g", "h"}
+
+
 def test_public_names_are_documented() -> None:
     for path, tree in TREES.items():
         if path.stem != "__init__" or path.parent == PACKAGE:
@@ -217,6 +242,17 @@ def test_modules_of_the_core_use_what_stands_above_them_in_the_table() -> None:
     assert place.keys() == uses.keys()
     below = {(user, used) for user, names in uses.items() for used in names if place[used] > place[user]}
     assert not below, f"these use what stands below them: {sorted(below)}"
+
+
+def test_one_module_makes_lanes() -> None:
+    """Those of streets; others come from files, by `read_as`, or are of several joined."""
+    makers = {
+        path.relative_to(PACKAGE).as_posix()
+        for path, tree in TREES.items()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Lane"
+    }
+    assert makers == {"scene/street.py"}
 
 
 def test_the_ten_second_table_is_true() -> None:

@@ -259,7 +259,8 @@ def test_visibility_of_nuscenes(occluded: float, token: str, level: str, tmp_pat
 
 
 def test_scenes_of_nuscenes_follow_one_another_and_say_what_they_show(tmp_path: Path) -> None:
-    worlds = ['{"sentence": "a car"}', '{"source": "streets", "district": "urban"}', '{"source": "boxes"}', ""]
+    intents = ['{"intent": {"sentence": "a car"}}', '{"intent": {"district": "urban"}}']
+    worlds = [*intents, '{"provenance": {"source": "boxes"}}', ""]
     frames = [frame_of(start=start, world=world) for world in worlds for start in (5.0, 130.0)]
     tables = written(frames, tmp_path / "out")
     assert [row["description"] for row in tables["scene"]] == ["a car", "urban", "boxes", ""]

@@ -9,17 +9,26 @@ from lidardraft import (
     CLASSES,
     AlongLane,
     Annotation,
+    Asked,
     Box,
+    Crossing,
     Denoiser,
+    Drawn,
     Edit,
     Frame,
     Hits,
     Insert,
     IntensityCurve,
+    Intent,
+    Junction,
+    Lane,
     Layout,
+    Line,
     Motion,
     Move,
     ObjectSampling,
+    PavedArea,
+    Pavement,
     Pipeline,
     Primitive,
     RangeImage,
@@ -28,6 +37,8 @@ from lidardraft import (
     RecordedScan,
     Remove,
     Replace,
+    Road,
+    RoadNetwork,
     Scan,
     Scenario,
     ScriptLimits,
@@ -36,9 +47,11 @@ from lidardraft import (
     SensorLimits,
     SensorModel,
     SequenceSimulator,
+    Signal,
     Simulator,
     Straight,
     StreetConfig,
+    StreetFrame,
     StreetMix,
     Track,
     Tracks,
@@ -49,6 +62,32 @@ from lidardraft import (
     edit,
     streets,
 )
+
+
+def asked(layout: Layout) -> Asked:
+    """Of an object."""
+    intent: Intent = layout.intent
+    return intent.of("car_1")
+
+
+def planned(layout: Layout) -> tuple[Lane, ...]:
+    """The way from the ego vehicle's lane to another, and the roads of a map around it."""
+    roads: RoadNetwork | None = layout.roads
+    if roads is None:
+        area = PavedArea((1.0, 20.0), (9.0, 30.0))
+        street = StreetFrame(road=Road(lanes=2, paved_areas=(area,)))
+        roads = RoadNetwork(street=street, drawn=(Drawn("road", (0.0, 0.0, 0.0), (9.0, 9.0, 0.0)),))
+    lane, along, left = roads.nearest_lane(0.0, 0.0, yaw=0.0)
+    up: np.ndarray = roads.normal(along, left, roads.height(along, left))
+    mine = Lane(id="1", line=Line.through(np.outer([0.0, 9.0], up)), width=3.5, speed=9.0, junction="j")
+    of_map = RoadNetwork(
+        lanes=(mine,),
+        junctions=(Junction(id="j", lanes=("1",)),),
+        crossings=(Crossing(id="c", place=(1.0, 2.0, 0.0), size=(4.0, 7.0)),),
+        signals=(Signal(id="s", place=(1.0, 2.0, 0.0), lanes=("1",)),),
+        paved=(Pavement(place=(1.0, 2.0, 0.0), size=(4.0, 7.0), label="road"),),
+    )
+    return (*roads.route(lane.id, lane.id), *of_map.moved((1.0, 0.0, 0.0)).ways())
 
 
 def layouts(file: str, points: np.ndarray, boxes: list[Box]) -> Iterator[Layout]:

@@ -26,18 +26,26 @@ from lidardraft.pipeline import Pipeline as Pipeline
 from lidardraft.scan import Scan as Scan
 from lidardraft.scene import edit as edit
 from lidardraft.scene.box import Box as Box
+from lidardraft.scene.intent import Asked as Asked, Intent as Intent
+from lidardraft.scene.lane import (
+    Crossing as Crossing, Junction as Junction, Lane as Lane, Pavement as Pavement, Signal as Signal,
+)
 from lidardraft.scene.layout import Layout as Layout, Primitive as Primitive
+from lidardraft.scene.line import Line as Line
 from lidardraft.scene.mesh import TriangleMesh as TriangleMesh
 from lidardraft.scene.range_image import RangeImage as RangeImage, RangeImageBatch as RangeImageBatch
 from lidardraft.scene.raycast import (
     Hits as Hits, Raycaster as Raycaster, raycast as raycast, with_vehicle as with_vehicle,
 )
+from lidardraft.scene.road import PavedArea as PavedArea, Road as Road
+from lidardraft.scene.road_network import Drawn as Drawn, RoadNetwork as RoadNetwork
 from lidardraft.scene.scenario import (
     AlongLane as AlongLane, Motion as Motion, Scenario as Scenario, Straight as Straight, Track as Track,
     Walk as Walk, Waypoints as Waypoints,
 )
 from lidardraft.scene.sensor import Sensor as Sensor
 from lidardraft.scene.sensor_model import IntensityCurve as IntensityCurve, SensorModel as SensorModel
+from lidardraft.scene.street import StreetFrame as StreetFrame
 from lidardraft.scene.weather import Weather as Weather
 from lidardraft.semantics import CLASSES as CLASSES, SemanticClass as SemanticClass
 from lidardraft.simulation.detail import detail as detail

@@ -51,6 +51,25 @@ def check_number(name: str, value: Any, *, least: int = 0) -> int:
     return number
 
 
+def check_that(fits: bool, name: str, value: object, limit: str) -> None:
+    """Raise `LayoutError` saying what a value must be, unless it fits."""
+    if not fits:
+        raise LayoutError(f"{name} is {value!r}; it must be {limit}")
+
+
+def check_choice(name: str, value: object, choices: Iterable[str]) -> None:
+    """Raise `LayoutError` where a value is none of the choices."""
+    known = tuple(choices)
+    if value not in known:
+        raise LayoutError(f"{name} is {value!r}; it must be {one_of(known, value)}")
+
+
+def as_tuple(name: str, value: Any) -> tuple[Any, ...]:
+    """A list or tuple as a tuple; raises `LayoutError` where it is neither."""
+    check_that(isinstance(value, tuple | list), name, value, "a list")
+    return tuple(value)
+
+
 def check_seed(seed: Any) -> int:
     """The seed as an int; raises `LayoutError` unless it is an integer of 0 to 2^63 - 1, which the core can count."""
     number = as_int(seed)

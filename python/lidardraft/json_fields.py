@@ -5,7 +5,10 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable
-from typing import Any
+from dataclasses import MISSING, fields, is_dataclass
+from functools import cache
+from types import NoneType, UnionType
+from typing import Any, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
 
@@ -35,13 +38,26 @@ def parse_object(text: str | bytes) -> dict[str, Any]:
     return check_object(parse_json(text))
 
 
-def parse_document(text: str, schema: str, required: Iterable[str], optional: Iterable[str]) -> dict[str, Any]:
-    """The object that a JSON text of this schema holds; raises `FormatError` on another schema or other fields."""
+def parse_document(
+    text: str, schema: str, required: Iterable[str], optional: Iterable[str], *, older: Iterable[str] = ()
+) -> dict[str, Any]:
+    """The object that a JSON text of this schema, or an older one, holds; raises `FormatError` on another schema or
+    other fields."""
     document = parse_object(text)
-    if document.get("schema") != schema:
-        raise FormatError(f"schema is {document.get('schema')!r}; this version reads {schema!r}")
+    check_schema(document.get("schema"), schema, older)
     check_fields(document, ("schema", *required), optional)
     return document
+
+
+def check_schema(found: Any, schema: str, older: Iterable[str] = ()) -> None:
+    """Raises `FormatError` where the schema of a file is neither this one nor an older one that is read."""
+    if found not in (schema, *older):
+        name, _, version = str(found).rpartition("/")
+        is_later = (
+            schema.startswith(f"{name}/") and version.isdecimal() and int(version) > int(schema.rpartition("/")[2])
+        )
+        later = "; a later version of lidardraft wrote it: update lidardraft" if is_later else ""
+        raise FormatError(f"schema is {found!r}; this version reads {schema!r}{later}")
 
 
 def parse_list(text: str | bytes) -> list[Any]:
@@ -101,3 +117,54 @@ def is_number(value: Any) -> bool:
 def are_numbers(values: Any, count: int) -> bool:
     """Whether it is a list, tuple or array of so many finite numbers."""
     return isinstance(values, list | tuple | np.ndarray) and len(values) == count and all(map(is_number, values))
+
+
+def read_as(kind: Any, value: Any, name: str = "") -> Any:
+    """A JSON value as the type that an annotation says: a dataclass of an object, a tuple of a list, or what it is.
+    A dataclass that is written otherwise has `read` and `written`.
+
+    Raises `FormatError` naming the place in it, the value and what was expected; a dataclass raises as it does.
+    """
+    origin, kinds = get_origin(kind), get_args(kind)
+    if origin in (Union, UnionType):
+        (kind,) = (one for one in kinds if one is not NoneType)
+        return None if value is None else read_as(kind, value, name)
+    if is_dataclass(kind) and isinstance(kind, type):
+        return kind.read(value, name) if hasattr(kind, "read") else _read_dataclass(kind, value, name)
+    if origin is tuple:
+        length = None if kinds[-1] is Ellipsis else len(kinds)
+        if not isinstance(value, list | tuple) or (length or len(value)) != len(value):
+            raise FormatError(f"{name} is {value!r:.50}; it must be a list{f' of {length}' if length else ''}")
+        each = kinds if length else (kinds[0],) * len(value)
+        rows = zip(each, value, strict=True)
+        return tuple(read_as(one, row, f"{name}[{number}]") for number, (one, row) in enumerate(rows))
+    if not (is_number(value) if kind is float else type(value) is kind):
+        raise FormatError(f"{name} is {value!r:.50}; it must be {_NAMES[kind]}")
+    return value
+
+
+_NAMES = {float: "a finite number", int: "a whole number", str: "text", bool: "true or false"}
+_annotations = cache(get_type_hints)
+
+
+def _read_dataclass(kind: Any, value: Any, name: str) -> Any:
+    rows, given = fields(kind), check_object(value)
+    in_it = f"{name}." if name else ""
+    for row in rows:
+        if row.default is MISSING and row.name not in given:
+            raise FormatError(f"{in_it}{row.name} is missing")
+    for field in given:
+        if field not in {row.name for row in rows}:
+            raise FormatError(f"unknown field {in_it}{field}")
+    hints = _annotations(kind)
+    return kind(**{field: read_as(hints[field], one, in_it + field) for field, one in given.items()})
+
+
+def write_as(value: Any) -> Any:
+    """The inverse of `read_as`: objects for dataclasses, without the fields that have their defaults."""
+    if is_dataclass(value) and not isinstance(value, type):
+        if hasattr(value, "written"):
+            return value.written()
+        rows = ((row, getattr(value, row.name)) for row in fields(value))
+        return {row.name: write_as(one) for row, one in rows if row.default is MISSING or one != row.default}
+    return list(map(write_as, value)) if isinstance(value, tuple) else value

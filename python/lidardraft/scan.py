@@ -160,7 +160,7 @@ class Scan:
         """
         if not is_number(box_margin) or box_margin < 0:
             raise FormatError(f"box_margin is {box_margin!r}; it must be a number of metres, 0 or more")
-        boxes = self.boxes()
+        boxes, head = self.boxes(), self.layout.head()
         shares = occluded_shares(self.image, boxes, inverse(self.pose) @ self.poses())
         annotations = with_riders_merged(list(map(Annotation, boxes, self.returns_per_box(), shares)))
         return Frame(
@@ -173,7 +173,7 @@ class Scan:
             label=self.labels(),
             instance=self.instances(),
             annotations=tuple(each.grown(box_margin) if box_margin else each for each in annotations),
-            world=json.dumps(self.layout.provenance, sort_keys=True),
+            world=json.dumps({name: head[name] for name in ("provenance", "intent", "notes") if name in head}),
             start=None if self.time is None else self.time - self.image.sensor.sweep_time / 2,
         )
 

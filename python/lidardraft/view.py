@@ -124,7 +124,7 @@ def render_points(points: np.ndarray, colours: np.ndarray, eye: Eye = BEHIND) ->
 
 def title_of(layout: Layout) -> str:
     """The sentence of a layout, or the district of its street; nothing where it has neither."""
-    return str(layout.provenance.get("sentence") or layout.provenance.get("district") or "")
+    return layout.intent.sentence or layout.intent.district or ""
 
 
 def points_on_road(image: RangeImage) -> np.ndarray:

@@ -10,6 +10,7 @@ from lidardraft.arranging.ground import Ground, RoundaboutMesh, cut
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.relief import SECTION, Land, Relief
 from lidardraft.scene.road import LEFT, Road
+from lidardraft.scene.road_surfaces import road_surfaces
 from planned import frame_corners, occupancies, surface
 
 
@@ -116,7 +117,7 @@ def test_levels_are_those_of_the_coarse_ground():
     for occupancy in occupancies()[::3]:
         rng = np.random.default_rng(5)
         along, across = rng.uniform(-80, 80, 400), rng.uniform(-30, 30, 400)
-        coarse = Raycaster(Layout(primitives=tuple(occupancy.road.surfaces())))
+        coarse = Raycaster(Layout(primitives=tuple(road_surfaces(occupancy.road))))
         origins = np.column_stack([occupancy.road.points(along, across), np.full(400, 10.0)])
         top = 10.0 - coarse.cast(origins, np.tile([0.0, 0.0, -1.0], (400, 1))).distance
         # but for the chords of bends and circles, and the sidewalk that a coarse layout has across a way in

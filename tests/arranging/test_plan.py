@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from lidardraft.arranging import sizes
-from lidardraft.arranging.district import DISTRICTS, PARKING_STRIP, sample_road
-from lidardraft.arranging.lanes import MAIN_ROAD
+from lidardraft.arranging.district import DISTRICTS, sample_road
 from lidardraft.arranging.plan import plan_street
 from lidardraft.arranging.sizes import STANDING, Extents, sample_person, sample_tree
 from lidardraft.arranging.street_mix import StreetMix, applied
 from lidardraft.errors import LayoutError
-from lidardraft.scene.road import LEFT, RIGHT, Road
+from lidardraft.scene.road import LEFT, PARKING_STRIP, RIGHT, Road
+from lidardraft.scene.street import MAIN_ROAD, paths_of
 from lidardraft.streets.ego import sample_ego
 from planned import occupancies, plans
 
@@ -51,8 +51,9 @@ def test_every_kind_of_object_occurs():
 def test_streets_of_any_length():
     for seed in range(30):
         for half_length in (40.0, 200.0):
-            occupancy, lanes, _ = plan_street(np.random.default_rng([seed, 77]), half_length)
-            assert sample_ego(occupancy, lanes, np.random.default_rng(0)).lane in lanes
+            frame, _ = plan_street(np.random.default_rng([seed, 77]), half_length)
+            lanes = paths_of(frame.street)
+            assert sample_ego(frame.occupancy, lanes, np.random.default_rng(0)).lane in lanes
 
 
 def roads(name: str, count: int = 200, **options: bool) -> list[Road]:
@@ -144,7 +145,7 @@ ONLY_URBAN = {name: 0.0 for name in DISTRICTS if name != "urban"}
 
 def kinds(mix: StreetMix) -> Counter[str]:
     plans = [plan_street(np.random.default_rng([seed, 5]), 60.0, mix) for seed in range(STREETS)]
-    return Counter(placed.kind for occupancy, _, _ in plans for placed in occupancy.objects)
+    return Counter(placed.kind for frame, _ in plans for placed in frame.occupancy.objects)
 
 
 def test_the_usual_mix_changes_no_district():
@@ -158,7 +159,7 @@ def test_districts_have_their_shares():
     counts = Counter(mix.sample_district(rng) for _ in range(2000))
     assert set(counts) == {"urban", "motorway"}
     assert counts["motorway"] / 2000 == pytest.approx(0.75, abs=0.04)
-    names = {plan_street(np.random.default_rng(k), 60.0, StreetMix(**ONLY_URBAN))[2] for k in range(5)}
+    names = {plan_street(np.random.default_rng(k), 60.0, StreetMix(**ONLY_URBAN))[1] for k in range(5)}
     assert names == {"urban"}
 
 

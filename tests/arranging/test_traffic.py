@@ -8,12 +8,12 @@ import pytest
 
 from lidardraft import Layout, Raycaster
 from lidardraft.arranging.car_parks import AISLE_WIDTH, BAY_LENGTH, BAY_WIDTH, sample_car_park
-from lidardraft.arranging.district import DISTRICTS, PARKING_STRIP
-from lidardraft.arranging.lanes import MAIN_ROAD, ROUNDABOUT, SIDE_ROAD, Lane, driven_lanes
+from lidardraft.arranging.district import DISTRICTS
 from lidardraft.arranging.markings import road_markings
 from lidardraft.arranging.traffic import place_parked_vehicles, place_traffic
 from lidardraft.scene.layout import primitive_mesh
-from lidardraft.scene.road import LEFT, RIGHT, Road
+from lidardraft.scene.road import LEFT, PARKING_STRIP, RIGHT, Road
+from lidardraft.scene.street import MAIN_ROAD, ROUNDABOUT, SIDE_ROAD, Path, StreetFrame, paths_of
 from planned import empty, occupancies, plans, surface
 
 
@@ -25,15 +25,15 @@ def test_lanes_lie_on_the_road():
 
 
 def test_an_arc_is_followed():
-    ring = Lane(kind=ROUNDABOUT, along=3.0, across=0.0, angle=math.pi / 2, length=20 * math.pi, speed=8.0, bend=0.1)
+    ring = Path(ROUNDABOUT, "ring", 3.0, 0.0, math.pi / 2, 20 * math.pi, 8.0, bend=0.1)
     assert ring.at(0.0) == pytest.approx((3.0, 0.0, math.pi / 2))
     # half way around a circle of 10 m about (-7, 0)
     assert ring.at(10 * math.pi)[:2] == pytest.approx((-17.0, 0.0))
     assert ring.at(5 * math.pi, 1.0)[:2] == pytest.approx((-7.0, 9.0))
 
 
-def lanes_of(road: Road, parking: tuple[int, ...] = (), *, oneway: bool = False, lights: bool = False) -> list[Lane]:
-    return list(driven_lanes(road, DISTRICTS["urban"], parking, None, oneway=oneway, lights=lights))
+def lanes_of(road: Road, parking: tuple[int, ...] = (), *, oneway: bool = False, lights: bool = False) -> list[Path]:
+    return list(paths_of(StreetFrame(road=road, parked=parking, one_way=oneway, lights=lights)))
 
 
 def test_traffic_keeps_to_the_right_but_in_a_one_way_street():
@@ -85,8 +85,7 @@ def test_markings_lie_on_the_road():
 
 
 def painted(road: Road, speed: float, *, lights: bool = False) -> np.ndarray:
-    lanes = driven_lanes(road, DISTRICTS["urban"], (), None, oneway=False, lights=lights)
-    return road_markings(road, lanes, None, speed, np.random.default_rng(4))
+    return road_markings(road, tuple(lanes_of(road, lights=lights)), None, speed, np.random.default_rng(4))
 
 
 def test_dashes_and_gaps_are_those_of_the_guide():
@@ -155,7 +154,7 @@ def test_vehicles_face_the_way_of_their_lane():
     for seed in range(10):
         road = Road(lanes=2, junction=20.0)
         occupancy = empty(road)
-        lanes = driven_lanes(road, DISTRICTS["urban"], (), None, oneway=False, lights=True)
+        lanes = tuple(lanes_of(road, lights=True))
         place_traffic(occupancy, DISTRICTS["urban"], lanes, np.random.default_rng(seed))
         for placed in occupancy._placed:
             along_road = abs(math.sin(placed.angle)) < 0.2
@@ -173,7 +172,7 @@ def test_vehicles_wait_at_the_line_of_a_red_light():
     for seed in range(20):
         road = Road(junction=20.0)
         occupancy = empty(road)
-        lanes = driven_lanes(road, DISTRICTS["urban"], (), None, oneway=False, lights=True)
+        lanes = tuple(lanes_of(road, lights=True))
         place_traffic(occupancy, DISTRICTS["urban"], lanes, np.random.default_rng(seed))
         for lane in (lane for lane in lanes if lane.stop is not None):
             for placed in occupancy._placed:

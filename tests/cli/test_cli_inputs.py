@@ -402,7 +402,9 @@ def test_a_scan_that_makes_no_shape_is_told(capsys: pytest.CaptureFixture[str]) 
 def test_depth_may_be_left_as_it_is(photo: list[str], refused: Callable[..., str]) -> None:
     words = ["draft", *photo, "--hfov", "80", "--no-preview", "-o", "layout.json", "--metric-depth"]
     assert cli.main(words) == 0
-    found = Layout.load("layout.json").provenance
+    layout = Layout.load("layout.json")
+    found = layout.provenance
+    assert layout.notes[0] == f"depth times 1.00, so that the camera is {found['sensor_height']:g} m over the road"
     assert (found["scale"], found["sensor_height"]) == (1.0, pytest.approx(1.1 * 1.65, abs=0.02))
     assert "both set the scale" in refused(*words, "--camera-height", "2")
 

@@ -68,7 +68,7 @@ def test_a_layout_without_ground_is_previewed_without_a_word(capsys: pytest.Capt
 
 @pytest.mark.parametrize(
     ("ending", "begins"),
-    [("json", b'{"schema": "lidardraft.layout/1"'), ("obj", b"# a layout"), ("GLB", b"glTF"), ("py", b'"""A layout')],
+    [("json", b'{"schema": "lidardraft.layout/2"'), ("obj", b"# a layout"), ("GLB", b"glTF"), ("py", b'"""A layout')],
 )
 def test_each_ending_is_its_format(ending: str, begins: bytes) -> None:
     assert cli.main(["draft", "--text", "a car ahead", "--no-preview", "-o", f"a.{ending}"]) == 0

@@ -101,7 +101,7 @@ def test_streets_are_scanned(capsys: pytest.CaptureFixture[str]) -> None:
         points, _ = kitti.read_bin(f"out/00000{number}.bin")
         np.testing.assert_array_equal(points, scan.points())
         assert layout == scan.layout
-        assert layout.provenance["district"] == "residential"
+        assert layout.intent.district == "residential"
         label, instance = semantickitti.read_label(f"out/00000{number}.label", len(points))
         boxes, counts = read_boxes(f"out/00000{number}.boxes.json")
         assert counts == [np.count_nonzero(instance == box.instance) for box in boxes]

@@ -89,7 +89,7 @@ def test_of_many_findings_the_first_are_told(
     assert cli.main([*DRAFT, *model, "--llm-blender"]) == 0
     lines = capsys.readouterr().err.splitlines()
     assert len(lines) == 11
-    assert lines[-1].endswith("more, in the layout's provenance")
+    assert lines[-1].endswith("more, in its notes")
 
 
 def test_what_goes_wrong_is_one_line(server: ReplayServer, model: tuple[str, ...], refused: Callable[..., str]) -> None:

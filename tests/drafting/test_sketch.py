@@ -40,7 +40,7 @@ def test_the_example_of_named_shapes() -> None:
         **{"bicycle": 1, "person": 1, "street-light": 1, "hedge": 1, "wall": 1},
     }
     assert layout["road_1"].shape == "mesh"
-    assert layout.provenance["ignored"] == ["text: not read"]
+    assert layout.notes == ("ignored: text: not read",)
     rider = [box for box in layout.boxes() if box.label == "rider"]
     assert len(rider) == 1
 

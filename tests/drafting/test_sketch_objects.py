@@ -12,7 +12,7 @@ from lidardraft.objects.coarse_shapes import extents
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.road import KERB_HEIGHT
 from lidardraft.semantics import CLASSES, GROUND
-from lidardraft.simulation.surroundings import road_strips
+from lidardraft.simulation.roads import road_strips
 
 WOBBLY = [(x, 0.3 * math.sin(x / 3)) for x in np.arange(-40.0, 40.5, 0.5)]
 BEND = [(60 * math.sin(t), 60 - 60 * math.cos(t)) for t in np.linspace(-0.6, 0.6, 60)]
@@ -188,8 +188,8 @@ def test_a_short_arc_stays_bent_and_a_long_road_is_straight_whatever_its_ends_do
 def test_the_road_of_a_bend_is_one_that_simulate_knows() -> None:
     (strip,) = road_strips(Layout(tuple(surfaces(stroke("road", BEND, 7.0)))))
     assert strip.half == pytest.approx(3.5, abs=0.02)
-    assert strip.length == pytest.approx(72, rel=0.01)
-    assert np.abs(np.linalg.norm(strip.middle - (0, 60), axis=1) - 60).max() < 0.3
+    assert strip.line.length == pytest.approx(72, rel=0.01)
+    assert np.abs(np.linalg.norm(strip.line.middle - (0, 60), axis=1) - 60).max() < 0.3
 
 
 @pytest.mark.parametrize(("label", "width"), [("road", 7.0), ("sidewalk", 2.0)])

@@ -329,7 +329,7 @@ def test_a_data_set_is_there_whole_or_not_at_all(name: str, frames: list[Frame],
 
 
 def test_worlds_are_scenes_of_nuscenes(frames: list[Frame], tmp_path: Path) -> None:
-    other = [replace(frame, world='{"sentence": "another"}') for frame in frames]
+    other = [replace(frame, world='{"intent": {"sentence": "another"}}') for frame in frames]
     writer_of("nuscenes")(tmp_path / "out", [[*frames, *other[:1]], other])
     scenes = json.loads((tmp_path / "out/v1.0-trainval/scene.json").read_text())
     assert [scene["nbr_samples"] for scene in scenes] == [3, 1, 3]

@@ -16,6 +16,7 @@ from lidardraft.scene.check import (
 )
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT, Road
+from lidardraft.scene.road_surfaces import road_surfaces
 
 Vector = tuple[float, float, float]
 
@@ -48,7 +49,7 @@ def test_no_overlap(other: Primitive) -> None:
 
 
 def test_grounded() -> None:
-    ground = Road().surfaces()
+    ground = road_surfaces(Road())
     y = Road().edge + 1.0 - Road().lane(0)  # on the left sidewalk
     assert grounded(Layout((*ground, box("a", (10, y, 0.75 + KERB_HEIGHT))))) == []
     floating = Layout((*ground, box("a", (10, y, 0.75 + KERB_HEIGHT + 0.4))))
@@ -64,7 +65,7 @@ def test_on_road(curvature: float) -> None:
     road = Road(curvature=curvature)
     for across, findings in ((road.lane(0), 0), (-road.lane(0), 0), (road.verge + 2, 1), (-road.verge - 2, 1)):
         x, y, yaw = road.at(40.0, across)
-        layout = Layout((*road.surfaces(), box("car_1", (x, y, 0.75), yaw=yaw)))
+        layout = Layout((*road_surfaces(road), box("car_1", (x, y, 0.75), yaw=yaw)))
         assert len(on_road(layout)) == findings
     assert on_road(Layout((box("car_1", (5, 50, 0.75)),))) == []
 
@@ -75,19 +76,20 @@ def test_size() -> None:
 
 
 def test_ego_clear() -> None:
-    layout = Layout((box("car_1", (4.0, 0, 0.75)), box("car_2", (9, 0, 0.75)), *Road().surfaces()))
+    layout = Layout((box("car_1", (4.0, 0, 0.75)), box("car_2", (9, 0, 0.75)), *road_surfaces(Road())))
     assert [f.message for f in ego_clear(layout)] == ["car_1 reaches 0.25 m into the ego vehicle"]
     bridge = Primitive(shape="box", center=(0, 0, 6), size=(5, 20, 1), label="building", id="bridge")
     assert ego_clear(Layout((bridge,))) == []
 
 
 def test_in_range() -> None:
-    layout = Layout((box("car_1", (250, 0, 0.75)), box("car_2", (50, 0, 0.75)), *Road().surfaces()))
+    layout = Layout((box("car_1", (250, 0, 0.75)), box("car_2", (50, 0, 0.75)), *road_surfaces(Road())))
     assert [f.message for f in in_range(layout)] == ["car_1 is 250 m away; sensors reach 210 m"]
 
 
 def test_check_runs_all() -> None:
-    bad = Layout((*Road().surfaces(), box("a", (1, 0, 3), (9, 2, 1.5)), box("b", (1, 0, 3)), box("c", (300, 50, 0.75))))
+    boxes = (box("a", (1, 0, 3), (9, 2, 1.5)), box("b", (1, 0, 3)), box("c", (300, 50, 0.75)))
+    bad = Layout((*road_surfaces(Road()), *boxes))
     names = {finding.check for finding in check(bad)}
     assert names == {"overlap", "grounded", "on_road", "size", "in_range"}
 
@@ -95,7 +97,7 @@ def test_check_runs_all() -> None:
 @pytest.mark.parametrize("curvature", [0.0, 0.01])
 def test_ground_heights(curvature: float) -> None:
     road = Road(curvature=curvature)
-    ground = LayoutGround(road.surfaces())
+    ground = LayoutGround(road_surfaces(road))
     for across, height in (
         (0.0, 0.0),
         (road.edge + 1, KERB_HEIGHT),

@@ -7,6 +7,7 @@ import numpy as np
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.scene.labelling import agrees, label_by_agreement
 from lidardraft.scene.road import Road
+from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.semantics import BY_NAME
 
 SENSOR = Sensor(name="small", elevations=tuple(np.deg2rad([2.0, 0.0, -2.0, -4.0])), columns=360)
@@ -89,7 +90,7 @@ def test_a_return_where_the_condition_image_has_nothing_stays_without_class() ->
 
 def test_a_bend_does_not_label_the_gardens_beside_it() -> None:
     road = Road(curvature=0.02)
-    layout = Layout(tuple(road.surfaces()))
+    layout = Layout(tuple(road_surfaces(road)))
     condition_image = raycast(layout, SENSOR)
     terrain = condition_image.label == BY_NAME["terrain"].id
     depth = np.where(terrain, condition_image.depth * 0.94, condition_image.depth).astype(np.float32)

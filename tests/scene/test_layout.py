@@ -86,12 +86,6 @@ def test_a_layout_is_a_sequence_with_names():
         tree["tree_3"]
 
 
-def test_a_provenance_of_others_gives_no_notes():
-    layout = Layout((), {"notes": "by hand", "surroundings": None, "ignored": 3, "nearest_words": None})
-    assert layout.notes == ()
-    assert layout.noted("one").notes == ("one",)
-
-
 @pytest.mark.parametrize("unused", [0, 1, 3])
 def test_from_mesh_bounds_the_vertices_of_its_faces(unused: int) -> None:
     vertices = np.insert([[1.0, 2, 3], [5, 2, 3], [1, 4, 3]], unused, 99.0, axis=0)
@@ -240,7 +234,7 @@ def row(**changes):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{}", r"schema is None; this version reads 'lidardraft.layout/1'"),
+        ("{}", r"schema is None; this version reads 'lidardraft.layout/2'"),
         (document(schema="lidardraft.layout/9"), r"schema is 'lidardraft.layout/9'; this version reads"),
         (document(primitives={}), r"primitives is {}; it must be a list of objects"),
         (document(primitives=[{"id": "a"}]), r"a: 'center' is missing"),

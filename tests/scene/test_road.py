@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 from lidardraft.errors import LayoutError
 from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import KERB_HEIGHT, LEFT, PavedArea, Road
+from lidardraft.scene.road_surfaces import road_surfaces
 
 roads = st.builds(
     Road,
@@ -88,17 +89,17 @@ def test_junctions() -> None:
     assert road.in_junction(30.0 + road.verge + 0.5, margin=1.0)
     assert not road.in_junction(30.0 + road.verge + 0.5)
     assert not Road().in_junction(0.0)
-    ids = [p.id for p in road.surfaces()]
+    ids = [p.id for p in road_surfaces(road)]
     assert ids == ["terrain", "road", "sidewalk_1", "sidewalk_2", "sidewalk_3", "road_left"]
-    assert [p.id for p in road.surfaces() if p.open] == ["terrain"]
-    arm = road.surfaces()[-1]
+    assert [p.id for p in road_surfaces(road) if p.open] == ["terrain"]
+    arm = road_surfaces(road)[-1]
     assert arm.center[1] - arm.size[0] / 2 == pytest.approx(road.edge - road.lane(0))
 
 
 @settings(max_examples=20, deadline=None)
 @given(roads)
 def test_surfaces_reach_where_the_frame_says(road: Road) -> None:
-    surfaces = {p.id: p for p in road.surfaces()}
+    surfaces = {p.id: p for p in road_surfaces(road)}
     vertices = primitive_mesh(surfaces["road"]).vertices
     for along in (-road.half_length, road.half_length):
         for across in (-road.edge, road.edge):
@@ -113,7 +114,7 @@ def test_a_median_parts_the_carriageways() -> None:
     road = Road(lanes=2, lane_width=3.5, median=4.0)
     assert road.edge == 9.0
     assert [road.lane(n) for n in range(2)] == [-7.25, -3.75]
-    surfaces = {p.id: p for p in road.surfaces()}
+    surfaces = {p.id: p for p in road_surfaces(road)}
     for name, side in (("road", -1), ("road_back", 1)):
         assert surfaces[name].center[1] + road.lane(0) == pytest.approx(side * 5.5)
         assert surfaces[name].size[1] == 7.0
@@ -123,7 +124,7 @@ def test_a_roundabout_has_a_lane_around_an_island() -> None:
     road = Road(junction=20.0, roundabout_radius=18.0)
     assert road.island == 10.0
     assert road.in_junction(39.0)
-    surfaces = {p.id: p for p in road.surfaces()}
+    surfaces = {p.id: p for p in road_surfaces(road)}
     assert surfaces["island"].size[:2] == (20.0, 20.0)
     assert primitive_mesh(surfaces["roundabout"]).vertices[:, 0].max() == pytest.approx(38.0)
     sidewalks = [p for p in surfaces.values() if p.label == "sidewalk"]
@@ -133,6 +134,6 @@ def test_a_roundabout_has_a_lane_around_an_island() -> None:
 
 def test_paved_areas_are_road() -> None:
     road = Road(paved_areas=(PavedArea((-10.0, 20.0), (6.0, 22.0)),))
-    area = road.surfaces()[-1]
+    area = road_surfaces(road)[-1]
     assert (area.label, area.id, area.size) == ("road", "patch_1", (30.0, 16.0, 0.0))
     assert area.center == pytest.approx((5.0, 14.0 - road.lane(0), 0.0))

@@ -1,6 +1,6 @@
 """Single objects as a coarse layout has them, alone in their layout."""
 
-from lidardraft import Layout, Primitive, detail
+from lidardraft import Intent, Layout, Primitive, detail
 
 
 def box(
@@ -21,9 +21,9 @@ def box(
     )
 
 
-def detailed(*parts: Primitive, seed: int = 0, source: str = "spec") -> list[Primitive]:
+def detailed(*parts: Primitive, seed: int = 0, headed: bool = True) -> list[Primitive]:
     """What becomes of these shapes."""
-    return list(detail(Layout(primitives=parts, provenance={"source": source}), seed=seed).primitives)
+    return list(detail(Layout(primitives=parts, intent=Intent(headed=headed)), seed=seed).primitives)
 
 
 def materials(parts: list[Primitive]) -> set[str | None]:

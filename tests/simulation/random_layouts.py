@@ -4,13 +4,13 @@ import math
 
 import numpy as np
 
-from lidardraft import CLASSES, Layout, Primitive
+from lidardraft import CLASSES, Intent, Layout, Primitive
 from lidardraft.semantics import GROUND
 
 SOLIDS = ("box", "ellipsoid", "cylinder")
 
 
-def random_layout(seed: int, count: int = 30, *, source: str = "spec") -> Layout:
+def random_layout(seed: int, count: int = 30, *, headed: bool = True) -> Layout:
     """A road with a sidewalk and `count` objects, half of them in shapes that their class usually has."""
     rng = np.random.default_rng(seed)
     primitives = [
@@ -38,4 +38,4 @@ def random_layout(seed: int, count: int = 30, *, source: str = "spec") -> Layout
                 instance=number if row.is_thing else 0,
             )
         )
-    return Layout(primitives=tuple(primitives), provenance={"source": source})
+    return Layout(primitives=tuple(primitives), intent=Intent(headed=headed))

@@ -39,7 +39,7 @@ def test_the_front_of_a_house_is_towards_the_road(yaw: float, y: float) -> None:
 @pytest.mark.parametrize("turned", [False, True])
 def test_a_front_without_a_body_has_recessed_windows_towards_the_ego(depth: float, turned: bool) -> None:
     size, yaw = ((9.0, depth, 6.0), 0.0) if not turned else ((depth, 9.0, 6.0), math.pi / 2)
-    parts = detailed(box("building", size, at=(4.0, 12.0, 0.0), yaw=yaw), source="point cloud")
+    parts = detailed(box("building", size, at=(4.0, 12.0, 0.0), yaw=yaw), headed=False)
     assert materials(parts) == {"plaster", "window"}
     wall, panes = (
         np.concatenate([primitive_mesh(p).vertices for p in parts if p.material == m]) for m in ("plaster", "window")
@@ -54,17 +54,17 @@ def test_a_front_without_a_body_has_recessed_windows_towards_the_ego(depth: floa
 
 
 def test_fronts_that_a_clustering_saw_have_smaller_windows() -> None:
-    def widths(source: str, seed: int) -> float:
-        parts = detailed(box("building", (9.0, 0.3, 6.0), at=(4.0, 12.0, 0.0)), seed=seed, source=source)
+    def widths(headed: bool, seed: int) -> float:
+        parts = detailed(box("building", (9.0, 0.3, 6.0), at=(4.0, 12.0, 0.0)), seed=seed, headed=headed)
         (panes,) = (primitive_mesh(p) for p in parts if p.material == "window")
         return float(np.ptp(panes.vertices[panes.faces], axis=1)[:, 0].mean())
 
-    seen = {widths("point cloud", seed) for seed in range(5)}
+    seen = {widths(False, seed) for seed in range(5)}
     assert len(seen) == 1
-    assert max(seen) < 0.6 * min(widths("spec", seed) for seed in range(5))
+    assert max(seen) < 0.6 * min(widths(True, seed) for seed in range(5))
 
 
 def test_what_is_too_small_for_a_window_stays() -> None:
     piece = box("building", (1.0, 0.3, 1.2))
-    (part,) = detailed(piece, source="point cloud")
+    (part,) = detailed(piece, headed=False)
     assert (part.shape, part.size, part.id, part.material) == ("box", piece.size, piece.id, "plaster")

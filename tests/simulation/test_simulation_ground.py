@@ -6,18 +6,20 @@ import numpy as np
 import pytest
 from coarse_boxes import box
 
-from lidardraft import Layout, Primitive, detail, layout_from_text
+from lidardraft import Layout, Primitive, detail, layout_from_cloud, layout_from_text
 from lidardraft.scene import edit
 from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import KERB_HEIGHT, PavedArea, Road
+from lidardraft.scene.road_surfaces import road_surfaces
+from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
-from lidardraft.simulation.ground import _lanes
-from lidardraft.simulation.street_frame import road_of
-from lidardraft.simulation.surroundings import RoadStrip, Surroundings, road_strips
+from lidardraft.simulation.roads import RoadStrip, lanes_of, road_strips
+from lidardraft.simulation.surroundings import Surroundings
+from spec_checker import road_of
 
 
 def of(road: Road) -> dict[str, Primitive]:
-    return {p.id: p for p in detail(Layout(primitives=tuple(road.surfaces()))).primitives}
+    return {p.id: p for p in detail(Layout(primitives=tuple(road_surfaces(road)))).primitives}
 
 
 def across(road: Road, part: Primitive) -> np.ndarray:
@@ -31,8 +33,8 @@ def across(road: Road, part: Primitive) -> np.ndarray:
 @pytest.mark.parametrize("width", [3.3, 3.5, 3.75])
 def test_the_lanes_of_the_solver_are_found(lanes: int, ego_lane: int, parking: float, width: float) -> None:
     road = Road(lanes=lanes, ego_lane=min(ego_lane, lanes - 1), parking=parking, lane_width=width)
-    (strip,) = road_strips(Layout(primitives=tuple(road.surfaces())))
-    assert _lanes(strip) == (lanes, pytest.approx(width), pytest.approx(parking, abs=1e-9), True)
+    (strip,) = road_strips(Layout(primitives=tuple(road_surfaces(road))))
+    assert lanes_of(strip) == (lanes, pytest.approx(width), pytest.approx(parking, abs=1e-9), True)
 
 
 @pytest.mark.parametrize("curvature", [0.0, 0.01])
@@ -106,7 +108,7 @@ def test_the_cars_of_a_parking_lot_stand_between_the_lines_of_its_bays() -> None
 
 def marked(layout: Layout) -> tuple[Road, np.ndarray]:
     """The road of a sentence, and along and across of its paint [N, 2]."""
-    road = road_of(layout.provenance["road"])
+    road = road_of(layout)
     vertices = primitive_mesh({p.id: p for p in detail(layout)}["road.markings"]).vertices
     return road, np.column_stack(road.along_across(vertices[:, 0], vertices[:, 1]))
 
@@ -143,10 +145,12 @@ def test_a_road_that_was_moved_is_marked_where_it_is_now() -> None:
 
 
 def test_only_clusterings_know_no_front_from_back() -> None:
-    assert Surroundings.of(Layout(provenance={"source": "point cloud", "sensor_height": 1.7})).clustered
-    assert Surroundings.of(Layout(provenance={"source": "my.bin", "sensor_height": 1.7})).clustered
-    assert Surroundings.of(Layout(provenance={"source": "cloud"})).clustered
-    assert not Surroundings.of(Layout(provenance={"source": "text", "seed": 1})).clustered
+    points = np.array([[12.0, 0, 0.1 * k] for k in range(8)] + [[x, 2, -1.7] for x in range(5, 25)])
+    labels = np.array([BY_NAME["car"].id] * 8 + [BY_NAME["road"].id] * 20)
+    clustered = layout_from_cloud(points, labels, sensor_height=1.7)
+    assert Surroundings.of(clustered).clustered
+    assert Surroundings.of(Layout.from_json(clustered.to_json())).clustered
+    assert not Surroundings.of(layout_from_text("a car ahead")).clustered
     assert not Surroundings.of(Layout()).clustered
 
 
@@ -176,17 +180,17 @@ def strips(*primitives: Primitive) -> list[RoadStrip]:
 @pytest.mark.parametrize("curvature", [0.0, 0.01, -0.01])
 def test_the_frame_of_a_road_is_found(curvature: float) -> None:
     road = Road(curvature=curvature, lanes=2, parking=2.2)
-    (strip,) = strips(*road.surfaces())
+    (strip,) = strips(*road_surfaces(road))
     assert strip.half == pytest.approx(road.edge)
     assert strip.top == 0.0
-    assert strip.length == pytest.approx(160.0, abs=0.1)
+    assert strip.line.length == pytest.approx(160.0, abs=0.1)
     along, across = np.array([-50.0, 0.0, 33.0]), np.array([3.0, -2.0, 7.0])
     places = road.points(along, across)
-    found = strip.along_across(places)
+    found = strip.line.along_across(places)
     assert found[0] - 80.0 == pytest.approx(along, abs=0.2)
     assert found[1] == pytest.approx(across, abs=0.02)
-    assert strip.at(*found) == pytest.approx(places, abs=0.03)
-    x, y = strip.nearest(*places[2].tolist())
+    assert strip.line.at(*found) == pytest.approx(places, abs=0.03)
+    x, y = strip.line.nearest(*places[2].tolist())
     assert math.hypot(x - places[2, 0], y - places[2, 1]) == pytest.approx(7.0, abs=0.1)
 
 
@@ -194,8 +198,8 @@ def test_the_frame_of_a_road_is_found(curvature: float) -> None:
 def test_a_rectangle_is_a_road_along_its_longer_side(yaw: float) -> None:
     for size, turn in (((60, 7, 0), 0.0), ((7, 60, 0), math.pi / 2)):
         (strip,) = strips(Primitive(shape="plane", center=(9, 1, 0.2), size=size, label="road", id="a", yaw=yaw - turn))
-        assert (strip.length, strip.half, strip.top) == pytest.approx((60.0, 3.5, 0.2))
-        (x, y), (u, v) = strip.middle.tolist()
+        assert (strip.line.length, strip.half, strip.top) == pytest.approx((60.0, 3.5, 0.2))
+        (x, y), (u, v) = strip.line.middle.tolist()
         assert abs(math.sin(math.atan2(v - y, u - x) - yaw)) == pytest.approx(0.0, abs=1e-9)
 
 

@@ -22,7 +22,7 @@ def test_a_sign_on_its_post_has_a_plate_that_reflects_back() -> None:
 @pytest.mark.parametrize("turned", [False, True])
 def test_the_face_of_a_clustered_plate_is_towards_who_drives_there(y: float, towards_ego: bool, turned: bool) -> None:
     size, yaw = ((0.1, 0.7, 0.7), 0.1) if not turned else ((0.7, 0.1, 0.7), math.pi / 2 + 0.1)
-    parts = detailed(box("traffic-sign", size, at=(15, y, 2), yaw=yaw), source="point cloud")
+    parts = detailed(box("traffic-sign", size, at=(15, y, 2), yaw=yaw), headed=False)
     face, back = (next(p for p in parts if p.material == m).center[0] for m in ("retroreflector", "sign-back"))
     assert (face < back) == towards_ego
     assert {p.label for p in parts} == {"traffic-sign"}
@@ -56,7 +56,7 @@ def test_cylinders_of_any_size_stay_where_they_are(label: str, size: tuple[float
 
 def test_a_clustered_plate_fills_what_was_seen() -> None:
     for k in range(12):
-        parts = detailed(box("traffic-sign", (0.1, 0.7, 0.7), at=(15, -5, 2), id=f"traffic-sign_{k}"), source="cloud")
+        parts = detailed(box("traffic-sign", (0.1, 0.7, 0.7), at=(15, -5, 2), id=f"traffic-sign_{k}"), headed=False)
         face = next(p for p in parts if p.material == "retroreflector")
         assert face.mesh is not None
         assert len(face.mesh.vertices) == 4
@@ -122,7 +122,7 @@ def test_a_thick_block_stays_a_block() -> None:
 
 def test_the_fences_of_a_clustering_send_back_most_rays() -> None:
     pieces = [box("fence", (2.5, 0.3, 1.2), at=(15, 3 * k, 0), id=f"fence_{k}") for k in range(20)]
-    made = detailed(*pieces, source="point cloud")
+    made = detailed(*pieces, headed=False)
     assert {p.material for p in made} == {"wood"}
     assert not any(p.extinction for p in made)
 
@@ -150,7 +150,7 @@ def test_a_trunk_and_a_crown_of_two_names_become_one_tree() -> None:
     assert len(boughs) > 1
     assert {p.id.split(".")[0] for p in boughs} == {"stem"}
     assert {p.id.split(".")[0] for p in parts if p.label == "vegetation"} == {"leaves"}
-    (alone,) = [p for p in detailed(trunk, crown, source="point cloud") if p.label == "trunk"]
+    (alone,) = [p for p in detailed(trunk, crown, headed=False) if p.label == "trunk"]
     assert alone.size == trunk.size
 
 
@@ -166,7 +166,7 @@ def test_pieces_of_a_crown_become_a_medium_each() -> None:
     pieces = [
         box("vegetation", (1.0, 1.2, 0.9), at=(15, k, 2), id=f"vegetation_{k}", shape="ellipsoid") for k in range(5)
     ]
-    made = detailed(*pieces, source="point cloud")
+    made = detailed(*pieces, headed=False)
     assert [(p.id, p.shape, p.center, p.size) for p in made] == [(p.id, p.shape, p.center, p.size) for p in pieces]
     assert all(p.extinction for p in made)
 
@@ -176,7 +176,7 @@ def test_pieces_of_a_clustering_are_as_dense_whatever_their_size() -> None:
     pieces = [
         box("vegetation", s, at=(15, 4 * k, 2), id=f"vegetation_{k}", shape="ellipsoid") for k, s in enumerate(sizes)
     ]
-    made = detailed(*pieces, source="point cloud")
+    made = detailed(*pieces, headed=False)
     assert len(made) == 3
     paths = [p.extinction * min(p.size) for p in made if p.extinction is not None]
     assert paths == pytest.approx([paths[0]] * 3)
@@ -192,5 +192,5 @@ def test_foliage_of_any_shape_is_a_medium(shape: str, size: tuple[float, float, 
 
 
 def test_the_trunks_that_a_clustering_finds_stay() -> None:
-    (part,) = detailed(box("trunk", (0.3, 0.3, 2.0), shape="cylinder"), source="point cloud")
+    (part,) = detailed(box("trunk", (0.3, 0.3, 2.0), shape="cylinder"), headed=False)
     assert (part.size, part.material) == ((0.3, 0.3, 2.0), "bark")

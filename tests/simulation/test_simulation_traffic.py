@@ -27,8 +27,7 @@ def test_the_front_is_where_the_box_has_it() -> None:
 @pytest.mark.parametrize(("y", "ahead"), [(0.0, 1.0), (-3.0, 1.0), (3.6, -1.0), (7.0, -1.0)])
 def test_of_a_clustering_cars_stand_in_the_direction_of_their_lane(y: float, ahead: float) -> None:
     yaws = [
-        detailed(box("car", (4.2, 1.8, 1.5), at=(15, y, 0), id=f"car_{k}"), source="point cloud")[0].yaw
-        for k in range(200)
+        detailed(box("car", (4.2, 1.8, 1.5), at=(15, y, 0), id=f"car_{k}"), headed=False)[0].yaw for k in range(200)
     ]
     assert 0.88 < sum(math.cos(yaw) * ahead > 0 for yaw in yaws) / 200 < 0.995
     assert math.cos(detailed(box("car", (4.2, 1.8, 1.5), at=(15, y, 0)))[0].yaw) > 0
@@ -74,7 +73,7 @@ def test_rider_and_machine_keep_their_instances_and_names() -> None:
 def test_a_rider_sits_on_the_machine_that_a_clustering_found_under_him() -> None:
     machine = box("motorcycle", (2.1, 0.8, 1.2), id="motorcycle_4", instance=4)
     rider = box("rider", (1.8, 0.6, 1.7), at=(15.2, 3.1, 0.0), id="rider_2", instance=2)
-    parts = detailed(rider, machine, source="point cloud")
+    parts = detailed(rider, machine, headed=False)
     by_name = {name: [p for p in parts if p.id.split(".")[0] == name] for name in ("rider_2", "motorcycle_4")}
     assert {p.label for p in by_name["rider_2"]} == {"rider"}
     assert {p.instance for p in by_name["motorcycle_4"]} == {4}
@@ -82,7 +81,7 @@ def test_a_rider_sits_on_the_machine_that_a_clustering_found_under_him() -> None
 
 
 def test_a_rider_alone_has_a_bicycle_of_the_same_class() -> None:
-    parts = detailed(box("rider", (1.8, 0.6, 1.7), instance=2), source="point cloud")
+    parts = detailed(box("rider", (1.8, 0.6, 1.7), instance=2), headed=False)
     assert {(p.label, p.instance) for p in parts} == {("rider", 2)}
     assert "rubber" in materials(parts)
 

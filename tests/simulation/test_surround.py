@@ -111,13 +111,11 @@ def miscounted(bare: Layout, added: list[Primitive]) -> list[str]:
 
 def hidden(bare: Layout, whole: Layout) -> list[str]:
     """Objects that lose more than a tenth of their returns to what was added."""
-    spec, numbers = bare.provenance.get("spec", {}), bare.provenance.get("objects", {})
     wrong = []
     before, after = (raycast(each, SENSOR, primitive=True) for each in (bare, whole))
     index = {p.id: number for number, p in enumerate(bare)}
     for name, parts in objects(bare).items():
-        count = spec["groups"][numbers[name]].get("count", 1) if name in numbers else 1
-        if count in ("some", "many") and parts[0].label not in THINGS:
+        if not bare.intent.of(name).counted and parts[0].label not in THINGS:
             continue  # more of them may well stand in front
         seen = [np.isin(image.primitive, [index[p.id] for p in parts]).sum() for image in (before, after)]
         width = np.ptp(np.concatenate([corners(p) for p in parts]), axis=0).max()
@@ -136,7 +134,7 @@ def check_sentences(sentences: list[str]) -> None:
         except LidarDraftError:
             continue
         whole = surround(bare, seed=seed)
-        notes += "note" in whole.provenance["surroundings"]
+        notes += any("no street around it" in note for note in whole.notes)
         if found := faults(bare, whole):
             wrong[sentence] = found[:3]
     assert not wrong
@@ -207,11 +205,11 @@ def test_random_specs_keep_what_they_ask_for(numbers: Iterable[int]) -> None:
 
 def test_it_is_said_what_cannot_be_seen_for_something_else_that_was_asked_for() -> None:
     for sentence, hidden in (
-        ("a truck 8 m ahead, a motorcycle in front of it", {"motorcycle_1": "truck_1"}),
-        ("a truck 8 m ahead, a motorcycle behind it", None),
+        ("a truck 8 m ahead, a motorcycle in front of it", ("motorcycle_1 cannot be seen: truck_1 stands before it",)),
+        ("a truck 8 m ahead, a motorcycle behind it", ()),
     ):
-        said = surround(layout_from_text(sentence, seed=1), seed=1).provenance["surroundings"]
-        assert (said["in_sight"], said.get("hidden")) == (1.0, hidden)
+        whole = surround(layout_from_text(sentence, seed=1), seed=1)
+        assert (whole.provenance["surroundings"]["in_sight"], whole.notes) == (1.0, hidden)
 
 
 @pytest.mark.parametrize("kind", ["garden", "bench", "hedge"])
@@ -280,7 +278,7 @@ def test_an_object_looks_the_same_after_every_edit() -> None:
     ],
 )
 def test_words_choose_the_district(sentence: str, district: str) -> None:
-    assert surround(layout_from_text(sentence)).provenance["surroundings"]["district"] == district
+    assert surround(layout_from_text(sentence)).intent.around == district
 
 
 def test_words_move_traffic_and_people() -> None:
@@ -369,7 +367,8 @@ def test_around_a_picture_nothing_stands_in_it() -> None:
 def test_where_there_is_no_room_the_layout_stays_bare_and_says_why(layout: Layout, note: str) -> None:
     whole = surround(layout)
     assert whole.primitives == layout.primitives
-    assert note in whole.provenance["surroundings"]["note"]
+    assert [note in line for line in whole.notes] == [True]
+    assert surround(whole) == whole  # the note is there already
 
 
 def test_what_cannot_be_surrounded_is_refused() -> None:

@@ -10,13 +10,13 @@ import pytest
 
 from lidardraft import CLASSES
 from lidardraft.arranging.district import DISTRICTS
-from lidardraft.arranging.lanes import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.errors import LayoutError
 from lidardraft.objects.kinds import kind_of
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.solids import Solid, penetration
+from lidardraft.scene.street import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD
 from lidardraft.streets import StreetConfig, make_street
 from lidardraft.streets.ego import EGO_SPACE, Ego, mount, sample_ego
 from lidardraft.streets.street import Street

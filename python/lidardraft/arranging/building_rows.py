@@ -7,10 +7,11 @@ import math
 import numpy as np
 
 from lidardraft.arranging.car_parks import CarPark
-from lidardraft.arranging.district import SIDES, District
+from lidardraft.arranging.district import District
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import MESH_FENCE_WIDTH, Extents, Size
 from lidardraft.objects.buildings import STOREY
+from lidardraft.scene.road import SIDES
 
 # Numbers without a source are estimates of ours.
 BUILDING_MARGIN = 0.02  # m

@@ -8,10 +8,9 @@ import numpy as np
 
 from lidardraft.arranging.relief import Land
 from lidardraft.arranging.sizes import Range
-from lidardraft.scene.road import LEFT, RIGHT, RING, Road
+from lidardraft.errors import check_choice
+from lidardraft.scene.road import LEFT, PARKING_STRIP, RIGHT, RING, SIDES, Road
 
-PARKING_STRIP = 2.2  # m, the room of cars parked along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
-SIDES = (RIGHT, LEFT)
 FAST, CALM = 25.0, 10.0  # m/s: over 90 km/h on motorways and country roads, under 36 km/h in 30 km/h zones
 
 _ONE_WAY = (3.5, 4.2)  # m of a narrow one-way street; RASt 06: 3.0 to 3.5 m between parked cars
@@ -196,6 +195,21 @@ SETTINGS: dict[str, District] = {
     "school": replace(_RESIDENTIAL, people=3.0, blocks=0.7, setback=(6.0, 14.0)),
     "roadworks": replace(_URBAN, equipment=RoadEquipment(cones=1.0)),
 }
+
+
+def setting(name: str) -> District:
+    """One of SETTINGS; raises `LayoutError` for another name, as a file may have it."""
+    check_choice("intent: district", name, SETTINGS)
+    return SETTINGS[name]
+
+
+def only_district(road: Road, kind: str | None) -> str | None:
+    """The name of the district that a road of a spec's `kind` leads through, if it can be no other."""
+    if road.paved_areas:
+        return "retail"
+    if road.sidewalk == 0:
+        return "motorway" if road.median > 0 or kind == "motorway" else "country"
+    return None
 
 
 def sample_road(

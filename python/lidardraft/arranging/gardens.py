@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from lidardraft.arranging.car_parks import CarPark
-from lidardraft.arranging.district import SIDES, District
+from lidardraft.arranging.district import District
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import (
     BICYCLE,
@@ -21,7 +21,7 @@ from lidardraft.arranging.sizes import (
     sample_tree,
 )
 from lidardraft.objects.cars import sample_car
-from lidardraft.scene.road import PavedArea
+from lidardraft.scene.road import SIDES, PavedArea
 
 Driveway = tuple[int, float]  # side, and along [m] of its middle
 

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.arranging.car_parks import BAY_LENGTH, BAY_WIDTH, CarPark
-from lidardraft.arranging.district import CALM, FAST, SIDES
-from lidardraft.arranging.lanes import MAIN_ROAD, SIDE_ROAD, Lane
+from lidardraft.arranging.district import CALM, FAST
 from lidardraft.arranging.sizes import Range
-from lidardraft.scene.road import Road
+from lidardraft.scene.road import SIDES, Road
+from lidardraft.scene.street import MAIN_ROAD, SIDE_ROAD, Path
 
 Span = tuple[float, float, float, float]  # from and to along, from and to across [m]
 
@@ -67,7 +67,7 @@ _BAY_END, _BAY_SIDE, _BAY_GATE = 0.1, 0.1, 3.0  # m to the ends of bays and of t
 
 def road_markings(
     road: Road,
-    lanes: tuple[Lane, ...],
+    lanes: tuple[Path, ...],
     car_park: CarPark | None,
     speed: float,
     rng: np.random.Generator,
@@ -94,7 +94,7 @@ def road_markings(
     return np.array(spans).reshape(-1, 4)
 
 
-def _lines(road: Road, lanes: tuple[Lane, ...], speed: float) -> list[Line]:
+def _lines(road: Road, lanes: tuple[Path, ...], speed: float) -> list[Line]:
     """Dashed lines between the lanes; on fast roads solid ones along the edges and the median."""
     pattern = TOWN if speed <= FAST else _MOTORWAY if road.median > 0 else COUNTRY
     offsets = sorted({lane.at(0.0)[1] for lane in lanes if lane.kind == MAIN_ROAD})
@@ -127,7 +127,7 @@ def _pieces(road: Road, line: Line, first: float) -> list[Span]:
     return [(start, start + line.dash, low, high) for start in starts.tolist()]
 
 
-def _stop_line(road: Road, lane: Lane) -> Span:
+def _stop_line(road: Road, lane: Path) -> Span:
     assert lane.stop is not None
     along, across, _ = lane.at(lane.stop + _STOP_AHEAD)
     half, thick = _STOP_LENGTH / 2, _STOP_WIDTH / 2

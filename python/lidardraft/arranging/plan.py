@@ -8,7 +8,7 @@ import numpy as np
 
 from lidardraft.arranging.building_rows import place_buildings
 from lidardraft.arranging.car_parks import CarPark, place_in_car_park, sample_car_park
-from lidardraft.arranging.district import DISTRICTS, SIDES, District, sample_road
+from lidardraft.arranging.district import DISTRICTS, District, sample_road
 from lidardraft.arranging.gardens import (
     place_driveways,
     place_front_fences,
@@ -18,7 +18,6 @@ from lidardraft.arranging.gardens import (
     place_yard_objects,
 )
 from lidardraft.arranging.ground import Ground
-from lidardraft.arranging.lanes import Lane, driven_lanes
 from lidardraft.arranging.markings import road_markings
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.road_equipment import place_road_equipment, place_traffic_lights
@@ -32,7 +31,8 @@ from lidardraft.arranging.side_roads import place_beside_side_roads, place_side_
 from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix, applied
 from lidardraft.arranging.traffic import place_parked_vehicles, place_traffic
 from lidardraft.arranging.walkers import place_people
-from lidardraft.scene.road import Road
+from lidardraft.scene.road import SIDES, Road
+from lidardraft.scene.street import StreetFrame, paths_of
 
 # Closed fronts behind front gardens: their share among closed fronts, and what is different there. Numbers without a
 # source are estimates of ours, here and below.
@@ -48,26 +48,19 @@ _BARE_SOIL, _ASPHALT_WALKS = 0.2, 0.2  # share of land outside towns, and of all
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """What a street is filled into: the road and its ground, with what stands there already, and the lanes driven in.
-
-    `parking` are the sides with parked cars, `lights` says whether the junction has traffic lights.
-    """
+    """What a street is filled into: the road with its lanes, and its ground, with what stands there already."""
 
     district: District
+    street: StreetFrame
     occupancy: Occupancy
-    lanes: tuple[Lane, ...]
-    parking: tuple[int, ...] = ()
     car_park: CarPark | None = None
-    lights: bool = False
 
 
-def plan_street(
-    rng: np.random.Generator, half_length: float, mix: StreetMix = USUAL_MIX
-) -> tuple[Occupancy, tuple[Lane, ...], str]:
-    """A street of some district with all its objects, the lanes that are driven in, and the name of the district."""
+def plan_street(rng: np.random.Generator, half_length: float, mix: StreetMix = USUAL_MIX) -> tuple[Frame, str]:
+    """A street of some district with all its objects, and the name of the district."""
     frame, name = sample_frame(rng, half_length, mix)
     fill(frame, rng)
-    return frame.occupancy, frame.lanes, name
+    return frame, name
 
 
 def sample_frame(rng: np.random.Generator, half_length: float, mix: StreetMix) -> tuple[Frame, str]:
@@ -80,9 +73,16 @@ def sample_frame(rng: np.random.Generator, half_length: float, mix: StreetMix) -
     road, car_park = _with_car_park(road, rng) if wants_car_park else (road, None)
     occupancy = Occupancy(road, _sample_ground(road, district, rng))
     lights = sample_lights(road, district, rng)
-    lanes = driven_lanes(road, district, parking, car_park, oneway=oneway, lights=lights)
-    occupancy.ground.paint(road_markings(road, lanes, car_park, district.speed, rng))
-    return Frame(district, occupancy, lanes, parking, car_park, lights), name
+    street = StreetFrame(
+        road=road,
+        speed=district.speed,
+        parked=parking,
+        one_way=oneway,
+        aisles=() if car_park is None else tuple((across, *car_park.paved_area.along) for across in car_park.aisles),
+        lights=lights,
+    )
+    occupancy.ground.paint(road_markings(road, paths_of(street), car_park, district.speed, rng))
+    return Frame(district, street, occupancy, car_park), name
 
 
 def greened(district: District, rng: np.random.Generator) -> District:
@@ -102,7 +102,7 @@ def sample_lights(road: Road, district: District, rng: np.random.Generator) -> b
 def fill(frame: Frame, rng: np.random.Generator) -> None:
     """Place in a frame all that stands in a street of its district, around what is there."""
     occupancy, district, car_park = frame.occupancy, frame.district, frame.car_park
-    if frame.lights:
+    if frame.street.lights:
         place_traffic_lights(occupancy, rng)
     place_road_equipment(occupancy, district, rng)
     place_buildings(occupancy, district, car_park, rng)
@@ -115,9 +115,9 @@ def fill(frame: Frame, rng: np.random.Generator) -> None:
     place_island_plants(occupancy, rng)
     if car_park is not None:
         place_in_car_park(occupancy, car_park, rng)
-    place_parked_vehicles(occupancy, frame.parking, car_park, rng)
-    place_traffic(occupancy, district, frame.lanes, rng)
-    place_people(occupancy, district, frame.lights, rng)
+    place_parked_vehicles(occupancy, frame.street.parked or (), car_park, rng)
+    place_traffic(occupancy, district, paths_of(frame.street), rng)
+    place_people(occupancy, district, frame.street.lights, rng)
     place_yard_objects(occupancy, district, rng)
     place_shrub_beds(occupancy, district, rng)
     place_thickets(occupancy, district, rng)

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from lidardraft.arranging.district import SIDES, District
+from lidardraft.arranging.district import District
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import (
     CONE,
@@ -16,6 +16,7 @@ from lidardraft.arranging.sizes import (
     TRAFFIC_LIGHT_CLEARANCE,
     Range,
 )
+from lidardraft.scene.road import SIDES
 
 # Width across and height [m]: a steel rail is 0.75 m high and some 0.3 m deep (EN 1317, system ESP); a concrete barrier
 # 0.9 m high, 0.6 m wide. Numbers without a source are estimates of ours, here and below.

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from lidardraft.arranging.car_parks import CarPark
-from lidardraft.arranging.district import CALM, SIDES, District
+from lidardraft.arranging.district import CALM, District
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import (
     BENCH,
@@ -26,6 +26,7 @@ from lidardraft.arranging.sizes import (
     Size,
     sample_tree,
 )
+from lidardraft.scene.road import SIDES
 
 # How often a piece of furniture is of a kind. Numbers without a source are estimates of ours, here and below.
 _FURNITURE = {

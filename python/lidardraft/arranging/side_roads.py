@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.arranging.building_rows import BUILDING_MARGIN, sample_building
-from lidardraft.arranging.district import SIDES, District
+from lidardraft.arranging.district import District
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.roadside import LAMP_OFF, LEAST_STEM, TREE_OFF, WIDE_SIDEWALK
 from lidardraft.arranging.sizes import (
@@ -21,6 +21,7 @@ from lidardraft.arranging.sizes import (
     sample_tree,
 )
 from lidardraft.objects.cars import sample_car
+from lidardraft.scene.road import SIDES
 
 # All numbers are estimates of ours.
 _FAR = 75.0  # m from the middle of the road, up to where there is anything

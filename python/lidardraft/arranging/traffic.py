@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
 import numpy as np
 
 from lidardraft.arranging.car_parks import CarPark
 from lidardraft.arranging.district import FAST, District
-from lidardraft.arranging.lanes import MAIN_ROAD, SIDE_ROAD, Lane
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import (
     BUS,
@@ -22,6 +22,7 @@ from lidardraft.arranging.sizes import (
     Size,
 )
 from lidardraft.objects.cars import sample_car
+from lidardraft.scene.street import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD, Path
 
 # Parked vehicles. Numbers without a source are estimates of ours, here and below.
 _TAKEN = (0.1, 0.75)  # share of the places along a kerb
@@ -74,6 +75,31 @@ _TRUCKS = 0.7  # share of all trucks among these; the others are buses
 _MOTORCYCLES = 0.02  # share
 
 
+@dataclass(frozen=True, kw_only=True, slots=True)
+class LaneUse:
+    """How lanes of one kind are used: estimates of ours.
+
+    `ego_share` is how often a place in such a lane is taken for the ego vehicle, against one of the road itself, and
+    `ego_stands` how often it stands there. `free_gap` is the mean distance [m] of vehicles that follow none, None for
+    that of the district. `heavy` is the share of trucks and buses in the traffic, None for that of the district; where
+    `only_cars`, there are neither these nor riders.
+    """
+
+    ego_share: float
+    ego_stands: float
+    free_gap: float | None = None
+    heavy: float | None = None
+    only_cars: bool = False
+
+
+USES = {
+    MAIN_ROAD: LaneUse(ego_share=1.0, ego_stands=0.12),
+    SIDE_ROAD: LaneUse(ego_share=0.5, ego_stands=0.3, free_gap=45.0, heavy=0.04),
+    ROUNDABOUT: LaneUse(ego_share=1.0, ego_stands=0.1, free_gap=40.0, only_cars=True),
+    AISLE: LaneUse(ego_share=0.7, ego_stands=0.25, free_gap=60.0, only_cars=True),
+}
+
+
 def place_parked_vehicles(
     occupancy: Occupancy, parking: tuple[int, ...], car_park: CarPark | None, rng: np.random.Generator
 ) -> None:
@@ -102,7 +128,7 @@ def _parked_vehicle(rng: np.random.Generator) -> tuple[str, Size]:
     return kind, size
 
 
-def place_traffic(occupancy: Occupancy, district: District, lanes: tuple[Lane, ...], rng: np.random.Generator) -> None:
+def place_traffic(occupancy: Occupancy, district: District, lanes: tuple[Path, ...], rng: np.random.Generator) -> None:
     """Vehicles and riders in all lanes, now and then a tram; at a red light they wait in a queue."""
     _place_tram(occupancy, lanes, rng)
     # lights are green for the road or for the side roads
@@ -114,7 +140,7 @@ def place_traffic(occupancy: Occupancy, district: District, lanes: tuple[Lane, .
     _place_cyclists(occupancy, lanes, rng)
 
 
-def _place_tram(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Generator) -> None:
+def _place_tram(occupancy: Occupancy, lanes: tuple[Path, ...], rng: np.random.Generator) -> None:
     road = occupancy.road
     if road.curvature == 0.0 and road.lanes > 1 and road.sidewalk > 0 and rng.random() < _TRAMS:
         inner = [lane for lane in lanes if lane.kind == MAIN_ROAD and not lane.outer]
@@ -123,7 +149,7 @@ def _place_tram(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Ge
             _place_in_lane(occupancy, inner[-1], "tram", size, rng.uniform(*_TRAM_PLACE) * inner[-1].length, rng)
 
 
-def _place_cyclists(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Generator) -> None:
+def _place_cyclists(occupancy: Occupancy, lanes: tuple[Path, ...], rng: np.random.Generator) -> None:
     outer = [lane for lane in lanes if lane.outer and lane.kind == MAIN_ROAD]
     for _ in range(rng.poisson(_CYCLISTS if occupancy.road.sidewalk > 0 else _CYCLISTS_OUTSIDE)):
         lane = outer[int(rng.integers(len(outer)))]
@@ -132,7 +158,7 @@ def _place_cyclists(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.rando
         occupancy.place("cyclist", along, across, CYCLIST.sample(rng), angle=angle)
 
 
-def _place_queue(occupancy: Occupancy, district: District, lane: Lane, rng: np.random.Generator) -> None:
+def _place_queue(occupancy: Occupancy, district: District, lane: Path, rng: np.random.Generator) -> None:
     """Vehicles that wait before the line."""
     assert lane.stop is not None
     distance = lane.stop - rng.uniform(*_TO_LINE)
@@ -144,10 +170,11 @@ def _place_queue(occupancy: Occupancy, district: District, lane: Lane, rng: np.r
         distance -= size[0] + rng.uniform(*_QUEUED)
 
 
-def _place_flow(occupancy: Occupancy, district: District, lane: Lane, rng: np.random.Generator) -> None:
+def _place_flow(occupancy: Occupancy, district: District, lane: Path, rng: np.random.Generator) -> None:
     """Free vehicles and groups of followers, at the distances that belong to their speed."""
     speed = lane.speed * rng.uniform(*_FLOW_SPEED)
-    free = district.traffic_gap if lane.kind.free_gap is None else lane.kind.free_gap
+    usual = USES[lane.kind].free_gap
+    free = district.traffic_gap if usual is None else usual
     distance = rng.exponential(free)
     while distance < lane.length - _LANE_END:
         kind, size = _vehicle(rng, district, lane)
@@ -161,19 +188,19 @@ def _place_flow(occupancy: Occupancy, district: District, lane: Lane, rng: np.ra
 
 
 def _place_in_lane(
-    occupancy: Occupancy, lane: Lane, kind: str, size: Size, distance: float, rng: np.random.Generator
+    occupancy: Occupancy, lane: Path, kind: str, size: Size, distance: float, rng: np.random.Generator
 ) -> None:
     left = min(max(rng.normal(0.0, _OFF_MIDDLE), -_MOST_OFF), _MOST_OFF)
     along, across, angle = lane.at(distance, left)
     occupancy.place(kind, along, across, size, angle=angle + rng.normal(0.0, _WEAVE), margin=_TRAFFIC_MARGIN)
 
 
-def _vehicle(rng: np.random.Generator, district: District, lane: Lane) -> tuple[str, Size]:
+def _vehicle(rng: np.random.Generator, district: District, lane: Path) -> tuple[str, Size]:
     """Kind and extents of a vehicle in traffic."""
     pick = rng.random()
-    if lane.kind.only_cars:
+    if USES[lane.kind].only_cars:
         return sample_car(rng)
-    heavy = lane.kind.heavy
+    heavy = USES[lane.kind].heavy
     if heavy is None:
         heavy = district.heavy if lane.outer else _HEAVY_INSIDE
     if pick < heavy * (_LONG_HAUL if district.speed > FAST else _SHORT_HAUL):

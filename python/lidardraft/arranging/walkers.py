@@ -6,9 +6,10 @@ import math
 
 import numpy as np
 
-from lidardraft.arranging.district import SIDES, District
+from lidardraft.arranging.district import District
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import sample_person
+from lidardraft.scene.road import SIDES
 
 # All numbers are estimates of ours.
 _MARGIN = 0.05  # m

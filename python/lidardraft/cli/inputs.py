@@ -161,12 +161,9 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
             layout = _surrounded(arguments, layout, arguments.seed, usual=name in _STREET_AROUND)
     except LidarDraftError as error:
         raise type(error)(f"{error}{_other_option(name, getattr(arguments, name))}") from None
-    # The notes on a layout that was saved, also as a model or a script, were printed when it was made.
-    file = getattr(arguments, name)
-    is_new = name not in ("glb", "blender") or layout.provenance.get("source") == Path(file).name
-    if name != "layout" and (is_new or arguments.recentre):
-        for note in notes_on(layout):
-            say(note if name == "text" else f"{file}: {note}")
+    if name != "layout":  # whose notes were printed when it was made
+        for note in notes_on(arguments, layout):
+            say(note if name == "text" else f"{getattr(arguments, name)}: {note}")
     return layout
 
 
@@ -291,14 +288,12 @@ def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> L
     return _surrounded(arguments, layout, seed, usual=not arguments.llm_blender)
 
 
-def notes_on(layout: Layout) -> list[str]:
+def notes_on(arguments: argparse.Namespace, layout: Layout) -> list[str]:
     """The first of the layout's notes, and how many more there are."""
-    notes = list(layout.notes)
-    if layout.provenance.get("source") == "text" and layout.provenance.get("not_understood"):
-        notes[0] += "; --llm-url takes free text"
-    if len(notes) > _MOST_NOTES:
-        notes[_MOST_NOTES:] = [f"and {len(notes) - _MOST_NOTES} more, in the layout's provenance"]
-    return notes
+    is_sentence = any(getattr(arguments, name, None) for name in _TEXTS) and not _asks_language_model(arguments)
+    more = "; --llm-url takes free text" * is_sentence
+    notes = [note + more if note.startswith("not understood: ") else note for note in layout.notes[:_MOST_NOTES]]
+    return notes + [f"and {len(layout.notes) - _MOST_NOTES} more, in its notes"] * (len(layout.notes) > _MOST_NOTES)
 
 
 def _from_text(arguments: argparse.Namespace) -> Layout:
@@ -409,7 +404,7 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
     depth, semantics = arguments.depth or DEPTH, arguments.semantics or SEMANTICS
     masks = arguments.masks
     with _naming_options(arguments, "depth", "semantics", "masks", "intrinsics"):
-        layout = layout_from_image(
+        return layout_from_image(
             Path(arguments.image),
             depth=read_npy(depth) if depth.endswith(".npy") else depth,
             semantics=read_semantics(semantics) if semantics.endswith((".npy", ".png")) else semantics,
@@ -418,9 +413,6 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
             hfov=None if arguments.hfov is None else math.radians(arguments.hfov),
             camera_height=None if arguments.metric_depth else height,
         )
-    height, scale = layout.provenance["sensor_height"], layout.provenance["scale"]
-    say(f"{arguments.image}: depth times {scale:.2f}, so that the camera is {height:g} m over the road")
-    return layout
 
 
 @contextmanager

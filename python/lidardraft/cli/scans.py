@@ -84,7 +84,7 @@ class Layouts:
         """What there is to say of a sentence of a file, the first time that it is read."""
         if self.arguments.text_file is None or number >= len(self.sentences):
             return []
-        return [f"{self.sentences[number][0]}: {note}" for note in notes_on(scan.layout)]
+        return [f"{self.sentences[number][0]}: {note}" for note in notes_on(self.arguments, scan.layout)]
 
 
 def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather | None, threads: int | None, number: int) -> Scan:

@@ -115,12 +115,8 @@ class Recipe:
 
         Raises `LidarDraftError` naming the scene that cannot be.
         """
-        choice, rng = self._draws(number)
-        place, scene = self.scenes.index(choice) + 1, choice.of
-        sensor, heights = _chosen(self.sensors, rng).of
-        if (height := drawn(heights, rng)) is not None:
-            sensor = dataclasses.replace(sensor, mount_height=float(height))
-        air = all_drawn(_chosen(self.weather, rng).of, rng)
+        place, sensor, air, rng = self._draws(number)
+        scene = self.scenes[place - 1].of
         with named(f"{self.name}: scan {number}, scene {place}"):
             make = self._of_street if scene.source == "street" else self._of_layout
             scan = make(scene, number, sensor, Weather(**air), rng)
@@ -128,11 +124,20 @@ class Recipe:
         layout = dataclasses.replace(scan.layout, provenance=scan.layout.provenance | {"recipe": told})
         return dataclasses.replace(scan, layout=layout)
 
-    def _draws(self, number: int) -> tuple[Choice[Scene], np.random.Generator]:
-        """The scene of a scan, and what else is drawn for it, which all scans of a street have in common."""
+    def drawn(self, number: int) -> tuple[int, dict[str, Any]]:
+        """Which of the scenes, from 1 on, scan `number` is of, and the numbers of its weather."""
+        place, _, air, _ = self._draws(number)
+        return place, air
+
+    def _draws(self, number: int) -> tuple[int, Sensor, dict[str, Any], np.random.Generator]:
+        """What is drawn for a scan, which all scans of a street have in common, and what draws the rest."""
         first = number - number % self.poses
-        scene = _chosen(self.scenes, np.random.default_rng([self.seed, first, _DRAWS]))
-        return scene, np.random.default_rng([self.seed, first if scene.of.source == "street" else number, _DRAWS, 1])
+        choice = _chosen(self.scenes, np.random.default_rng([self.seed, first, _DRAWS]))
+        rng = np.random.default_rng([self.seed, first if choice.of.source == "street" else number, _DRAWS, 1])
+        sensor, heights = _chosen(self.sensors, rng).of
+        if (height := drawn(heights, rng)) is not None:
+            sensor = dataclasses.replace(sensor, mount_height=float(height))
+        return self.scenes.index(choice) + 1, sensor, all_drawn(_chosen(self.weather, rng).of, rng), rng
 
     def _of_street(self, scene: Scene, number: int, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> Scan:
         district, more = drawn(scene.values, rng), all_drawn(scene.numbers, rng)
@@ -153,7 +158,7 @@ class Recipe:
 
     def try_sentences(self) -> None:
         """Raise `LidarDraftError` where one of the first sentences of a scene, with any of its words, cannot be."""
-        from lidardraft.drafting.text.layout import layout_from_text
+        from lidardraft.drafting.text.layout import layout_from_text, spec_from_text
 
         for place, scene in enumerate((choice.of for choice in self.scenes), 1):
             if scene.source != "text":
@@ -164,8 +169,8 @@ class Recipe:
                 chosen = {name: values[turn % len(values)] for name, values in words.items()}
                 sentence = _filled(sentences[turn % len(sentences)], chosen)
                 with named(f"scene {place}, text {sentence!r}"):
-                    unknown = layout_from_text(sentence, seed=self.seed).provenance.get("not_understood")
-                    if unknown:
+                    layout_from_text(sentence, seed=self.seed)
+                    if unknown := spec_from_text(sentence).not_understood:
                         raise FormatError(f"not understood: {', '.join(unknown)}")
 
 

@@ -122,7 +122,7 @@ class DataSet:
         """The scans of a shard with their numbers, each counted as it is made."""
         for k in self._items(number):
             scan = self.recipe.scan(k)
-            _add(tally, _count(scan))
+            _add(tally, _count(scan, *self.recipe.drawn(k)))
             yield k, scan
 
     def _remove(self, number: int) -> None:
@@ -220,17 +220,16 @@ def _check_free(folder: Path, lock: str) -> None:
         return
 
 
-def _count(scan: Scan) -> Tally:
-    told = scan.layout.provenance["recipe"]
+def _count(scan: Scan, scene: int, weather: dict[str, Any]) -> Tally:
     returns = np.bincount(scan.labels(), minlength=len(CLASSES))
     seen = [box.label for box, count in zip(scan.layout.boxes(), scan.returns_per_box(), strict=True) if count]
     return {
         "scans": 1,
         "points": {row.name: int(returns[row.id]) for row in CLASSES if returns[row.id]},
         "boxes": Counter(seen),
-        "scenes": {str(told["scene"]): 1},
+        "scenes": {str(scene): 1},
         "sensors": {scan.image.sensor.name: 1},
-        "weather": {", ".join(told["weather"]) or "clear": 1},
+        "weather": {", ".join(weather) or "clear": 1},
     }
 
 

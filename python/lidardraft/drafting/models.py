@@ -61,10 +61,10 @@ def layout_from_glb(
         if not primitives:
             raise FormatError("the file has no triangles")
         travelled = extras_of(file.scene).get("lidardraft")
-        fields: dict[str, Any] = {"provenance": {"source": os.path.basename(os.fspath(path))}, "coverage": None}
-        if is_ours := isinstance(travelled, dict) and travelled.keys() == fields.keys():
-            fields = travelled
-        layout = Layout(primitives=tuple(primitives), **fields)
+        head: dict[str, Any] = {"provenance": {"source": os.path.basename(os.fspath(path))}, "coverage": None}
+        if is_ours := isinstance(travelled, dict) and travelled.keys() >= head.keys():
+            head = travelled
+        layout = Layout.with_head(primitives, head)
         return settled(layout, scale=scale, recentre=recentre, as_is=as_is, is_ours=is_ours)
 
 

@@ -84,7 +84,7 @@ def blender_script(layout: Layout) -> str:
     colours = [
         f"    {label!r}: {(*(round(part / 255, 3) for part in BY_NAME[label].colour), 1.0)}," for label in labels
     ]
-    travelling = json.dumps({"provenance": layout.provenance, "coverage": layout.coverage})
+    travelling = json.dumps(layout.head())
     bar = _bar_between([primitive.id for primitive in layout])
     kinds = [f"{each.shape}:{each.label if each.mesh is None else row}" for row, each in enumerate(layout)]
     own = [_own_mesh(kind, each) for kind, each in zip(kinds, layout, strict=True) if each.mesh is not None]

@@ -18,6 +18,7 @@ from lidardraft.scene.box import Box
 _MOST_BOXES = 65_535  # as many as there are instances
 # What stands in the files of other tools.
 _TOOLS = {"<tracklets": "KITTI tracklets", '"figures"': "Supervisely", '"centroid"': "labelCloud", '"psr"': "SUSTech"}
+_OF_WEBDATASET = ("pose", "sensor", "provenance", "intent", "notes")
 _OPTIONAL = ("velocity",)
 _FIELDS = (*(field.name for field in dataclasses.fields(Box) if field.name not in _OPTIONAL), "num_points")
 
@@ -46,7 +47,7 @@ def read_boxes(path: str | os.PathLike[str]) -> tuple[list[Box], list[int]]:
             how = "write its boxes in the sensor's frame, a line each of x y z length width height yaw class, as .txt"
             raise FormatError(f"a file of {_TOOLS[mark]}, which is not read; {how}")
         document = parse_object(text)
-        check_fields(document, ("boxes",), ("frame", "pose", "sensor", "provenance"))  # WebDataset has the last three
+        check_fields(document, ("boxes",), ("frame", *_OF_WEBDATASET))
         if document.get("frame", "sensor") != "sensor":
             raise FormatError(f"frame is {document['frame']!r}; it must be 'sensor'")
         if not isinstance(document["boxes"], list):

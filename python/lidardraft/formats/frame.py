@@ -105,9 +105,9 @@ class Frame:
     Of each of N points, in the sensor frame: `points` f32 [N, 3] [m], `intensity` f32 [N] in 0 to 1, `ring` u16 [N]
     (0 is the highest beam), `label` u8 [N] of `semantics.CLASSES`, `instance` u32 [N]. `time` f32 [N] after the first
     column [s] belongs to points as the sensor saw them, in the frame of their own column; it is None of points without
-    the sensor's own motion, which nobody is to take out once more. Frames of one `world`, the JSON of a provenance,
-    show the same objects under the same ids. `start` is the time of the first column since the start of the drive [s];
-    None where nobody knows it (`timed`).
+    the sensor's own motion, which nobody is to take out once more. Frames of one `world`, the JSON of the
+    provenance, intent and notes of a layout, show the same objects under the same ids. `start` is the time of the first
+    column since the start of the drive [s]; None where nobody knows it (`timed`).
     """
 
     sensor: Sensor

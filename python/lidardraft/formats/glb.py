@@ -293,7 +293,7 @@ def glb_of(layout: Layout) -> bytes:
     root = {"name": "layout", "rotation": _GLTF_FROM_LAYOUT, "children": list(range(1, len(nodes) + 1))}
     if not nodes:
         del root["children"]
-    travelling = {"lidardraft": {"provenance": layout.provenance, "coverage": layout.coverage}}
+    travelling = {"lidardraft": layout.head()}
     fields: dict[str, Any] = {
         "asset": {"version": "2.0", "generator": "lidardraft"},
         "scene": 0,

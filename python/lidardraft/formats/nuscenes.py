@@ -320,7 +320,8 @@ def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame
 
 def _description(world: str) -> str:
     """The sentence of a world, or its district, or its source."""
-    told = json.loads(world or "{}")
+    said = json.loads(world or "{}")
+    told = said.get("provenance", {}) | said.get("intent", {})
     return str(next((told[key] for key in ("sentence", "district", "source") if told.get(key)), ""))
 
 

@@ -2,7 +2,7 @@
 
 `NAME.points.npy` f32 [N, 4] (x y z intensity), `NAME.ring.npy` u16 [N], `NAME.label.npy` u8 [N], `NAME.instance.npy`
 u32 [N], of points as the sensor saw them `NAME.time.npy` f32 [N], and `NAME.json`: sensor, pose, boxes as in
-boxes.json, and the provenance of the layout. `index.json` counts the samples of each shard.
+boxes.json, and the provenance, the intent and the notes of the layout. `index.json` counts the samples of each shard.
 """
 
 from __future__ import annotations
@@ -52,4 +52,4 @@ def _files(frame: Frame) -> Iterator[tuple[str, bytes]]:
     boxes = [fields_of(a.box) | {"num_points": a.num_points} for a in frame.annotations]
     sensor = json.loads(frame.sensor.to_json())
     said = {"boxes": boxes, "pose": frame.pose.tolist(), "sensor": sensor}
-    yield "json", json.dumps(said | {"provenance": json.loads(frame.world or "{}")}).encode()
+    yield "json", json.dumps(said | json.loads(frame.world or "{}")).encode()

@@ -87,7 +87,11 @@ def replace(layout: Layout, pattern: str, **fields: Any) -> Layout:
     if unknown:
         raise LayoutError(f"a primitive has no field {sorted(unknown)[0]!r}; it has {', '.join(names)}")
     changed = {p.id: dataclasses.replace(p, **fields) for p in _existing(layout, pattern)}
-    return dataclasses.replace(layout, primitives=tuple(changed.get(p.id, p) for p in layout))
+    primitives = tuple(changed.get(p.id, p) for p in layout)
+    named = {object_of(before): object_of(after) for before, after in zip(layout, primitives, strict=True)}
+    left = set(map(object_of, primitives))
+    intent = layout.intent.renamed({before: after for before, after in named.items() if before not in left})
+    return dataclasses.replace(layout, primitives=primitives, intent=intent)
 
 
 def _matches(primitive: Primitive, pattern: str) -> bool:

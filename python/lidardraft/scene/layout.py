@@ -9,26 +9,46 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence, Sized
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Sized
 from dataclasses import MISSING, dataclass, field, fields, replace
 from typing import Any
 
 import numpy as np
 
-from lidardraft.errors import FormatError, LayoutError, UnknownNameError, did_you_mean, one_of
+from lidardraft.errors import (
+    FormatError,
+    LayoutError,
+    UnknownNameError,
+    as_tuple,
+    check_that,
+    did_you_mean,
+    one_of,
+)
 from lidardraft.files import named, read_text, write_text
-from lidardraft.json_fields import check_brackets, check_fields, check_lists, check_object, is_number, parse_document
+from lidardraft.json_fields import (
+    check_brackets,
+    check_fields,
+    check_lists,
+    check_object,
+    check_schema,
+    is_number,
+    parse_document,
+)
 from lidardraft.scene.box import FURTHEST, THINNEST, Box, check_id, checked_instance, checked_vector, checked_yaw
+from lidardraft.scene.intent import NOTHING_ASKED, Intent
+from lidardraft.scene.layout_schema_1 import SCHEMA_1, converted
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.mesh import TriangleMesh, has_surface, unit_mesh, unit_vertices
 from lidardraft.scene.pose import point_at
+from lidardraft.scene.road_network import RoadNetwork
 from lidardraft.semantics import BY_NAME
 
-SCHEMA = "lidardraft.layout/1"
+SCHEMA = "lidardraft.layout/2"
 SHAPES = ("box", "ellipsoid", "cylinder", "plane", "mesh")
 _INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of instance
 AROUND = "around/"  # what the ids of surroundings begin with (`surround`)
 MORE = ("material", "extinction", "open")  # fields that few primitives have
+_HEAD = ("provenance", "coverage", "roads", "intent", "notes")
 MOST_PRIMITIVES = 100_000  # which are read in a second or two
 
 
@@ -176,14 +196,18 @@ _DEFAULTS = {row.name: row.default for row in fields(Primitive) if row.default i
 class Layout:
     """An ordered set of primitives with distinct ids.
 
-    `provenance` says where it came from (sentence, seed, source; JSON types only). `coverage` is the part of the
-    azimuth [rad] that the source saw, (from, to) counter-clockwise, or None for all of it. Raises `LayoutError` on
-    invalid values.
+    `provenance` says where it came from (sentence, seed, source; JSON types only); nothing depends on it. `coverage` is
+    the part of the azimuth [rad] that the source saw, (from, to) counter-clockwise, or None for all of it. `roads` are
+    the roads, where they are known, and `intent` is what was asked for. `notes` say what of the input was not
+    understood, left out or assumed, and what cannot be seen: a line each. Raises `LayoutError` on invalid values.
     """
 
     primitives: tuple[Primitive, ...] = ()
     provenance: dict[str, Any] = field(default_factory=dict)
     coverage: tuple[float, float] | None = None
+    roads: RoadNetwork | None = None
+    intent: Intent = NOTHING_ASKED
+    notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "primitives", tuple(self.primitives))
@@ -195,6 +219,12 @@ class Layout:
             raise LayoutError(f"provenance cannot be written as JSON: {error}") from None
         if self.coverage is not None:
             object.__setattr__(self, "coverage", checked_vector("layout", "coverage", self.coverage, 2, math.inf))
+        check_that(isinstance(self.roads, RoadNetwork | None), "roads", self.roads, "a RoadNetwork or None")
+        check_that(isinstance(self.intent, Intent), "intent", self.intent, "an Intent")
+        object.__setattr__(self, "notes", as_tuple("notes", self.notes))
+        check_that(all(type(note) is str for note in self.notes), "notes", list(self.notes), "lines of text")
+        if self.intent.objects:
+            object.__setattr__(self, "intent", self.intent.only(set(map(object_of, self.primitives))))
         _check_number(self.primitives)
         seen: set[str] = set()
         for primitive in self.primitives:
@@ -231,33 +261,10 @@ class Layout:
         known = near or f"; it has {', '.join(some[:8]) or 'none'}{', ...' if len(some) > 8 else ''}"
         return UnknownNameError(f"no primitive has the id {pattern!r}{known}")
 
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What of the input was not understood, left out or assumed, and what cannot be seen: a line each."""
-        lines = list[str]()
-        if words := self._told("not_understood"):
-            nearest = self.provenance.get("nearest_words")
-            near = "".join(f"; did you mean {known!r}?" for known in nearest.values()) if nearest else ""
-            lines.append(f"not understood: {', '.join(words)}{near}")
-        if words := self._told("not_shown"):
-            lines.append(f"not shown: {', '.join(words)}")
-        lines += [f"ignored: {line}" for line in self._told("ignored")]
-        lines += [*self._told("notes"), *self._told("findings")]
-        if isinstance(around := self.provenance.get("surroundings"), dict):
-            lines += [around["note"]] if "note" in around else []
-            lines += [f"{name} cannot be seen: {by} stands before it" for name, by in around.get("hidden", {}).items()]
-        return tuple(lines)
-
-    def _told(self, name: str) -> list[str]:
-        """The lines of that name in the provenance; none where others wrote something else there."""
-        lines = self.provenance.get(name)
-        return list(map(str, lines)) if isinstance(lines, list | tuple) else []
-
     def noted(self, *lines: str) -> Layout:
-        """The layout with more notes, which `provenance["notes"]` holds; itself without any."""
-        if not lines:
-            return self
-        return replace(self, provenance=self.provenance | {"notes": [*self._told("notes"), *lines]})
+        """The layout with those more notes that it does not have yet."""
+        more = tuple(line for line in lines if line not in self.notes)
+        return replace(self, notes=self.notes + more) if more else self
 
     def boxes(self) -> list[Box]:
         """One box around each thing (instance > 0), with the yaw of its largest part, in the order of instances."""
@@ -269,23 +276,38 @@ class Layout:
 
     def to_json(self) -> str:
         """The layout as JSON text, one primitive a line; `from_json` gives an equal layout."""
-        head = {"schema": SCHEMA, "provenance": self.provenance, "coverage": self.coverage}
         rows = ",\n  ".join(json.dumps(p.to_dict(), allow_nan=False) for p in self.primitives)
-        return json.dumps(head, allow_nan=False)[:-1] + ', "primitives": [\n  ' + rows + "\n]}\n"
+        return json.dumps(self.head(), allow_nan=False)[:-1] + ', "primitives": [\n  ' + rows + "\n]}\n"
+
+    def head(self) -> dict[str, Any]:
+        """All but the primitives, as JSON types: with these it travels in models and scripts."""
+        more = {"roads": self.roads and self.roads.to_dict(), "intent": self.intent.to_dict(), "notes": [*self.notes]}
+        known = {name: value for name, value in more.items() if value}
+        return {"schema": SCHEMA, "provenance": self.provenance, "coverage": self.coverage, **known}
 
     @classmethod
     def from_json(cls, text: str) -> Layout:
         """Raises `FormatError` where the text is not the JSON of a layout, `LayoutError` on an invalid value."""
-        document = parse_document(text, SCHEMA, ("primitives",), ("provenance", "coverage"))
-        rows = document["primitives"]
+        head = parse_document(text, SCHEMA, ("primitives",), _HEAD, older=(SCHEMA_1,))
+        rows = head.pop("primitives")
         if not isinstance(rows, list):
             raise FormatError(f"primitives is {rows!r:.50}; it must be a list of objects")
         _check_number(rows)
-        return cls(
-            primitives=tuple(Primitive.from_dict(check_object(row)) for row in rows),
-            provenance=document.get("provenance", {}),
-            coverage=document.get("coverage"),
-        )
+        return cls.with_head((Primitive.from_dict(check_object(row)) for row in rows), head)
+
+    @classmethod
+    def with_head(cls, primitives: Iterable[Primitive], head: Mapping[str, Any]) -> Layout:
+        """The layout of primitives and what `head` gave, also in an earlier version of lidardraft."""
+        check_schema(head.get("schema", SCHEMA_1), SCHEMA, (SCHEMA_1,))
+        check_fields(head, (), ("schema", *_HEAD))
+        fields = {name: head[name] for name in _HEAD if name in head}
+        if head.get("schema", SCHEMA_1) == SCHEMA_1:
+            return replace(cls(tuple(primitives), **fields), **converted(fields.get("provenance", {})))
+        for name, kind in (("roads", RoadNetwork), ("intent", Intent)):
+            if name in fields:
+                with named(name):
+                    fields[name] = kind.from_dict(check_object(fields[name]))
+        return cls(tuple(primitives), **fields)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the JSON of `to_json`; raises `FormatError` where it is more than `load` reads."""

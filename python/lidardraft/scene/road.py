@@ -10,14 +10,13 @@ from typing import Any, overload
 import numpy as np
 
 from lidardraft.errors import LayoutError
-from lidardraft.scene.layout import Primitive
 
 LEFT, RIGHT = 1, -1  # sides of a road: the sign of `across`
+SIDES = (RIGHT, LEFT)
+PARKING_STRIP = 2.2  # m, the room of cars parked along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
 TERRAIN_HEIGHT = -0.05  # below the road, so that the road covers it
 KERB_HEIGHT = 0.12  # usual European kerb face, 10 to 15 cm
 _STRAIGHT = 1e-9  # 1/m, the curvature below which a road is straight
-_SEGMENT = 2.0  # m; the chord of a 50 m bend leaves the arc by 1 cm
-_EXTENT = 200.0
 _LIMITS = {
     "lanes": (1, 6),
     "lane_width": (2, 6),  # m, as all below
@@ -26,7 +25,6 @@ _LIMITS = {
     "median": (0, 20),
     "half_length": (1, 10_000),
 }
-_SEEN_MEDIAN = 1.0  # m, the width of a median from which it has a surface of its own
 RING = 8.0  # m, the width of a roundabout's lane: 6.5 to 9 m in the German guide of 2006 (FGSV 242)
 
 
@@ -167,45 +165,8 @@ class Road:
         half = self.verge if self.roundabout_radius is None else self.roundabout_radius + self.sidewalk
         return self.junction is not None and abs(along - self.junction) < half + margin
 
-    def surfaces(self) -> list[Primitive]:
-        """Terrain, road, sidewalks and crossing road as primitives with the ids "terrain", "road", "sidewalk_1" ..."""
-        surfaces = [terrain(_EXTENT), *self._carriageways()]
-        if self.sidewalk > 0:
-            surfaces += [
-                self._strip(f"sidewalk_{number}", "sidewalk", span, across, KERB_HEIGHT)
-                for number, (span, across) in enumerate(self._sidewalks(), start=1)
-            ]
-        if self.junction is not None:
-            surfaces += [self._side_road(side) for side in self.side_roads]
-        if self.roundabout_radius is not None:
-            surfaces += self._roundabout(self.roundabout_radius)
-        for number, area in enumerate(self.paved_areas, start=1):
-            surfaces.append(self._strip(f"patch_{number}", "road", area.along, area.across, 0.0))
-        return surfaces
-
-    def _carriageways(self) -> list[Primitive]:
-        whole = (-self.half_length, self.half_length)
-        if self.median < _SEEN_MEDIAN:
-            return [self._strip("road", "road", whole, (-self.edge, self.edge), 0.0)]
-        return [
-            self._strip("road", "road", whole, (-self.edge, -self.median / 2), 0.0),
-            self._strip("road_back", "road", whole, (self.median / 2, self.edge), 0.0),
-        ]
-
-    def _roundabout(self, radius: float) -> list[Primitive]:
-        assert self.junction is not None
-        turns = np.linspace(0.0, 2 * math.pi, 33)[:-1]
-        rim = [(*self.at(self.junction + radius * math.cos(t), radius * math.sin(t))[:2], 0.0) for t in turns.tolist()]
-        x, y, _ = self.at(self.junction, 0.0)
-        here = np.arange(len(rim))
-        faces = np.stack([here, (here + 1) % len(rim), np.full(len(rim), len(rim))], axis=1)
-        disc = Primitive.from_mesh(np.array([*rim, (x, y, 0.0)]), faces, label="road", id="roundabout")
-        height = KERB_HEIGHT - TERRAIN_HEIGHT
-        center = (x, y, KERB_HEIGHT - height / 2)
-        size = (2 * self.island, 2 * self.island, height)
-        return [disc, Primitive(shape="cylinder", center=center, size=size, label="terrain", id="island")]
-
-    def _sidewalks(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+    def sidewalks(self) -> list[tuple[tuple[float, float], tuple[float, float]]]:
+        """From and to along, and from and to across [m], of each sidewalk."""
         whole = (-self.half_length, self.half_length)
         strips = []
         for side, across in ((RIGHT, (-self.verge, -self.edge)), (LEFT, (self.edge, self.verge))):
@@ -216,50 +177,6 @@ class Road:
             spans = ((whole[0], self.junction - gap), (self.junction + gap, whole[1]))
             strips += [(span, across) for span in spans if span[1] - span[0] > 1.0]
         return strips
-
-    def _side_road(self, side: int) -> Primitive:
-        assert self.junction is not None
-        x, y, heading = self.at(self.junction, side * (self.edge + self.half_length) / 2)
-        length, turn, name = self.half_length - self.edge, heading + math.pi / 2, "left" if side == LEFT else "right"
-        return slab(x, y, length, 2 * self.edge, turn, 0.0, "road", f"road_{name}")
-
-    def _strip(
-        self, id: str, label: str, span: tuple[float, float], across: tuple[float, float], top: float
-    ) -> Primitive:
-        """The surface between two distances along and across: a plane or box where it is straight, else a mesh."""
-        if self.curvature == 0.0:
-            x, y, _ = self.at((span[0] + span[1]) / 2, (across[0] + across[1]) / 2)
-            return slab(x, y, span[1] - span[0], across[1] - across[0], 0.0, top, label, id)
-        stations = np.linspace(*span, max(2, math.ceil((span[1] - span[0]) / _SEGMENT) + 1))
-        profile = profile_of(*across, top)
-        return ribbon(np.array([[(*self.at(s, side)[:2], z) for side, z in profile] for s in stations]), label, id)
-
-
-def terrain(reach: float) -> Primitive:
-    """The ground that everything lies on, so far [m] to each side of the ego vehicle."""
-    center, size = (0.0, 0.0, TERRAIN_HEIGHT), (2 * reach, 2 * reach, 0.0)
-    return Primitive(shape="plane", center=center, size=size, label="terrain", id="terrain", open=True)
-
-
-def slab(x: float, y: float, length: float, width: float, yaw: float, top: float, label: str, id: str) -> Primitive:
-    """A straight strip around x, y: a plane on the ground, or a box that rises from the terrain to `top` [m]."""
-    height = top - TERRAIN_HEIGHT if top > 0.0 else 0.0
-    shape, center, size = "box" if height else "plane", (x, y, top - height / 2), (length, width, height)
-    return Primitive(shape=shape, center=center, size=size, yaw=yaw, label=label, id=id)
-
-
-def profile_of(low: float, high: float, top: float) -> list[tuple[float, float]]:
-    """The cross section of a strip, from side to side: places across and heights [m], with kerbs if it is raised."""
-    flat = [(low, top), (high, top)]
-    return [(low, TERRAIN_HEIGHT), *flat, (high, TERRAIN_HEIGHT)] if top > 0.0 else flat
-
-
-def ribbon(rows: np.ndarray, label: str, id: str) -> Primitive:
-    """The mesh between cross sections float64 [N, P, 3] that follow each other."""
-    count, width, _ = rows.shape
-    a = (np.arange(count - 1)[:, None] * width + np.arange(width - 1)).ravel()
-    faces = np.stack([a, a + 1, a + 1 + width, a, a + 1 + width, a + width], axis=1)
-    return Primitive.from_mesh(rows.reshape(-1, 3), faces.reshape(-1, 3), label=label, id=id)
 
 
 def _functions(value: float | np.ndarray) -> ModuleType:

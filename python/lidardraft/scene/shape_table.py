@@ -11,6 +11,7 @@ import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import LayoutError
+from lidardraft.scene.intent import NOTHING_ASKED, Intent
 from lidardraft.scene.layout import SHAPES, Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.pose import as_array
@@ -101,7 +102,12 @@ class ShapeTable:
         turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
         return replace(self, centers=(self.centers - (x, y, 0.0)) @ turn, yaws=self.yaws - yaw)
 
-    def layout(self, provenance: dict[str, Any], coverage: tuple[float, float] | None = None) -> Layout:
+    def layout(
+        self,
+        provenance: dict[str, Any],
+        coverage: tuple[float, float] | None = None,
+        intent: Intent = NOTHING_ASKED,
+    ) -> Layout:
         """The same shapes as a layout; raises `LayoutError` on the first invalid one."""
         meshes = iter(self.meshes)
         columns = [getattr(self, name).tolist() for name in _COLUMNS]
@@ -118,7 +124,7 @@ class ShapeTable:
             )
             for shape, center, size, yaw, label, instance, id in zip(*columns, self.ids, strict=True)
         )
-        return Layout(primitives=tuple(primitives), provenance=provenance, coverage=coverage)
+        return Layout(primitives=tuple(primitives), provenance=provenance, coverage=coverage, intent=intent)
 
     def scan(self, sensor: Sensor, poses: np.ndarray, *, threads: int | None = None) -> RangeImage:
         """As `raycast` of `self.layout({})`, bit for bit, from one pose [4, 4] or one for each column [W, 4, 4]."""

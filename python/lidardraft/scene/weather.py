@@ -16,7 +16,6 @@ import numpy as np
 
 from lidardraft.errors import SensorError
 from lidardraft.json_fields import is_number
-from lidardraft.scene.layout import Layout
 
 _WAVELENGTH = 905.0  # nm
 _PER_DECIBEL_KM = math.log(10.0) / 10.0 / 1000.0  # dB/km to 1/m
@@ -79,10 +78,9 @@ WEATHERS = {
 }
 
 
-def weather_of(layout: Layout) -> Weather:
-    """The weather that the sentence of a layout names, clear and dry where it names none."""
-    spec = layout.provenance.get("spec")
-    return WEATHERS.get(spec.get("weather", ""), Weather()) if isinstance(spec, dict) else Weather()
+def weather_of(name: str | None) -> Weather:
+    """One of WEATHERS, clear and dry without a name."""
+    return Weather() if name is None else WEATHERS[name]
 
 
 def fog_extinction(visibility: float) -> float:

@@ -43,16 +43,6 @@ def _in_paint(part: Primitive, paint: str) -> Primitive:
     return dataclasses.replace(part, material=paint) if part.material in PAINTS else part
 
 
-def _painted(layout: Layout) -> dict[str, str]:
-    """The materials of the vehicles whose colour a sentence names, by the names of the objects."""
-    spec, objects = layout.provenance.get("spec"), layout.provenance.get("objects")
-    if not isinstance(spec, dict) or not isinstance(objects, dict):
-        return {}
-    paints = [group.get("paint") for group in spec.get("groups", ())]
-    asked = {name: paints[number] for name, number in objects.items() if 0 <= number < len(paints)}
-    return {name: f"{paint}-paint" for name, paint in asked.items() if paint is not None}
-
-
 def detail(layout: Layout, *, seed: int = 0) -> Layout:
     """The layout with each coarse object replaced by a detailed one in its place, as docs/simulation.md has it.
 
@@ -66,7 +56,7 @@ def detail(layout: Layout, *, seed: int = 0) -> Layout:
     seed = check_seed(seed)
     surroundings = Surroundings.of(layout)
     detailed: dict[str, list[Primitive]] = {}
-    painted = _painted(layout)
+    painted = {name: f"{asked.paint}-paint" for name, asked in layout.intent.objects.items() if asked.paint}
     for coarse in coarse_objects(layout, seed, clustered=surroundings.clustered):
         for part in coarse.parts:
             detailed.setdefault(object_of(part), [])

@@ -6,25 +6,18 @@ in their way (Gipps, Transportation Research B 15, 1981).
 
 from __future__ import annotations
 
-import dataclasses
-import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 from zlib import crc32
 
 import numpy as np
 
-from lidardraft.scene.layout import AROUND, Layout
-from lidardraft.scene.road import LEFT, RIGHT, Road
+from lidardraft.scene.lane import Lane
 from lidardraft.scene.scenario import AlongLane, Track
 from lidardraft.scene.solids import Solid
-from lidardraft.simulation.street_frame import NoStreetError, district_of, street_frame
-from lidardraft.simulation.surroundings import RoadStrip
 
 STEP = 0.05  # s between the places of a track
-_STATION = 2.0  # m between the points of a lane that bends
 _TURN = 0.35  # rad against its lane; what is turned by more does not drive along it
 _AHEAD = 2.0  # s for which whoever follows no lane is expected to go on as now
 _SIDE = 0.2  # m that stay free beside a vehicle
@@ -32,45 +25,11 @@ _TOUCHING = 0.5  # m by which what stands before a vehicle may reach into its bo
 _ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what tyres give
 _STANDS = 0.1  # m/s, who wants to be slower than that stands
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
-_CROSSING_GAP = 2.0  # m from the road that is crossed to where traffic waits
-_TURNING, _EASING = 5.0, 1.5  # m/s in a turn, m/s2 on the way to it
 _BESIDE = 3  # halves of a lane that who overtakes is beside the middle of its own, at most
 _RETURN, _PASSED = 25.0, 6.0  # m over which it returns, and that it is ahead of whom it has passed then
 # Times the speed of the road, and m/s at most: estimates.
 _PACES = {"bicycle": (1.0, 5.0), "rider": (1.0, 5.0), "bus": (0.85, 22.0), "truck": (0.85, 22.0), "train": (0.85, 14.0)}
 _SPREAD = (0.8, 1.0)  # of the speeds of drivers, as shares of it
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Lane:
-    """The middle `line` of a lane, in the direction that is driven, its speed [m/s], and where along it [m] those wait
-    who have not passed yet: `stop`, or None. One that turns, "left" or "right", does so from and to along it: `bend`
-    [m]."""
-
-    line: RoadStrip
-    speed: float
-    stop: float | None = None
-    turn: str | None = None
-    bend: tuple[float, float] = (0.0, 0.0)
-
-    @classmethod
-    def through(cls, points: np.ndarray, width: float, speed: float, **more: Any) -> Lane:
-        """That through points [S, 2]."""
-        steps = np.gradient(points, axis=0)
-        normals = np.stack([-steps[:, 1], steps[:, 0]], axis=1) / np.linalg.norm(steps, axis=1, keepdims=True)
-        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-        return cls(RoadStrip("lane", 0.0, width / 2, points, normals, along), speed, **more)
-
-    def limit(self, along: float) -> float:
-        """The speed [m/s] at a place along it from which a turn can be taken."""
-        before = max(0.0, self.bend[0] - along)
-        return math.sqrt(_TURNING**2 + 2 * _EASING * before) if along < self.bend[1] else math.inf
-
-    def heading(self, along: np.ndarray) -> np.ndarray:
-        """The direction [rad] at places along it [N]."""
-        normal = np.stack([np.interp(along, self.line.along, self.line.normals[:, k]) for k in (0, 1)])
-        heading: np.ndarray = np.arctan2(-normal[0], normal[1])
-        return heading
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,84 +75,14 @@ class Driver:
         return min(self.lane.speed * share * (low + (high - low) * crc32(self.body.name.encode()) / 2**32), most)
 
 
-def lanes_of(layout: Layout) -> list[Lane]:
-    """The lanes of the road under the ego vehicle and of the one that crosses it; none where no road is known."""
-    given = dataclasses.replace(layout, primitives=tuple(p for p in layout if not p.id.startswith(AROUND)))
-    try:
-        road, (x, y, yaw), _, _, _, ends = street_frame(given)
-    except NoStreetError:
-        return []
-    speed = district_of(layout, road).speed
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    turn = np.array([[cos, sin], [-sin, cos]])
-    ends = ends or (-road.half_length, road.half_length)
-    lanes = [*_main_lanes(road, ends), *_side_lanes(road), *_turning_lanes(road, ends)]
-    return [Lane.through(points @ turn + (x, y), road.lane_width, speed, **more) for points, more in lanes]
-
-
-_Points = tuple[np.ndarray, dict[str, Any]]  # [S, 2] of the middle of a lane, and what else is known of it
-
-
-def _main_lanes(road: Road, ends: tuple[float, float]) -> Iterator[_Points]:
-    """Those along the road; a roundabout ends them."""
-    pieces = [ends]
-    if road.roundabout_radius is not None and road.junction is not None:
-        off = road.roundabout_radius + _CROSSING_GAP
-        pieces = [(ends[0], road.junction - off), (road.junction + off, ends[1])]
-    for direction, lanes in ((1, road.lanes), (-1, road.oncoming)):
-        for number in range(lanes):
-            for low, high in pieces:
-                if high - low > _STATION:
-                    stations = np.linspace(low, high, 2 if not road.curvature else math.ceil((high - low) / _STATION))
-                    yield road.points(stations[::direction], np.array(road.lane(number, direction))), {}
-
-
-def _side_lanes(road: Road) -> Iterator[_Points]:
-    """One each way along the crossing road, whose traffic waits before the junction."""
-    if road.junction is None or road.roundabout_radius is not None:
-        return
-    x, y, heading = road.at(road.junction, 0.0)
-    ahead, left = np.array([math.cos(heading), math.sin(heading)]), np.array([-math.sin(heading), math.cos(heading)])
-    for direction, begins, goes_on in ((1, RIGHT, LEFT), (-1, LEFT, RIGHT)):
-        start = road.half_length if begins in road.side_roads else road.edge
-        end = road.half_length if goes_on in road.side_roads else road.edge
-        across = direction * np.array([-start, end])
-        points = (x, y) + direction * road.edge / 2 * ahead + across[:, None] * left
-        stop = start - road.verge - _CROSSING_GAP if begins in road.side_roads else None
-        yield points, {"stop": stop}
-
-
-def _turning_lanes(road: Road, ends: tuple[float, float]) -> Iterator[_Points]:
-    """From each lane of the road over a quarter of an ellipse into the outer lane of the crossing road."""
-    if road.junction is None or road.roundabout_radius is not None:
-        return
-    x, y, heading = road.at(road.junction, 0.0)
-    axes = np.array([[math.cos(heading), math.sin(heading)], [-math.sin(heading), math.cos(heading)]])
-    far, outer, quarter = road.edge + 1.0, -road.lane(0), np.linspace(0.0, math.pi / 2, 17)
-    for way, lanes in ((1, road.lanes), (-1, road.oncoming)):
-        begin = ends[0] if way > 0 else ends[1]
-        stations = np.linspace(begin, road.junction - way * far, max(2, math.ceil(road.half_length / _STATION)))[:-1]
-        sides = [(turn, side) for turn, side in (("left", LEFT), ("right", RIGHT)) if side * way in road.side_roads]
-        for number, (turn, side) in itertools.product(range(lanes), sides):
-            own = way * road.lane(number, way)
-            # forward and left as the driver sees it
-            forward = -far + (side * outer + far) * np.sin(quarter)
-            left = own + (side * far - own) * (1.0 - np.cos(quarter))
-            on = np.array([[side * outer, side * road.half_length]])
-            bend = (x, y) + way * np.concatenate([np.column_stack([forward, left]), on]) @ axes
-            points = np.concatenate([road.points(stations, np.array(road.lane(number, way))), bend])
-            along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-            yield points, {"turn": turn, "bend": (float(along[len(stations)]), float(along[-2]))}
-
-
 def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | None:
     """The body as a driver in the lane that it stands in and looks along; None where there is none."""
     x, y, _, yaw = body.place
     best = None
     for lane in lanes:
         (along,), (left,) = (values.tolist() for values in lane.line.along_across(np.array([[x, y]])))
-        off = math.remainder(yaw - float(lane.heading(np.array([along]))[0]), math.tau)
-        aside = lane.line.half * (_BESIDE if motion.overtakes else 1)
+        off = math.remainder(yaw - float(lane.line.heading(np.array([along]))[0]), math.tau)
+        aside = lane.width / 2 * (_BESIDE if motion.overtakes else 1)
         inside = 0.0 < along < lane.line.length and abs(left) < aside and abs(off) < _TURN
         if inside and lane.turn == motion.turn and (best is None or abs(left) < abs(best.left)):
             best = Driver(body, motion, lane, along, left, off, along)
@@ -262,7 +151,7 @@ class _Traffic:
                 return
 
     def places(self) -> np.ndarray:
-        """x, y, z, yaw [D, 4] of the drivers; z is 0."""
+        """x, y, z, yaw [D, 4] of the drivers; z is the height of their lanes."""
         found = np.zeros((len(self.drivers), 4))
         for numbers in self.lanes.values():
             rows = [self.drivers[number] for number in numbers]
@@ -270,9 +159,9 @@ class _Traffic:
             along, left, first, start, returns = np.array(
                 [(row.along, row.left, row.yaw, row.start, row.returns) for row in rows]
             ).T
-            found[numbers, :2] = lane.line.at(along, left)
+            found[numbers, :2], found[numbers, 2] = lane.line.at(along, left), lane.line.height(along, left)
             off = first * np.exp((start - along) / _AIM) - np.arctan(returns * left / _RETURN)
-            found[numbers, 3] = lane.heading(along) + off
+            found[numbers, 3] = lane.line.heading(along) + off
         return found
 
     def advance(self, step: int, time: float) -> None:
@@ -330,7 +219,7 @@ class _Traffic:
     def _in_lane(lane: Lane, now: np.ndarray) -> tuple[np.ndarray, ...]:
         """Along and left [m] of a lane, the yaw against it, and the velocities along it and to its left [M]."""
         along, left = lane.line.along_across(now[:, :2])
-        heading = lane.heading(along)
+        heading = lane.line.heading(along)
         cos, sin = np.cos(heading), np.sin(heading)
         return along, left, now[:, 2] - heading, now[:, 3] * cos + now[:, 4] * sin, now[:, 4] * cos - now[:, 3] * sin
 

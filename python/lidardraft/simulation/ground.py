@@ -9,29 +9,22 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 
 from lidardraft.arranging.ground import COAT, PAINT, cut
-from lidardraft.arranging.lanes import driven_lanes
 from lidardraft.arranging.markings import COUNTRY, EDGE_OFF, TOWN, Line, bay_lines, road_markings
 from lidardraft.drafting.solver.poses import half_of, row_poses
 from lidardraft.objects.mesh import quads
 from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.scene.road import Road
+from lidardraft.scene.road_surfaces import road_surfaces
+from lidardraft.scene.street import StreetFrame, paths_of
 from lidardraft.simulation.coarse_object import generator_of
-from lidardraft.simulation.street_frame import district_of, road_of
-from lidardraft.simulation.surroundings import RoadStrip, strip_rows
+from lidardraft.simulation.roads import RoadStrip, district_of, lanes_of, strip_rows
 
-_LANE = (2.9, 4.0)  # m, widths of lanes that are looked for
-_PARKING = (1.7, 3.5)  # m, widths of strips for parked cars, or hard shoulders
-_AMID = 0.2  # m from the middle of a one-way road that the ego vehicle is at most
-_CARS = 2.2  # m, the strip of parked cars on a one-way road
 _WIDEST_ROUND = 100.0  # m
-_EXACT = 0.05  # m that lanes may leave of the width of a road, or exceed it by
 _TWO_LANES = 5.0  # m: a narrower road has no lines
-_LINED_LANES = 3.6  # m: width of the lanes of a road that nothing tells the lanes of, at most
 _CLEAR = 3.0  # m from lines to a crossing road
 _BESIDE = 1.0  # m from a road within which a sidewalk has a kerb
 _KERB, _KERB_PROUD = 0.15, 0.003  # m wide; m that kerbstones stand out
@@ -41,20 +34,14 @@ _LIGHTS = 12.0  # m from a crossing road within which lights are its own
 _ZEBRA_BEFORE, _ZEBRAS_APART = 2.3, 8.0  # m from a crossing road to the middle of a zebra, and between two
 
 
-class _Lanes(NamedTuple):
-    number: int  # of one direction
-    width: float  # m
-    parking: float  # m beside the outermost lanes
-    two_way: bool = True
-
-
 def ground_parts(layout: Layout, strips: tuple[RoadStrip, ...], seed: int) -> list[Primitive]:
     """The markings and kerbstones of a layout."""
     walks = [p for p in layout if p.label == "sidewalk" and p.material is None]
     taken = {p.id: p for p in layout}
     made, marked = [], set[str]()
-    road = road_of(layout.provenance["road"]) if "road" in layout.provenance else None
-    if road is not None and all(taken.get(p.id) == p for p in road.surfaces() if p.label == "road"):
+    roads = layout.roads
+    road = None if roads is None or roads.street is None or roads.drawn is not None else roads.street.road
+    if road is not None and all(taken.get(p.id) == p for p in road_surfaces(road) if p.label == "road"):
         made, marked = _known_markings(road, layout, seed), {"road", "road_back"}
     rounds = _rounds(layout, strips) if strips else []
     for strip in strips:
@@ -74,9 +61,9 @@ def _known_markings(road: Road, layout: Layout, seed: int) -> list[Primitive]:
         near = road.edge + _LIGHTS
         lights = any(p.label == "traffic-light" and math.dist(p.center[:2], middle) < near for p in layout)
         district = district_of(layout, road)
-        lanes = driven_lanes(road, district, (), None, oneway=False, lights=lights)
+        street = StreetFrame(road=road, speed=district.speed, parked=(), lights=lights)
         rng, crossings = generator_of(seed, "markings"), _crossings(road, layout)
-        spans = road_markings(road, lanes, None, district.speed, rng, crossings=crossings)
+        spans = road_markings(road, paths_of(street), None, district.speed, rng, crossings=crossings)
     if road.curvature and len(spans):
         spans = cut(spans, np.arange(-road.half_length, road.half_length, _BEND_PIECE), 0)
     plane = road.points(spans[:, [0, 1, 1, 0]], spans[:, [2, 2, 3, 3]]) if len(spans) else np.zeros((0, 4, 2))
@@ -85,9 +72,7 @@ def _known_markings(road: Road, layout: Layout, seed: int) -> list[Primitive]:
 
 def _crossings(road: Road, layout: Layout) -> Sequence[float]:
     """Where people of a sentence cross the road [m along], before or behind another that crosses it."""
-    groups = layout.provenance.get("spec", {}).get("groups", ())
-    numbers = layout.provenance.get("objects", {})
-    cross = {name for name, number in numbers.items() if str(groups[number].get("heading")).startswith("across")}
+    cross = {name for name, asked in layout.intent.objects.items() if str(asked.heading).startswith("across")}
     found: list[float] = []
     for person in layout:
         if person.label == "person" and object_of(person) in cross and road.sidewalk > 0:
@@ -113,14 +98,14 @@ def _markings(
     if not spans:
         return None
     low, high, across = np.array(spans).T
-    middle = strip.at((low + high) / 2, across)
+    middle = strip.line.at((low + high) / 2, across)
     kept = np.ones(len(spans), dtype=bool)
     for other in strips:
         if other is not strip:
-            along, aside = other.along_across(middle)
+            along, aside = other.line.along_across(middle)
             # a side road begins at the edge of the road that it meets
             reach = 2 * strip.half
-            kept &= ~((np.abs(aside) < other.half + _CLEAR) & (along > -reach) & (along < other.length + reach))
+            kept &= ~((np.abs(aside) < other.half + _CLEAR) & (along > -reach) & (along < other.line.length + reach))
     for x, y, radius in rounds:
         kept &= np.hypot(middle[:, 0] - x, middle[:, 1] - y) > radius + _CLEAR
     low, high, across = low[kept], high[kept], across[kept]
@@ -128,7 +113,7 @@ def _markings(
         return None
     along = np.stack([low, high, high, low], axis=1)
     side = across[:, None] + TOWN.lane_line / 2 * np.array([-1, -1, 1, 1])
-    return _painted(strip.at(along, side), strip.top, f"{strip.id}.markings")
+    return _painted(strip.line.at(along, side), strip.top, f"{strip.id}.markings")
 
 
 def _rounds(layout: Layout, strips: tuple[RoadStrip, ...]) -> list[tuple[float, float, float]]:
@@ -140,7 +125,7 @@ def _rounds(layout: Layout, strips: tuple[RoadStrip, ...]) -> list[tuple[float, 
 
 def _lines(strip: RoadStrip, town: bool) -> list[Line]:
     """Between lanes, along parked cars, and, outside towns, along the edges."""
-    lanes = _lanes(strip)
+    lanes = lanes_of(strip)
     if 2 * strip.half < _TWO_LANES:
         return []
     pattern = TOWN if town else COUNTRY
@@ -156,43 +141,13 @@ def _lines(strip: RoadStrip, town: bool) -> list[Line]:
     return lines
 
 
-def _lanes(strip: RoadStrip) -> _Lanes:
-    """What the place of the ego vehicle, amid a lane, tells of the lanes of its road."""
-    along, across = strip.along_across(np.zeros((1, 2)))
-    off = -float(across[0])
-    if 0.0 < float(along[0]) < strip.length and abs(off) < strip.half:
-        if abs(off) < _AMID:
-            return _one_way(strip.half)
-        # lanes and how many widths of them the ego is off the middle: on the right, or anywhere on a one-way road
-        two_way = [(n, n - k - 0.5) for n in range(1, 7) for k in range(n)] if off > 0.0 else []
-        one_way = [(n, (n - 1) / 2 - k) for n in range(2, 5) for k in range(n) if n - 1 != 2 * k]
-        for ways, both in ((two_way, True), (one_way, False)):
-            for least, most in ((-_EXACT, _EXACT), _PARKING):
-                for lanes, share in ways:
-                    parking = strip.half - lanes * off / share * (1.0 if both else 0.5)
-                    if _LANE[0] <= off / share <= _LANE[1] and least <= parking <= most:
-                        return _Lanes(lanes, off / share, parking if parking > _EXACT else 0.0, both)
-    lanes = max(1, math.ceil(strip.half / _LINED_LANES - 0.25))
-    return _Lanes(lanes, strip.half / lanes, 0.0)
-
-
-def _one_way(half: float) -> _Lanes:
-    """The lanes of a road whose middle the ego vehicle drives along: one, or three."""
-    for count in (1, 3):
-        for parking in (0.0, _CARS):
-            width = 2 * (half - parking) / count
-            if _LANE[0] <= width <= _LANE[1]:
-                return _Lanes(count, width, parking, two_way=False)
-    return _Lanes(1, 2 * half, 0.0, two_way=False)
-
-
 def _pieces(strip: RoadStrip, line: Line) -> list[tuple[float, float, float]]:
     """From, to and across [m]; what is solid is cut into pieces that follow a bend."""
     if line.gap > 0.0:
-        starts = np.arange(line.gap / 2, strip.length - line.dash, line.dash + line.gap)
+        starts = np.arange(line.gap / 2, strip.line.length - line.dash, line.dash + line.gap)
         return [(start, start + line.dash, line.across) for start in starts.tolist()]
-    step = line.dash if len(strip.middle) > 2 else _STRAIGHT
-    ends = np.linspace(0.0, strip.length, max(1, math.ceil(strip.length / step)) + 1).tolist()
+    step = line.dash if len(strip.line.middle) > 2 else _STRAIGHT
+    ends = np.linspace(0.0, strip.line.length, max(1, math.ceil(strip.line.length / step)) + 1).tolist()
     return [(low, high, line.across) for low, high in itertools.pairwise(ends)]
 
 
@@ -202,9 +157,11 @@ def _kerb(walk: Primitive, strips: tuple[RoadStrip, ...]) -> Primitive | None:
     best, side, nearest = None, 0, _BESIDE
     for strip in strips:
         for k, edge in enumerate(edges):
-            along, across = strip.along_across(edge[len(edge) // 2][None] if len(edge) > 2 else edge.mean(axis=0)[None])
+            along, across = strip.line.along_across(
+                edge[len(edge) // 2][None] if len(edge) > 2 else edge.mean(axis=0)[None]
+            )
             away = abs(abs(float(across[0])) - strip.half)
-            if 0.0 <= float(along[0]) <= strip.length and away < nearest:
+            if 0.0 <= float(along[0]) <= strip.line.length and away < nearest:
                 best, side, nearest = edge, k, away
     if best is None:
         return None

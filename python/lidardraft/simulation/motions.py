@@ -8,17 +8,18 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 
 from lidardraft.scene.check import VEHICLE_LABELS
+from lidardraft.scene.intent import Asked
+from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk
 from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME, GROUND
-from lidardraft.simulation.driving import Body, Driver, Lane, driver_of
+from lidardraft.simulation.driving import Body, Driver, driver_of
 
 _DRIVES = frozenset({*VEHICLE_LABELS, "rider"})
 _WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around who walks; m between places that are looked at
@@ -54,55 +55,38 @@ def usual_motions(
 ) -> dict[str, Motion]:
     """The motions of all bodies that have none `given`, but for those that stand; first who is the first to give way:
     the ego vehicle after others, and what the sentence moves after the rest."""
-    said = _said(layout)
-    crossing = {name for name, words in said.items() if str(words.get("heading")).startswith("across")}
+    said = {name: layout.intent.of(name) for name in bodies}
+    crossing = {name for name, asked in said.items() if str(asked.heading).startswith("across")}
     found: dict[str, Motion] = {}
     for name, body in bodies.items():
-        words = said.get(name, {})
-        if name in given or words.get("heading") == "parked" or words.get("speed") == 0.0:
+        asked = said[name]
+        if name in given or asked.heading == "parked" or asked.speed == 0.0:
             continue
         motion: Motion | None = None
         if body.labels & _DRIVES:
-            motion = _along_lane(body, words, lanes)
+            motion = _along_lane(body, asked, lanes)
         elif "person" in body.labels:
             together = crossing if name in crossing else {name}
             still = [other for one, other in bodies.items() if one not in together]
-            motion = _free_walk(body, words.get("speed", _WALKING), still, ground, duration, name in crossing)
+            motion = _free_walk(body, asked.speed or _WALKING, still, ground, duration, name in crossing)
         if motion is not None:
             found[name] = motion
-    for name, words in said.items():
-        if words.get("motion") == "overtakes":
-            others = [one for one in bodies if said.get(one, {}).get("number") in words["overtaken"]]
+    for name in ("ego", *layout.intent.objects):
+        if name in bodies and said[name].motion == "overtakes":
+            others = [one for one in bodies if said[one].group in said[name].overtakes]
             _pass(name, others or ["ego"], {**given, **found}, found, bodies, lanes)
 
     def gives_way_late(name: str) -> tuple[bool, bool]:
-        words = said.get(name, {})
-        turns = str(words.get("heading")) in _TURNS
-        return name in crossing or turns or "motion" in words or "speed" in words, name == "ego"
+        asked = said[name]
+        moves = str(asked.heading) in _TURNS or asked.motion is not None or asked.speed is not None
+        return name in crossing or moves, name == "ego"
 
     return {name: found[name] for name in sorted(found, key=gives_way_late)}
 
 
-def _said(layout: Layout) -> dict[str, dict[str, Any]]:
-    """What the spec of a sentence says of each object and of the ego vehicle: the fields of its group, its number, and
-    the numbers of those that it overtakes."""
-    spec = layout.provenance.get("spec", {})
-    groups, road = spec.get("groups", []), spec.get("road", {})
-    ahead = [n for n, group in enumerate(groups) if group.get("heading") in (None, "with")]
-    said = {
-        "ego": {
-            "overtaken": ahead,
-            **{name: road[f"ego_{name}"] for name in ("motion", "speed") if f"ego_{name}" in road},
-        }
-    }
-    for name, number in layout.provenance.get("objects", {}).items():
-        said[name] = {**groups[number], "number": number, "overtaken": groups[number].get("references", [])}
-    return said
-
-
-def _along_lane(body: Body, words: Mapping[str, Any], lanes: Sequence[Lane]) -> Motion | None:
-    """How a vehicle drives along its lane, if it is in one, as words say."""
-    heading, speed, motion = str(words.get("heading")), words.get("speed"), words.get("motion")
+def _along_lane(body: Body, asked: Asked, lanes: Sequence[Lane]) -> Motion | None:
+    """How a vehicle drives along its lane, if it is in one, as was asked."""
+    heading, speed, motion = str(asked.heading), asked.speed, asked.motion
     straight = AlongLane(speed, overtakes=motion == "overtakes", gives_way=not heading.startswith("across"))
     turned = [replace(straight, turn=turn) for turn in _TURNS.get(heading, ())]
     drivers = [driver for one in turned if (driver := driver_of(body, one, lanes)) is not None]

@@ -31,6 +31,7 @@ from lidardraft.scene.scenario import Scenario, Track
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.weather import Weather, weather_of
+from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
 from lidardraft.simulation.tracks import tracks_of
 
@@ -81,7 +82,8 @@ class SequenceSimulator:
     ) -> None:
         _check_rate(sensor, frames, hz)
         self.frames, self.hz, self.seed = frames, hz, check_seed(seed)
-        self.layout, scene, self._assumed = prepared(layout, seed, detail)
+        layout, scene, self._assumed = prepared(layout, seed, detail)
+        self.layout = with_known_roads(layout)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
         still = list[Primitive]()
         parts: dict[str, list[Primitive]] = {name: [] for name in self.tracks.actors}
@@ -89,7 +91,7 @@ class SequenceSimulator:
             parts.get(object_of(primitive), still).append(primitive)
         # those that stand come first, so that their casts name them by their numbers in the whole
         whole = Layout((*still, *(p for some in parts.values() for p in some)))
-        weather = weather or weather_of(self.layout)
+        weather = weather or weather_of(self.layout.intent.weather)
         self._scanner = Scanner.from_layout(whole, sensor, model=model, weather=weather, by_id=True, threads=threads)
         self._still = dataclasses.replace(self._scanner, caster=Raycaster(Layout(tuple(still)), by_id=True))
         self._movers, first = list[_Mover](), len(still)

@@ -48,7 +48,7 @@ class Simulator:
     ) -> None:
         check_type("sensor", sensor, Sensor)
         self.layout, self.scene, self._assumed = prepared(layout, seed, detail)
-        weather = weather or weather_of(self.layout)
+        weather = weather or weather_of(self.layout.intent.weather)
         self._scanner = Scanner.from_layout(
             self.scene, sensor, model=model, weather=weather, by_id=True, threads=threads
         )

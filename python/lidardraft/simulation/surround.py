@@ -6,30 +6,31 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 import numpy as np
 
-from lidardraft.arranging.district import SETTINGS, SIDES, District
+from lidardraft.arranging.district import District, only_district, setting
 from lidardraft.arranging.ground import Ground
-from lidardraft.arranging.lanes import driven_lanes
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import Frame, fill, greened, sample_lights
 from lidardraft.arranging.street_mix import StreetMix, applied
-from lidardraft.drafting.solver.scene_spec import SceneSpec
-from lidardraft.errors import LayoutError, check_seed, check_type
+from lidardraft.errors import LayoutError, check_choice, check_seed, check_type
 from lidardraft.objects.kinds import KINDS, SENTENCE_KINDS, kind_of
 from lidardraft.objects.mesh import quads
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.check import EGO_SIZE, SIZE_RANGES, VEHICLE_LABELS, LayoutGround, objects
 from lidardraft.scene.edit import placed
+from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import AROUND, MOST_PRIMITIVES, Layout, Primitive
 from lidardraft.scene.pose import in_frame, place_around
-from lidardraft.scene.road import KERB_HEIGHT, Road
+from lidardraft.scene.road import KERB_HEIGHT, SIDES, Road
+from lidardraft.scene.road_network import RoadNetwork
+from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.scene.solids import Solid
+from lidardraft.scene.street import StreetFrame
 from lidardraft.semantics import BY_NAME
+from lidardraft.simulation.roads import NoStreetError, with_roads
 from lidardraft.simulation.sights import SENSOR, Sights
-from lidardraft.simulation.street_frame import NoStreetError, StreetFrame, only_district, street_frame
 
 _STREAM = 5  # of random numbers, apart from those that made the layout
 # How often a street that nothing is said of lies in a district, by its lanes each way: estimates.
@@ -54,9 +55,9 @@ def surround(layout: Layout, *, seed: int = 0) -> Layout:
 
     All primitives of the layout stay as they are; those that come with the street have ids such as "around/tree_12",
     and `edit.remove(layout, "around/*")` takes them away. What a sentence counts or denies is not added, nothing
-    touches what was asked for, and sight lines to it stay open. `provenance["surroundings"]` says the district, the
-    number of objects, the share of the sight lines that is open, and which objects are `hidden` by which that were
-    asked for too; or in "note" why there is no street.
+    touches what was asked for, and sight lines to it stay open. `intent.around` is its district; notes say which
+    objects are hidden by which that were asked for too, or why there is no street. `provenance["surroundings"]` has the
+    number of objects, and the share of the sight lines that is open.
 
     Raises `LayoutError` on an invalid seed, and where the layout has surroundings already.
     """
@@ -66,38 +67,40 @@ def surround(layout: Layout, *, seed: int = 0) -> Layout:
         raise LayoutError(f'the layout has surroundings already, the objects "{AROUND}*"')
     rng = np.random.default_rng([seed, _STREAM])
     try:
-        scene = _Scene(layout, street_frame(layout))
+        layout = with_roads(layout)
+        roads, street = _to_fill(layout)
+        scene = _Scene(layout, street)
         frame, name = scene.frame(rng)
         fill(frame, rng)
         standing = scene.standing(frame.occupancy.objects)
-        around = list(placed([*scene.land(frame.occupancy.ground), *_shapes(standing)], scene.place))
+        around = list(placed([*scene.land(frame.occupancy.ground), *_shapes(standing)], scene.street.place))
         if len(layout) + len(around) > MOST_PRIMITIVES:
             raise NoStreetError(f"no street around it: it would have over {MOST_PRIMITIVES} shapes")
     except NoStreetError as error:
-        return dataclasses.replace(layout, provenance=layout.provenance | {"surroundings": {"note": str(error)}})
-    whole = dataclasses.replace(layout, primitives=(*layout.primitives, *around))
-    said: dict[str, Any] = {"district": name, "seed": seed, "objects": len(standing)}
-    said["in_sight"] = scene.sights.share_open(whole)
-    if hidden := {name: by for name, by in scene.sights.hidden.items() if name not in scene.free}:
-        said["hidden"] = hidden
-    return dataclasses.replace(whole, provenance=layout.provenance | {"surroundings": said})
+        return layout.noted(str(error))
+    intent = dataclasses.replace(layout.intent, around=name)
+    roads = roads.but(street=dataclasses.replace(street, speed=frame.district.speed, lights=frame.street.lights))
+    whole = dataclasses.replace(layout, primitives=(*layout.primitives, *around), intent=intent, roads=roads)
+    said = {"district": name, "seed": seed, "objects": len(standing), "in_sight": scene.sights.share_open(whole)}
+    hidden = {name: by for name, by in scene.sights.hidden.items() if name not in scene.free}
+    notes = [f"{name} cannot be seen: {by} stands before it" for name, by in hidden.items()]
+    return dataclasses.replace(whole, provenance=layout.provenance | {"surroundings": said}).noted(*notes)
 
 
 class _Scene:
     """What is given of a street: all in the frame of the road, in which the ego vehicle stands at x, y, yaw `ego`."""
 
-    def __init__(self, layout: Layout, given: StreetFrame) -> None:
-        self.road, self.place, self.plain, self.lacks, paved, self.ends = given
-        self.ego = place_around(given.place)
-        self.paved = [one._replace(place=in_frame(one.place, self.ego)) for one in paved]
-        provenance = layout.provenance
-        self.spec = SceneSpec.from_dict(provenance.get("spec", {}))
+    def __init__(self, layout: Layout, street: StreetFrame) -> None:
+        self.street, self.road = street, street.road
+        self.ego = place_around(street.place)
+        self.paved = [(in_frame(one.place, self.ego), one.size, one.label) for one in street.paved]
+        self.intent = layout.intent
         self.given = list(placed(layout, self.ego))
         self.asked = objects(Layout(tuple(self.given)))
         self.coverage = layout.coverage
-        self.counted = {p.label for p in layout} if "road" not in provenance and self.coverage is None else set()
-        many = {number for number, group in enumerate(self.spec.groups) if group.count in ("some", "many")}
-        self.free = {name for name, number in provenance.get("objects", {}).items() if number in many}
+        is_drawn = self.intent.road is None and self.coverage is None
+        self.counted = {p.label for p in layout} if is_drawn else set[str]()
+        self.free = {name for name, asked in self.intent.objects.items() if not asked.counted}
         # more of "houses on both sides", or of what "downtown" implies, may well stand in front of them
         watched = {
             name for name, some in self.asked.items() if name not in self.free or BY_NAME[some[0].label].is_thing
@@ -107,14 +110,14 @@ class _Scene:
     def frame(self, rng: np.random.Generator) -> tuple[Frame, str]:
         """The frame to fill, with all that was asked for reserved, and the name of its district."""
         road = self.road
-        name = self.spec.district or _sample_district(road, self.spec, rng)
-        district = SETTINGS[name] if name == "alley" else greened(SETTINGS[name], rng)
-        district = applied(_ACTIVITY.get(str(self.spec.activity), StreetMix()), district)
+        name = self.intent.district or _sample_district(road, self.intent, rng)
+        district = setting(name) if name == "alley" else greened(setting(name), rng)
+        district = applied(_ACTIVITY.get(str(self.intent.activity), StreetMix()), district)
         district = _beside_lots(district, road)
         paved = bool(rng.random() < district.paved)
         flat = self._flat
-        ground = Ground(road, rng, district.land, plain=self.plain, paved=paved, share=flat)
-        denied = _denied(self.spec, self.counted) | (set() if district.built_up else _AT_HOUSES)
+        ground = Ground(road, rng, district.land, plain=self.street.plain, paved=paved, share=flat)
+        denied = _denied(self.intent, self.counted) | (set() if district.built_up else _AT_HOUSES)
         instances = max((primitive.instance for primitive in self.given), default=0)
         occupancy = Occupancy(road, ground, denied=denied, instances=instances)
         for space in (*self._footprints(), *self._view(), *self._beyond_ends()):
@@ -131,8 +134,8 @@ class _Scene:
         parked = 1.0 / (2.0 - district.parked) if district.built_up else district.parked
         parking = tuple(side for side in SIDES if road.parking > 0 and rng.random() < parked)
         lights = sample_lights(road, district, rng)
-        lanes = driven_lanes(road, district, parking, None, oneway=False, lights=lights)
-        return Frame(district, occupancy, lanes, parking, None, lights), name
+        street = StreetFrame(road=road, speed=district.speed, parked=parking, lights=lights)
+        return Frame(district, street, occupancy), name
 
     def _flat(self, points: np.ndarray) -> np.ndarray:
         """How much of its relief the land has at points [..., 2]: none on what is paved, and none under what was asked
@@ -163,14 +166,14 @@ class _Scene:
         corners, kinds, across = ground.quads()
         outside = self._is_outside(corners)
         yards = (kinds == 1) & (np.abs(across) > self.road.verge)
-        rises = (corners[..., 2] > self.plain + 1e-3).any(axis=-1) | ("terrain" in self.lacks)
+        rises = (corners[..., 2] > self.street.plain + 1e-3).any(axis=-1) | ("terrain" in self.street.lacks)
         pieces = {"land": ("terrain", corners[(kinds == 2) & rises & outside]), "yards": ("sidewalk", corners[yards])}
-        if "road" in self.lacks:
+        if "road" in self.street.lacks:
             flat = corners * (1.0, 1.0, 0.0)
             pieces["road"] = ("road", flat[(kinds == 0) & outside])
             pieces["sidewalks"] = ("sidewalk", flat[(kinds == 1) & ~yards & outside] + np.array([0, 0, KERB_HEIGHT]))
-        elif "sidewalk" in self.lacks:
-            walks = [surface for surface in self.road.surfaces() if surface.label == "sidewalk"]
+        elif "sidewalk" in self.street.lacks:
+            walks = [surface for surface in road_surfaces(self.road) if surface.label == "sidewalk"]
             yield from (dataclasses.replace(walk, id=AROUND + walk.id) for walk in walks)
         pieces["drives"] = ("road", ground.drives())
         for name, (label, quad) in pieces.items():
@@ -204,7 +207,7 @@ class _Scene:
 
     def _beyond_ends(self) -> Iterator[Solid]:
         """Where a drawn road would go on."""
-        for end in self.ends or ():
+        for end in self.street.ends or ():
             x, y, yaw = self.road.at(end + math.copysign(_BEYOND / 2, end), 0.0)
             yield Solid.box(x, y, yaw, (_BEYOND, 2 * self.road.verge), -_HIGH, _HIGH)
 
@@ -214,7 +217,7 @@ class _Scene:
         objects = [one for one in objects if math.dist((one.x, one.y), self.ego[:2]) < _REACH]
         longest = SIZE_RANGES["car"][1][0]
         objects = [one for one in objects if "car" not in kind_of(one.kind).labels or one.size[0] < longest]
-        if self.ends is None:
+        if self.street.ends is None:
             return objects
         ground = LayoutGround(self.given)
         return [dataclasses.replace(one, z=one.z - one.level + ground.height(one.x, one.y)) for one in objects]
@@ -229,13 +232,22 @@ class _Scene:
         return outside
 
 
-def _sample_district(road: Road, spec: SceneSpec, rng: np.random.Generator) -> str:
+def _to_fill(layout: Layout) -> tuple[RoadNetwork, StreetFrame]:
+    """The roads of a layout, and the street that is to be filled."""
+    roads = layout.roads
+    if roads is None or roads.street is None:
+        raise NoStreetError("no street around it: its roads are those of a map, and only one road can be filled")
+    if roads.street.parked is not None:
+        raise NoStreetError("no street around it: it is a whole street already")
+    return roads, roads.street
+
+
+def _sample_district(road: Road, intent: Intent, rng: np.random.Generator) -> str:
     """The name of a district that such a road may lead through."""
-    if only := only_district(road, spec.road.kind):
+    if only := only_district(road, intent.road):
         return only
     shares = _NARROW if road.lanes == 1 else _WIDE
-    kinds = {group.kind for group in spec.groups}
-    if "house" in kinds:
+    if any(asked.kind == "house" for asked in intent.objects.values()):
         return "residential"
     return str(rng.choice(list(shares), p=list(shares.values())))
 
@@ -247,23 +259,21 @@ def _beside_lots(district: District, road: Road) -> District:
     return dataclasses.replace(district, setback=(low + depth, high + depth))
 
 
-def _denied(spec: SceneSpec, counted: set[str]) -> frozenset[str]:
-    """The kinds of objects of which one more would contradict a spec: it counts them, or says that there are none.
+def _denied(intent: Intent, counted: set[str]) -> frozenset[str]:
+    """The kinds of objects of which one more would contradict what was asked for.
 
     Sketches and boxes count the things of which they have any: they are those of the classes `counted`.
     """
-    words = {
-        *spec.absent,
-        *spec.not_around,
-        *(group.kind for group in spec.groups if group.count not in ("some", "many")),
-    }
+    words = set(intent.denied)
+    for word in words:
+        check_choice("intent: denied: kind", word, SENTENCE_KINDS)
     labels = {SENTENCE_KINDS[word].label for word in words} - {"vegetation", "trunk", "pole", "other"}
     labels |= {label for label in counted if BY_NAME[label].is_thing}
     if "vehicle" in words:
         labels |= set(VEHICLE_LABELS)
     if any(SENTENCE_KINDS[word].is_ridden for word in words):
         labels.add("rider")
-    if spec.activity == "empty":
+    if intent.activity == "empty":
         labels |= {name for name, row in BY_NAME.items() if row.is_thing}
     denied = {name for name, kind in KINDS.items() if {name, kind.word} & words or labels.intersection(kind.labels)}
     return frozenset(denied | {"grass"})  # of which a coarse layout has nothing

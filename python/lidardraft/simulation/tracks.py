@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,12 +13,14 @@ from scipy.interpolate import PchipInterpolator
 
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import EGO, EGO_SIZE, OVERLAP_TOLERANCE, VEHICLE_LABELS, objects
+from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout, Primitive, box_around
 from lidardraft.scene.scenario import AlongLane, Motion, Scenario, Straight, Track, Walk, Waypoints
 from lidardraft.scene.solids import Solid, penetration
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.driving import STEP, Body, Driver, Lane, drive, driver_of, lanes_of
+from lidardraft.simulation.driving import STEP, Body, Driver, drive, driver_of
 from lidardraft.simulation.motions import Ground, usual_motions
+from lidardraft.simulation.roads import with_known_roads
 
 _REACHED = 1.9  # m over the ground, what hangs higher is passed under
 _CHECKED = 0.2  # s between the times at which it is looked for collisions
@@ -46,7 +48,8 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     """
     bodies = {name: _body(name, parts) for name, parts in objects(layout).items()}
     scenario.check_names(list(bodies))
-    lanes, ground = lanes_of(layout), Ground(layout)
+    roads, ground = with_known_roads(layout).roads, Ground(layout)
+    lanes = () if roads is None else roads.ways()
     given = {name: motion for name in bodies if (motion := scenario.of(name)) is not None}
     if scenario.ego is not None and speed is not None:
         raise LayoutError(f"speed is {speed:g}, and the scenario says how the ego vehicle moves; give one of them")
@@ -80,7 +83,7 @@ _EGO_BODY = dataclasses.replace(_body("ego", [EGO]), place=(0.0, 0.0, 0.0, 0.0),
 
 
 def _moved(
-    motions: Mapping[str, Motion], bodies: Mapping[str, Body], lanes: list[Lane], ground: Ground, duration: float
+    motions: Mapping[str, Motion], bodies: Mapping[str, Body], lanes: Sequence[Lane], ground: Ground, duration: float
 ) -> dict[str, Track]:
     """The tracks of all that has a motion, on the ground."""
     times = np.arange(math.ceil(duration / STEP) + 2) * STEP  # two at least, as rates need
@@ -94,9 +97,13 @@ def _moved(
         elif name == "ego" or motion != Straight(0.0):
             others[name] = _track(motion, bodies[name].place, times)
     tracks = others | drive(drivers, others, bodies, times)
+    rises = {driver.body.name for driver in drivers if driver.lane.line.heights.any()}
     for name, track in tracks.items():
         home = np.array([bodies[name].place])
-        track.places[:, 2] = home[0, 2] + ground.at(track.places)[0] - ground.at(home)[0]
+        if name in rises:
+            track.places[:, 2] += home[0, 2] - track.places[0, 2]
+        else:
+            track.places[:, 2] = home[0, 2] + ground.at(track.places)[0] - ground.at(home)[0]
     return tracks
 
 

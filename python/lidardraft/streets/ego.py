@@ -8,10 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.arranging.district import FAST
-from lidardraft.arranging.lanes import Lane
 from lidardraft.arranging.occupancy import Occupancy
+from lidardraft.arranging.traffic import USES
 from lidardraft.errors import LayoutError
 from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.street import MAIN_ROAD, Path
 
 EGO_SPACE = (4.5, 2.2, 1.6)  # m that stay free around the ego vehicle
 _WHEELBASE, _TRACK = 2.7, 1.6  # m, as is usual for cars
@@ -53,12 +54,12 @@ class Ego:
     z: float
     yaw: float
     speed: float
-    lane: Lane
+    lane: Path
     pose: np.ndarray
     lean: tuple[float, float]
 
 
-def sample_ego(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Generator) -> Ego:
+def sample_ego(occupancy: Occupancy, lanes: tuple[Path, ...], rng: np.random.Generator) -> Ego:
     """A free place in one of the lanes, near the middle of the street; raises `LayoutError` if there is none."""
     road = occupancy.road
     near, middle = _NEAR * road.half_length, road.lane(road.ego_lane)
@@ -67,7 +68,7 @@ def sample_ego(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Gen
         distance = rng.uniform(0.0, lane.length)
         along, across, angle = lane.at(distance, min(max(rng.normal(0.0, _OFF_MIDDLE), -_MOST_OFF), _MOST_OFF))
         off = math.hypot(along, _ACROSS * (across - middle)) / (_SPREAD + _WIDENED * attempt)
-        likely = lane.kind.ego_share * math.exp(-0.5 * off * off) + _ANYWHERE
+        likely = USES[lane.kind].ego_share * math.exp(-0.5 * off * off) + _ANYWHERE
         if max(abs(along), abs(across)) > near or rng.random() > likely:
             continue
         x, y, heading = road.at(along, across)
@@ -79,7 +80,7 @@ def sample_ego(occupancy: Occupancy, lanes: tuple[Lane, ...], rng: np.random.Gen
 
 def _ego(
     occupancy: Occupancy,
-    lane: Lane,
+    lane: Path,
     place: tuple[float, float, float],
     planar: tuple[float, float, float],
     rng: np.random.Generator,
@@ -101,19 +102,19 @@ def _ego(
     return Ego(x, y, z, yaw, speed, lane, _on_slope((x, y, z), yaw, rise, bank), (roll, pitch))
 
 
-def _speed(lane: Lane, rng: np.random.Generator) -> float:
+def _speed(lane: Path, rng: np.random.Generator) -> float:
     """Standing, slow or up to a little over the limit [m/s]."""
     often = _SELDOM if lane.speed > FAST else 1.0
-    if rng.random() < often * lane.kind.ego_stands:
+    if rng.random() < often * USES[lane.kind].ego_stands:
         return 0.0
     if rng.random() < often * _CRAWLS:
         return float(rng.uniform(*_CRAWLING) * lane.speed)
     return float(min(max(rng.normal(*_FLOWING), _SLOWEST), _FASTEST) * lane.speed)
 
 
-def _bend(occupancy: Occupancy, lane: Lane) -> float:
+def _bend(occupancy: Occupancy, lane: Path) -> float:
     """Curvature [1/m] of the way the ego vehicle takes, positive to the left."""
-    if lane.bend or not lane.kind.follow_road:
+    if lane.bend or lane.kind != MAIN_ROAD:
         return lane.bend
     return math.copysign(occupancy.road.curvature, occupancy.road.curvature * math.cos(lane.angle))
 

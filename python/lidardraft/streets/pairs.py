@@ -14,12 +14,13 @@ import numpy as np
 
 from lidardraft.errors import LayoutError, check_number, check_seed
 from lidardraft.scene.box import Box
+from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import IMAGES, RangeImage
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.shape_table import ShapeTable
-from lidardraft.streets.coarse.coarse_layout import Style, VisibleObjects, coarse_layout, sample_style
+from lidardraft.streets.coarse.coarse_layout import ClusterStyle, Style, VisibleObjects, coarse_layout, sample_style
 from lidardraft.streets.coarse.coarse_street import place_of
 from lidardraft.streets.ego import Ego, mount, sample_ego
 from lidardraft.streets.street import Street, StreetConfig, make_street
@@ -68,7 +69,8 @@ class StreetPair:
     @property
     def layout(self) -> Layout:
         """The shapes as a layout; `raycast(layout, sensor, poses=pair.poses())` gives `condition_image` too."""
-        return self.shapes.layout({"source": self.style.source}, self.style.coverage)
+        intent = Intent(headed=not isinstance(self.style, ClusterStyle))
+        return self.shapes.layout({"source": self.style.source}, self.style.coverage, intent)
 
 
 def streets(

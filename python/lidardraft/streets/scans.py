@@ -28,7 +28,8 @@ def street_scan(index: int, *, seed: int = 0, config: StreetConfig | None = None
     street, scanner = scanned_street(seed, config, number, threads)
     ego, visible, _ = scan_street(street, scanner, index)
     provenance = {"source": "streets", "seed": seed, "index": index, "district": street.district}
-    layout = as_boxes(street.coarse, BoxStyle(relief=True), ego.pose).layout(provenance)
+    shapes = as_boxes(street.coarse, BoxStyle(relief=True), ego.pose)
+    layout = street.with_roads(shapes.layout(provenance, intent=street.scene.intent), ego.pose, relief=True)
     ahead = (1.0, 0.0, 0.0)  # in the layout's frame, which is fixed to the road; the sensor leans with the car's body
     image, pose = as_sent(visible.scan), visible.pose
     return Scan(image=image, layout=layout, pose=pose, seed=seed, speed=ego.speed, heading=ahead)

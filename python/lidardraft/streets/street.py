@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from lidardraft.arranging.lanes import Lane
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import plan_street
 from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix
 from lidardraft.errors import LayoutError, check_number, check_seed
 from lidardraft.objects.kinds import kind_of
+from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.pose import place_around, point_at
+from lidardraft.scene.road_network import RoadNetwork
+from lidardraft.scene.road_surfaces import drawn
 from lidardraft.scene.sensor import PRESETS, Sensor
+from lidardraft.scene.street import Path, StreetFrame, paths_of
 from lidardraft.scene.weather import Weather
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
-from lidardraft.streets.coarse.coarse_street import CoarseStreet
+from lidardraft.streets.coarse.coarse_street import CoarseStreet, place_of
 
 _CLEAR = Weather()
 _PARALLEL = 0.01  # rad against the road that lanes along it may have
@@ -52,22 +56,39 @@ class Street:
     """One street, in the frame of its road: all is at its place of `Road.at`.
 
     `scene` is the detailed layout, `coarse` what all of its coarse layouts have in common. `occupancy` holds the road,
-    the ground and the objects in their order, `lanes` is what is driven in, `district` a name of `DISTRICTS`.
+    the ground and the objects in their order, `frame` what its lanes follow from, `lanes` where traffic is placed, and
+    `district` is a name of `DISTRICTS`.
     """
 
     seed: int
     number: int
     district: str
     occupancy: Occupancy
-    lanes: tuple[Lane, ...]
+    frame: StreetFrame
+    lanes: tuple[Path, ...]
     scene: Layout
     coarse: CoarseStreet
 
     @property
     def layout(self) -> Layout:
         """Everything as it is, as simple shapes on flat ground."""
-        style = BoxStyle()
-        return as_boxes(self.coarse, style, np.eye(4)).layout({"source": style.source})
+        style, pose = BoxStyle(), np.eye(4)
+        return self.with_roads(as_boxes(self.coarse, style, pose).layout({"source": style.source}), pose, relief=False)
+
+    def with_roads(self, layout: Layout, pose: np.ndarray, *, relief: bool) -> Layout:
+        """A layout of the street, in the frame of the ego vehicle at street_from_ego `pose` [4, 4], with its roads,
+        which with `relief` rise and fall over the plane that stands there."""
+        place, ground = place_of(pose), self.occupancy.ground
+        street = replace(self.frame, place=place_around(place))
+
+        def height(points: np.ndarray) -> np.ndarray:
+            x, y = point_at(place, points[:, 0], points[:, 1])
+            z = ground.heights(*ground.road.along_across(x, y))
+            over: np.ndarray = (np.column_stack([x, y, z]) - pose[:3, 3]) @ pose[:3, 2]
+            return over
+
+        roads = RoadNetwork(street=street, drawn=drawn(layout), ground=height if relief else None)
+        return replace(layout, roads=roads)
 
 
 def make_street(*, seed: int = 0, config: StreetConfig | None = None, number: int = 0) -> Street:
@@ -75,13 +96,21 @@ def make_street(*, seed: int = 0, config: StreetConfig | None = None, number: in
     seed, number = check_seed(seed), check_number("number", number)
     config = config or StreetConfig()
     rng = np.random.default_rng([seed, number])
-    occupancy, lanes, district = plan_street(rng, config.half_length, config.mix)
+    frame, district = plan_street(rng, config.half_length, config.mix)
+    occupancy, lanes = frame.occupancy, paths_of(frame.street)
     primitives = occupancy.ground.surfaces()
     for placed in occupancy.objects:
         primitives += kind_of(placed.kind).build(placed, rng)
     provenance = {"source": "streets", "seed": seed, "number": number, "district": district}
-    scene = Layout(primitives=tuple(primitives), provenance=provenance)
+    scene = Layout(primitives=tuple(primitives), provenance=provenance, intent=Intent(district=district))
     middles = [lane.across for lane in lanes if abs(math.sin(lane.angle)) < _PARALLEL]
     return Street(
-        seed, number, district, occupancy, lanes, scene, CoarseStreet(occupancy.road, occupancy.objects, scene, middles)
+        seed,
+        number,
+        district,
+        occupancy,
+        frame.street,
+        lanes,
+        scene,
+        CoarseStreet(occupancy.road, occupancy.objects, scene, middles),
     )

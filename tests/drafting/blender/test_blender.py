@@ -43,7 +43,7 @@ def test_a_street_as_a_language_model_writes_it() -> None:
     assert layout["Lead_Car"].size == (4.5, 1.8, 1.5)
     assert not [finding for finding in check(layout) if finding.check in ("size", "on_road", "ego_clear", "in_range")]
     assert layout.provenance["source"] == "street.py"
-    assert any("bpy" not in note and note.startswith("line ") for note in layout.provenance["notes"])
+    assert any("bpy" not in note and note.startswith("line ") for note in layout.notes)
 
 
 def test_the_picture_of_the_docs_shows_what_is_read_now(tmp_path: Path) -> None:
@@ -70,7 +70,7 @@ def test_a_script_gives_the_same_layout_again(path: Path) -> None:
 def test_a_script_without_a_seed_says_that_0_is_taken() -> None:
     layout = layout_from_blender("import random\n" + CAR + "bpy.context.object.location.x = random.random()")
     assert layout.primitives[0].center[0] == random.Random(0).random()
-    assert "line 5: random numbers without a seed: the seed 0 is taken" in layout.provenance["notes"]
+    assert "line 5: random numbers without a seed: the seed 0 is taken" in layout.notes
 
 
 def test_a_script_that_makes_nothing_says_what_was_passed_over() -> None:

@@ -75,7 +75,7 @@ def test_what_no_shape_depends_on_may_be_anything() -> None:
         "for node in scene.render.views:\n    node.use = scene.render.use_multiview\n"
         "if scene.render.filepath:\n    scene.render.resolution_x = 5"
     )
-    assert layout.provenance["notes"] == ["line 7: render of the scene is passed over"]
+    assert list(layout.notes) == ["line 7: render of the scene is passed over"]
     refuses(
         "car.location.x = bpy.context.scene.render.fps",
         "a coordinate is render of the scene; it must be a finite number",
@@ -112,7 +112,7 @@ def test_objects_are_in_the_scene_through_their_collections() -> None:
     more = "bpy.ops.mesh.primitive_cube_add()\nbpy.context.object.name = 'Bus'"
     layout = scene(moved + more)
     assert [p.label for p in layout] == ["bus"]
-    assert layout.provenance["notes"] == ["line 11: Blob is not linked to the scene"]
+    assert list(layout.notes) == ["line 11: Blob is not linked to the scene"]
 
 
 def test_what_collections_hold() -> None:
@@ -136,7 +136,7 @@ def test_new_objects_come_into_the_active_collection() -> None:
         "bpy.data.collections.remove(bpy.data.collections.new('Other'))"
     )
     assert [shape.label for shape in layout] == ["car"]
-    assert any("what hides collections" in note for note in layout.provenance["notes"])
+    assert any("what hides collections" in note for note in layout.notes)
 
 
 def test_a_removed_collection_is_active_no_more() -> None:
@@ -206,7 +206,7 @@ def test_a_copy_shares_its_mesh_until_that_is_copied() -> None:
 
 def test_how_objects_look_is_passed_over_with_a_note() -> None:
     layout = scene(CUBE + "car.hide_render = True\ncar.color = (1, 0, 0, 1)\ncar.keyframe_insert(data_path='location')")
-    assert len(layout.provenance["notes"]) == 3
+    assert len(layout.notes) == 3
 
 
 def test_an_array_makes_a_row_of_objects() -> None:
@@ -261,7 +261,7 @@ def test_other_modifiers_are_passed_over_with_their_line() -> None:
         + CUBE
         + "m = car.modifiers.new('a', 'SOLIDIFY')\nm.thickness = 3\ncar.modifiers.new('b', 'BEVEL')"
     )
-    notes = layout_from_blender(script).provenance["notes"]
+    notes = layout_from_blender(script).notes
     assert "line 5: the modifier 'SOLIDIFY' is passed over: the shape is that without it" not in notes  # no quotes
     assert "line 5: the modifier SOLIDIFY is passed over: the shape is that without it" in notes
     assert "line 7: the modifier BEVEL is passed over" in notes
@@ -273,7 +273,7 @@ def test_operators_that_leave_shapes_alone_are_passed_over() -> None:
     layout = scene(
         CUBE + "".join(f"bpy.ops.{call}\n" for call in calls) + "if bpy.ops.object.mode_set.poll():\n    pass"
     )
-    assert [note.split(": ")[1].split(" ")[0] for note in layout.provenance["notes"]] == [
+    assert [note.split(": ")[1].split(" ")[0] for note in layout.notes] == [
         "bpy.ops.render.render",
         "bpy.ops.wm.save_as_mainfile",
         "bpy.ops.export_scene.gltf",
@@ -308,7 +308,7 @@ def test_a_circle_without_faces_is_left_out() -> None:
         "bpy.ops.mesh.primitive_circle_add()\nbpy.ops.mesh.primitive_cube_add()\nbpy.context.object.name = 'Car'"
     )
     assert [p.label for p in layout] == ["car"]
-    assert "Circle has no faces" in layout.provenance["notes"][0]
+    assert "Circle has no faces" in layout.notes[0]
 
 
 @pytest.mark.parametrize(
@@ -432,7 +432,7 @@ def test_curves_pass_and_are_no_shapes() -> None:
         "bpy.ops.surface.primitive_nurbs_surface_sphere_add()\nbpy.ops.object.select_all(action='DESELECT')"
     )
     assert [p.id for p in layout] == ["Car"]
-    assert [note.partition(": ")[2] for note in layout.provenance["notes"]] == [
+    assert [note.partition(": ")[2] for note in layout.notes] == [
         "CURVE is passed over",
         "bpy.ops.curve.subdivide is passed over",
         "SURFACE is passed over",

@@ -94,7 +94,7 @@ def test_an_object_without_a_class_is_other_or_where_asked_refused() -> None:
     script = "import bpy\n" + ADD + "add('Cube')\nadd('Cube')\nadd('Thingy')\nadd('Car')"
     layout = layout_from_blender(script)
     assert [p.label for p in layout] == ["other", "other", "other", "car"]
-    assert [note.partition(";")[0] for note in layout.provenance["notes"]] == [
+    assert [note.partition(";")[0] for note in layout.notes] == [
         "line 3: no class for Cube: it becomes 'other'",
         "line 3: no class for Thingy: it becomes 'other'",
     ]
@@ -107,7 +107,7 @@ def test_an_object_without_a_class_is_other_or_where_asked_refused() -> None:
 def test_the_ego_vehicle_is_left_out() -> None:
     layout = scene(ADD + "add('Ego_Car')\nadd('EgoVehicle_Wheel')\nadd('Lego_Car')")
     assert [p.id for p in layout] == ["Lego_Car"]
-    assert layout.provenance["notes"] == ["line 8: the ego vehicle is left out: it carries the sensor"]
+    assert list(layout.notes) == ["line 8: the ego vehicle is left out: it carries the sensor"]
 
 
 def test_a_vehicle_modelled_along_y_is_turned() -> None:
@@ -151,7 +151,7 @@ def test_a_cube_scaled_to_a_line_is_left_out() -> None:
         "bpy.ops.mesh.primitive_cube_add()\nbpy.context.object.name = 'Bus'"
     )
     assert [p.id for p in layout] == ["Bus"]
-    assert "Wall has no surface" in layout.provenance["notes"][0]
+    assert "Wall has no surface" in layout.notes[0]
 
 
 @pytest.mark.parametrize("angles", [(0.0, 0.0, 0.0), (0.4, 0.2, 0.9), (math.pi / 2, 0.0, 0.3), (0.0, math.pi, 0.0)])

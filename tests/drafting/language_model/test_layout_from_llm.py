@@ -78,8 +78,9 @@ def test_a_text_in_any_language_becomes_a_layout(server: ReplayServer, dialect: 
     told = layout.provenance
     assert (told["source"], told["sentence"], told["seed"]) == ("llm", TEXT, 0)
     assert told["understood"] == ["road: straight", "van: 2, in front, in the ego's direction", "bus: 1, behind van"]
-    assert told["not_understood"] == ["es regnet"]
-    assert told["objects"] == {"van_1": 0, "van_2": 0, "bus_1": 1}
+    assert layout.notes == ("not understood: es regnet",)
+    assert layout.intent.sentence == TEXT
+    assert {name: asked.group for name, asked in layout.intent.objects.items()} == {"van_1": 0, "van_2": 0, "bus_1": 1}
     assert [group["words"] for group in told["spec"]["groups"]] == ["zwei Lieferwagen", "Ein Bus steckt hinter"]
 
 
@@ -87,12 +88,13 @@ def test_the_reply_in_the_docs_is_read_as_they_say(server: ReplayServer) -> None
     page = (Path(__file__).parents[3] / "docs" / "language-models.md").read_text()
     text, reply = page.split('For the text "')[1].split('"')[0], page.split("```json")[1].split("```")[0]
     server.answers = [openai(reply)]
-    told = draft(server, text).provenance
-    lines = [line for line in page.splitlines() if line.startswith("layout.provenance[")]
-    said = {line.split('"')[1]: line.split("  # ")[1] for line in lines}
-    for name in ("understood", "not_understood", "objects"):
-        assert json.dumps(told[name]) == said[name]
-    assert ", ".join(told["llm"]) == said["llm"]
+    names = {"layout": draft(server, text)}
+    lines = [line.split("  # ") for line in page.splitlines() if line.startswith("layout.") and "  # " in line]
+    *lines, (llm, keys) = lines
+    assert len(lines) == 3
+    for expression, said in lines:
+        assert eval(expression, names) == eval(said)
+    assert ", ".join(eval(llm, names)) == keys
 
 
 def test_what_is_asked_and_what_is_told_of_it(server: ReplayServer) -> None:
@@ -215,9 +217,10 @@ def test_a_script_becomes_a_layout(server: ReplayServer) -> None:
     assert [box.label for box in layout.boxes()] == ["bus"]
     told = layout.provenance
     assert (told["source"], told["sentence"], told["seed"]) == ("llm", TEXT, 3)
-    assert told["findings"] == ["bus_1 has length 4.00 m; a bus has 5.5 to 25 m"] + [
-        f"bus_1 has {name} 4.00 m; a bus has {limits}" for name, limits in (("width", "1.9 to 2.8 m"),)
-    ]
+    assert layout.notes[-2:] == (
+        "bus_1 has length 4.00 m; a bus has 5.5 to 25 m",
+        "bus_1 has width 4.00 m; a bus has 1.9 to 2.8 m",
+    )
     assert told["llm"]["prompt"] == blender_prompt().version
     assert code_of(told["llm"]["reply"]) == script
     first, second, third = [attempt["error"] for attempt in told["llm"]["attempts"]]
@@ -259,7 +262,7 @@ def test_the_examples_in_the_prompts_can_be_used() -> None:
     ((_, script),) = examples(blender_prompt().text)
     layout = layout_from_blender(code_of(script))
     assert check(layout) == []
-    assert layout.provenance["notes"] == []
+    assert layout.notes == ()
     assert sorted({primitive.label for primitive in layout}) == sorted(
         ["road", "sidewalk", "terrain", "car", "trunk", "vegetation"]
     )

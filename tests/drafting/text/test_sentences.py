@@ -23,11 +23,10 @@ from lidardraft.errors import LayoutError, TextError
 from lidardraft.objects.cars import PAINTS
 from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.scene.check import check, objects
-from lidardraft.scene.road import Road
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.weather import Weather
 from lidardraft.simulation.simulate import Simulator
-from spec_checker import broken
+from spec_checker import broken, road_of
 
 
 class Sentence(NamedTuple):
@@ -151,8 +150,9 @@ def test_every_relation_holds_for_three_seeds(sentence: Sentence) -> None:
     for layout in layouts:
         assert broken(spec, layout) == []
         assert check(layout) == []
-        groups = layout.provenance["spec"].get("groups", [])
-        assert all(groups[number]["kind"] for number in layout.provenance["objects"].values())
+        numbers = {name: asked.group for name, asked in layout.intent.objects.items()}
+        assert numbers == layout.provenance["objects"]
+        assert all(asked.kind == spec.groups[asked.group].kind for asked in layout.intent.objects.values())
     assert layout_from_text(sentence.text, seed=2).to_json() == layouts[2].to_json()
     assert len({tuple((primitive.center, primitive.size) for primitive in layout) for layout in layouts}) == 3
 
@@ -257,13 +257,13 @@ def test_a_refusal_names_what_is_unknown_and_what_is_near_to_it() -> None:
     with pytest.raises(TextError, match=r"'bsu ahead' \(nearest words: 'bus' for 'bsu'\)"):
         spec_from_text("a bsu ahead")
     layout = layout_from_text("a bsu ahead, a car behind, a giraffe")
-    assert layout.provenance["nearest_words"] == {"bsu": "bus"}
+    assert layout.notes == ("not understood: bsu ahead, giraffe; did you mean 'bus'?",)
     assert set(objects(layout)) == {"car_1"}
 
 
 def test_a_slip_of_the_finger_is_read_and_noted() -> None:
     layout = layout_from_text("a trcuk ahead, a motorcyle behind, a horse")
-    assert layout.provenance["notes"] == ["'trcuk' is read as 'truck'", "'motorcyle' is read as 'motorcycle'"]
+    assert layout.notes == ("'trcuk' is read as 'truck'", "'motorcyle' is read as 'motorcycle'")
     assert set(objects(layout)) == {"truck_1", "motorcycle_1", "animal_1"}
 
 
@@ -286,7 +286,7 @@ def test_weather_and_paint_reach_the_scan() -> None:
 def test_a_junction_is_where_the_sentence_says(kind: str) -> None:
     for seed in range(3):
         layout = layout_from_text(f"a {kind} 40 m ahead, two cars at it", seed=seed)
-        road = Road(**{**layout.provenance["road"], "paved_areas": ()})
+        road = road_of(layout)
         assert road.junction is not None
         assert road.junction - (road.roundabout_radius or road.edge) == pytest.approx(40.0)
     with pytest.raises(LayoutError, match=r"road: junction is .*; it must be a range in metres, 6 <= from <= to"):

@@ -38,7 +38,7 @@ from lidardraft.semantics import BY_NAME
 
 _Placing = Callable[..., Layout]  # `settled`, with how the script is to be placed
 _DEFAULT_LIMITS = ScriptLimits()
-PROVENANCE = "lidardraft"  # the property of the scene in which a layout's provenance and coverage travel
+HEAD = "lidardraft"  # the property of the scene in which all of a layout but its primitives travels
 _MOST_NAMES = 50  # in one message
 _DEEPEST = 100  # parents of an object
 _REMEDY = "say which by --class NAME=CLASS (`classes` in Python)"
@@ -63,7 +63,7 @@ def layout_from_blender(
     script's seed, or for 0. Of a text that is no Python, but has Markdown fences, the longest block between them is
     read. `scale`, `recentre` and `as_is` are as in `layout_from_glb`.
 
-    What was passed over because no shape depends on it is in `provenance["notes"]`. Raises `ScriptError` naming the
+    What was passed over because no shape depends on it is in `layout.notes`. Raises `ScriptError` naming the
     line of what is not understood or more than `limits`, `LayoutError` for a thing that is in another unit, and, where
     `strict`, listing the names that say no class.
     """
@@ -105,21 +105,20 @@ def _layout(
     notes = [f"line {line}: {note}" for note, line in script.notes.items()]
     if not primitives:
         raise ScriptError("; ".join([f"line {script.line}: the script has made no object with a surface", *notes[:3]]))
-    if PROVENANCE in scene.current.properties:
-        layout = Layout(primitives=tuple(primitives), **_travelled(scene.current.properties[PROVENANCE]))
-        return place(layout, is_ours=True)
+    if HEAD in scene.current.properties:
+        return place(Layout.with_head(primitives, _head_in(scene.current.properties[HEAD])), is_ours=True)
     digest = hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
-    layout = Layout(primitives=tuple(primitives), provenance={**source, "sha256": digest, "notes": notes})
+    layout = Layout(primitives=tuple(primitives), provenance={**source, "sha256": digest}, notes=tuple(notes))
     return place(layout)
 
 
-def _travelled(value: Any) -> dict[str, Any]:
-    """Provenance and coverage of a layout that has been written as a script."""
+def _head_in(value: Any) -> dict[str, Any]:
+    """The head of a layout that has been written as a script."""
     try:
-        fields = json.loads(value)
-        return {"provenance": fields["provenance"], "coverage": fields["coverage"]}
+        head: dict[str, Any] = json.loads(value)
+        return head | {name: head[name] for name in ("provenance", "coverage")}
     except (TypeError, ValueError, KeyError, RecursionError):
-        raise ScriptError(f"the property {PROVENANCE!r} of the scene is not what an export writes") from None
+        raise ScriptError(f"the property {HEAD!r} of the scene is not what an export writes") from None
 
 
 def primitives_of(scene: Scene, classes: Mapping[str, str], *, strict: bool) -> list[Primitive]:

@@ -26,6 +26,7 @@ from lidardraft.drafting.cloud.rules import (
 )
 from lidardraft.errors import LayoutError, check_type, one_of
 from lidardraft.json_fields import is_number
+from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
@@ -92,6 +93,7 @@ def layout_from_cloud(
     layout = Layout(
         primitives=(*surfaces(scan.ground), *_numbered(_refined(scan, found, DETAILS[detail]))),
         provenance={"source": source, "sensor_height": float(sensor_height)},
+        intent=Intent(headed=False),
     )
     return layout.noted(*_height_note(points, labels, sensor_height))
 

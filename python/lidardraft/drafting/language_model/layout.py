@@ -20,13 +20,9 @@ from lidardraft.drafting.language_model.conversation import Conversation, Prompt
 from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.road_from_spec import MAX_DISTANCE
 from lidardraft.drafting.solver.scene_spec import (
-    ACTIVITIES,
     DISTRICTS,
     EGO_LANES,
-    HEADINGS,
     LANES,
-    MOTIONS,
-    PAINTS,
     PLACES,
     RELATIONS,
     ROADS,
@@ -42,6 +38,7 @@ from lidardraft.json_fields import check_fields, parse_object
 from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.objects.sentence_kind import COUNTS
 from lidardraft.scene.check import check, objects
+from lidardraft.scene.intent import ACTIVITIES, HEADINGS, MOTIONS, PAINTS
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.weather import WEATHERS
 from lidardraft.semantics import CLASSES
@@ -73,7 +70,7 @@ def layout_from_llm(
 
     `layout.provenance` holds the text, the seed, and in "llm" the model, the version of the prompt, the hashes of the
     request and of each reply, what was wrong with them, and the last reply; besides, what `layout_from_text` has
-    ("spec", "understood", "not_understood", "objects"), or with `blender` the "findings" of `scene.check`.
+    ("spec", "understood", "objects"). With `blender` the findings of `scene.check` are `layout.notes`.
 
     Raises `TextError` on a text that is empty or too long, `LanguageModelError` where there is no server, key or reply
     that can be used, `LayoutError` where a relation cannot hold for the seed.
@@ -88,17 +85,18 @@ def layout_from_llm(
     if blender:
         script = Request(server, blender_prompt(), text, {"seed": seed})
         drawn = converse(script, lambda reply: layout_from_blender(code_of(reply), strict=True), replies, limit)
-        said = {"seed": seed, "findings": [finding.message for finding in check(drawn.result)]}
-        return _with_provenance(drawn.result, drawn, said).noted(*omissions(text, partial(_drawn, drawn.result)))
+        missing, findings = omissions(text, partial(_drawn, drawn.result)), check(drawn.result)
+        layout = _with_provenance(drawn.result, drawn, {"seed": seed})
+        return layout.noted(*missing, *(finding.message for finding in findings))
     schema = {"name": "scene_spec", "strict": True, "schema": scene_spec_schema()}
     asked = Request(server, spec_prompt(), text, {"response_format": {"type": "json_schema", "json_schema": schema}})
     described = converse(asked, lambda reply: _spec_of(reply, text), replies, limit)
     spec = described.result
     if spec.not_understood and spec == SceneSpec(not_understood=spec.not_understood):
         raise TextError(f"nothing of {text!r} was understood by {server.model}")
-    said = {"understood": relations(spec), "not_understood": list(spec.not_understood)}
-    layout = _with_provenance(layout_from_spec(spec, seed=seed), described, said)
-    return layout.noted(*omissions(text, partial(_described, spec)))
+    layout = _with_provenance(layout_from_spec(spec, seed=seed), described, {"understood": relations(spec)})
+    unknown = [f"not understood: {', '.join(spec.not_understood)}"] * bool(spec.not_understood)
+    return layout.noted(*unknown, *omissions(text, partial(_described, spec)))
 
 
 def spec_prompt() -> Prompt:
@@ -159,7 +157,8 @@ def _drawn(layout: Layout, phrase: NounPhrase) -> list[tuple[float, float]]:
 
 def _with_provenance(layout: Layout, conversation: Conversation, said: dict[str, Any]) -> Layout:
     source = {"source": "llm", "sentence": conversation.request.text, "llm": conversation.provenance()}
-    return dataclasses.replace(layout, provenance=layout.provenance | source | said)
+    intent = dataclasses.replace(layout.intent, sentence=conversation.request.text)
+    return dataclasses.replace(layout, provenance=layout.provenance | source | said, intent=intent)
 
 
 def json_of(reply: str) -> str:

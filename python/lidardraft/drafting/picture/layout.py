@@ -125,7 +125,8 @@ def _layout(
         "sensor_height": stands,
         "scale": stands / plane.height,
     }
-    return _placed(replace(layout, provenance=provenance), place)
+    note = f"depth times {stands / plane.height:.2f}, so that the camera is {stands:g} m over the road"
+    return _placed(replace(layout, provenance=provenance, notes=(note,)), place)
 
 
 def _levelled_layout(cloud: PseudoCloud, plane: RoadPlane, stands: float, coverage: tuple[float, float]) -> Layout:

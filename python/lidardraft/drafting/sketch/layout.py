@@ -29,7 +29,7 @@ from lidardraft.formats.picture import opened_picture
 from lidardraft.json_fields import is_number
 from lidardraft.objects.coarse_shapes import CoarseShape
 from lidardraft.scene.layout import Layout, Primitive
-from lidardraft.scene.road import terrain
+from lidardraft.scene.road_surfaces import terrain
 from lidardraft.semantics import BY_NAME, GROUND
 
 _EXTENT = 200.0  # m of terrain to each side, or what the sketch needs
@@ -53,7 +53,7 @@ def layout_from_sketch(
     the place of a scale. Without a mark the ego vehicle is in the middle.
 
     What a view from above leaves open, such as heights, is drawn at random from `seed`. `layout.provenance` says in
-    "understood" how many objects of which kind there are, and in "ignored" what was left out.
+    "understood" how many objects of which kind there are, and `layout.notes` what was left out.
 
     Raises `FormatError` where the file is broken, `LayoutError` where it has no scale or shows nothing.
     """
@@ -116,9 +116,9 @@ def _layout(sketch: Sketch, source: str, seed: int) -> Layout:
         "metres_per_pixel": float(sketch.metres_per_unit),
         "ego": "marked" if sketch.ego_marked else "middle",
         "understood": [f"{name}: {number}" for name, number in sorted(counts.items())],
-        "ignored": _shortened(sketch.ignored),
     }
-    return Layout(primitives=tuple(primitives), provenance=provenance)
+    notes = tuple(f"ignored: {line}" for line in _shortened(sketch.ignored))
+    return Layout(primitives=tuple(primitives), provenance=provenance, notes=notes)
 
 
 def _objects(sketch: Sketch, surfaces: list[DrawnSurface], rng: np.random.Generator) -> Iterator[Placed]:

@@ -11,7 +11,8 @@ import numpy as np
 
 from lidardraft.drafting.sketch.shapes import Blob, Sketch, Stroke
 from lidardraft.scene.layout import Primitive
-from lidardraft.scene.road import KERB_HEIGHT, profile_of, ribbon, slab
+from lidardraft.scene.road import KERB_HEIGHT
+from lidardraft.scene.road_surfaces import profile_of, ribbon, slab
 
 _NARROWEST = {"road": 2.0, "sidewalk": 0.5}  # m; a thinner stroke is a middle line, and the road as wide as usual
 _USUAL = {"road": 7.0, "sidewalk": 2.0}  # m, two lanes of 3.5 m; as in `Road`

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-import json
 import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from lidardraft.arranging.district import SETTINGS, only_district
 from lidardraft.drafting.solver.poses import RoadPose, Try, each_lane, lanes_of, sample_full
 from lidardraft.drafting.solver.relative_poses import Footprint, RelativePoses
 from lidardraft.drafting.solver.road_from_spec import road_from_spec
@@ -26,7 +26,10 @@ from lidardraft.drafting.solver.scene_spec import (
 from lidardraft.errors import LayoutError, check_seed
 from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.objects.sentence_kind import SentenceKind
+from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.road_network import RoadNetwork
+from lidardraft.scene.street import StreetFrame
 
 TRIES = 60  # of places for one object
 ARRANGEMENTS = 10  # of the whole scene
@@ -51,7 +54,7 @@ def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
     """A layout in which every relation of the spec holds and that passes every check; the same for the same arguments.
 
     What finds no room makes the scene be arranged anew, with that first and more room for what the spec leaves open.
-    `layout.provenance` holds the spec, the numbers of the road, and for each object the number of its group.
+    `layout.intent` says what was asked of each object, `layout.roads` holds the road, `layout.provenance` the spec.
 
     Raises `LayoutError` on an invalid seed, and where a relation cannot hold, naming it, how many of how
     many objects found room, and what is in the way.
@@ -64,7 +67,7 @@ def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
         solver = _Solver(spec, seed, attempt)
         failed = solver.arrange(urgent)
         if failed is None:
-            return Layout(primitives=tuple(solver.scene.primitives), provenance=solver.provenance(seed))
+            return solver.layout(seed)
         urgent |= dict.fromkeys(with_references(spec, failed), attempt)
         if solver.crowd is not None and not crowded:  # whether those between are worth the time: the last has most room
             crowded, solver = True, _Solver(spec, seed, ARRANGEMENTS - 1)
@@ -100,11 +103,16 @@ class _Solver:
                 return number
         return None
 
-    def provenance(self, seed: int) -> dict[str, object]:
-        """Where the layout came from, as JSON types."""
-        road = json.loads(json.dumps(dataclasses.asdict(self.road)))
+    def layout(self, seed: int) -> Layout:
+        """The layout of what has been placed."""
+        kind, where = self.spec.road.kind, self.spec.district
+        speed = SETTINGS[where or only_district(self.road, kind) or "urban"].speed
+        roads = RoadNetwork(street=StreetFrame(road=self.road, speed=speed))
         objects = {footprint.name: number for number in self.placed for footprint in self.placed[number]}
-        return {"source": "spec", "seed": seed, "spec": self.spec.to_dict(), "road": road, "objects": objects}
+        spec = self.spec.to_dict()
+        provenance = {"source": "spec", "seed": seed, "spec": spec, "objects": objects}
+        intent = Intent.of_spec(spec, objects)
+        return Layout(primitives=tuple(self.scene.primitives), provenance=provenance, roads=roads, intent=intent)
 
     def _fill(self, number: int, group: ObjectGroup, place: str) -> bool:
         """Place what a group wants at one place; a number is met exactly, a word by as many as find room."""

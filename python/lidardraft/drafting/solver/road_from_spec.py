@@ -7,13 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from lidardraft.arranging.district import PARKING_STRIP, SETTINGS
+from lidardraft.arranging.district import SETTINGS
 from lidardraft.drafting.solver.poses import LOT_DEPTHS
 from lidardraft.drafting.solver.road_zones import queue_length
 from lidardraft.drafting.solver.scene_spec import MAX_LANES, NEAREST_JUNCTION, ObjectGroup, SceneSpec, split_place
 from lidardraft.errors import LayoutError
 from lidardraft.scene.check import MAX_RANGE
-from lidardraft.scene.road import LEFT, RIGHT, RING, PavedArea, Road
+from lidardraft.scene.road import LEFT, PARKING_STRIP, RIGHT, RING, PavedArea, Road
 
 HARD_SHOULDER, MEDIAN = 3.0, 4.0  # m, of motorways: estimate of ours, and the German RAA (2008)
 MAX_DISTANCE = MAX_RANGE - 10.0  # m, that an object can be asked for at

@@ -18,6 +18,7 @@ from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.check import EGO, MAX_RANGE, SIZE_RANGES, LayoutGround
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.road import RING, Road
+from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.scene.solids import Solid, Solids
 from lidardraft.semantics import BY_NAME
 
@@ -35,7 +36,7 @@ class SpecScene:
 
     def __init__(self, road: Road, rng: np.random.Generator) -> None:
         self.road, self.rng = road, rng
-        self.primitives = road.surfaces()
+        self.primitives = road_surfaces(road)
         self.ground = LayoutGround(self.primitives)
         self.in_the_way: Counter[str] = Counter()
         self._standing = Solids([Solid.from_primitive(EGO)])

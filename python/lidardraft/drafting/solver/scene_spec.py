@@ -9,10 +9,11 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 
 from lidardraft.arranging.district import SETTINGS
-from lidardraft.errors import LayoutError, one_of
+from lidardraft.errors import LayoutError, as_tuple, check_choice, check_that
 from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number
 from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.objects.sentence_kind import COUNTS, SentenceKind
+from lidardraft.scene.intent import ACTIVITIES, HEADINGS, PAINTS, check_motion
 from lidardraft.scene.weather import WEATHERS
 
 ROADS = (
@@ -26,18 +27,10 @@ PLACES = tuple(
     if fore or side
 )
 SURFACES = ("road", "sidewalk", "median")
-HEADINGS = (
-    *("with", "against", "parked"),
-    *("across", "across-left", "across-right", "turning", "turning-left", "turning-right"),
-)
-MOTIONS = ("brakes", "accelerates", "overtakes")
-MAX_SPEED = 70.0  # m/s
 LANES = ("own", "left", "middle", "right", "opposite", "each")
 EGO_LANES = ("left", "middle", "right")
 RELATIONS = ("behind", "in-front-of", "beside", "left-of", "right-of", "between", "opposite", "near")
 DISTRICTS = tuple(SETTINGS)
-ACTIVITIES = ("empty", "quiet", "busy")
-PAINTS = ("light", "mid", "dark")
 MAX_COUNT = 5000
 MAX_LANES = 6  # in one direction
 NEAREST_JUNCTION = 6.0  # m, before the ego
@@ -89,24 +82,24 @@ class RoadSpec:
     junction: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
-        _one_of("road: kind", self.kind, ROADS)
+        check_choice("road: kind", self.kind, ROADS)
         if self.ego_lane is not None:
-            _one_of("road: ego_lane", self.ego_lane, EGO_LANES)
-        _check_motion("road: ego_", self.ego_motion, self.ego_speed)
+            check_choice("road: ego_lane", self.ego_lane, EGO_LANES)
+        check_motion("road: ego_", self.ego_motion, self.ego_speed)
         for name in ("lanes", "oncoming_lanes"):
             number = getattr(self, name)
             fits = number is None or (type(number) is int and 1 <= number <= MAX_LANES)
-            _require(fits, f"road: {name}", number, f"1 to {MAX_LANES} in each direction")
+            check_that(fits, f"road: {name}", number, f"1 to {MAX_LANES} in each direction")
         two_way = self.lanes is not None and not self.one_way and self.kind != "motorway"
         limit = "null, unless the road is two-way and has a number of lanes"
-        _require(self.oncoming_lanes is None or two_way, "road: oncoming_lanes", self.oncoming_lanes, limit)
+        check_that(self.oncoming_lanes is None or two_way, "road: oncoming_lanes", self.oncoming_lanes, limit)
         said = self.sidewalk is None or type(self.sidewalk) is bool
-        _require(said, "road: sidewalk", self.sidewalk, "true, false or null")
+        check_that(said, "road: sidewalk", self.sidewalk, "true, false or null")
         for name in ("median", "one_way"):
-            _require(type(getattr(self, name)) is bool, f"road: {name}", getattr(self, name), "true or false")
+            check_that(type(getattr(self, name)) is bool, f"road: {name}", getattr(self, name), "true or false")
         if self.junction is not None:
             fits = are_numbers(self.junction, 2) and NEAREST_JUNCTION <= self.junction[0] <= self.junction[1]
-            _require(fits, "road: junction", self.junction, f"a range in metres, {NEAREST_JUNCTION:g} <= from <= to")
+            check_that(fits, "road: junction", self.junction, f"a range in metres, {NEAREST_JUNCTION:g} <= from <= to")
             object.__setattr__(self, "junction", (float(self.junction[0]), float(self.junction[1])))
 
 
@@ -152,19 +145,19 @@ class ObjectGroup:
     words: str = field(default="", compare=False)
 
     def __post_init__(self) -> None:
-        _one_of("group: kind", self.kind, tuple(SENTENCE_KINDS))
+        check_choice("group: kind", self.kind, tuple(SENTENCE_KINDS))
         for name in ("places", "not_places", "references"):
-            object.__setattr__(self, name, _items(f"{self.kind}: {name}", getattr(self, name)))
+            object.__setattr__(self, name, as_tuple(f"{self.kind}: {name}", getattr(self, name)))
         for place in (*self.places, *self.not_places):
-            _one_of(f"{self.kind}: place", place, PLACES)
+            check_choice(f"{self.kind}: place", place, PLACES)
         choices = {"surface": self.record.surfaces, "lane": LANES, "heading": HEADINGS, "relation": RELATIONS}
         choices["paint"] = PAINTS
         for name, names in choices.items():
             if getattr(self, name) is not None:
-                _one_of(f"{self.kind}: {name}", getattr(self, name), names)
-        _require(type(self.at_junction) is bool, f"{self.kind}: at_junction", self.at_junction, "true or false")
-        _check_motion(f"{self.kind}: ", self.motion, self.speed)
-        _require(type(self.words) is str, f"{self.kind}: words", self.words, "text")
+                check_choice(f"{self.kind}: {name}", getattr(self, name), names)
+        check_that(type(self.at_junction) is bool, f"{self.kind}: at_junction", self.at_junction, "true or false")
+        check_motion(f"{self.kind}: ", self.motion, self.speed)
+        check_that(type(self.words) is str, f"{self.kind}: words", self.words, "text")
         if (self.relation is None) != (not self.references):
             raise LayoutError(f"{self.kind}: relation is {self.relation!r} to {self.references}; one needs the other")
         if self.set_back and (self.relation is not None or None not in (self.from_road, self.from_sidewalk)):
@@ -174,12 +167,12 @@ class ObjectGroup:
 
     def _check_count(self) -> None:
         if isinstance(self.count, str):
-            return _one_of(f"{self.kind}: count", self.count, COUNTS)
+            return check_choice(f"{self.kind}: count", self.count, COUNTS)
         low, *rest = self.count if isinstance(self.count, tuple | list) and self.count else (self.count,)
         high = rest[0] if rest else low
         whole = len(rest) < 2 and type(low) is int and type(high) is int
         limit = f"1 to {MAX_COUNT}, or one of {', '.join(COUNTS)}"
-        _require(whole and 1 <= low <= high <= MAX_COUNT, f"{self.kind}: count", self.count, limit)
+        check_that(whole and 1 <= low <= high <= MAX_COUNT, f"{self.kind}: count", self.count, limit)
         object.__setattr__(self, "count", low if low == high else (low, high))
 
     def _check_lengths(self) -> None:
@@ -187,18 +180,18 @@ class ObjectGroup:
             value = getattr(self, name)
             if value is not None:
                 fits = are_numbers(value, 2) and 0.0 <= value[0] <= value[1]
-                _require(fits, f"{self.kind}: {name}", value, "a range in metres, 0 <= from <= to")
+                check_that(fits, f"{self.kind}: {name}", value, "a range in metres, 0 <= from <= to")
                 object.__setattr__(self, name, (float(value[0]), float(value[1])))
         if self.spacing is not None:
             fits = is_number(self.spacing) and self.spacing >= MIN_SPACING
-            _require(fits, f"{self.kind}: spacing", self.spacing, f"{MIN_SPACING} m or more")
+            check_that(fits, f"{self.kind}: spacing", self.spacing, f"{MIN_SPACING} m or more")
             object.__setattr__(self, "spacing", float(self.spacing))
         for name, (low, high) in (("size", EXTENTS), ("scale", (0.1, 10.0))):
             value = getattr(self, name)
             if value is not None:
                 numbers = [low if one is None else one for one in value] if isinstance(value, tuple | list) else ()
                 fits = are_numbers(numbers, 3) and low <= min(numbers) and max(numbers) <= high
-                _require(fits, f"{self.kind}: {name}", value, f"three numbers of {low:g} to {high:g}, or null")
+                check_that(fits, f"{self.kind}: {name}", value, f"three numbers of {low:g} to {high:g}, or null")
                 object.__setattr__(self, name, tuple(None if one is None else float(one) for one in value))
 
     @property
@@ -272,19 +265,19 @@ class SceneSpec:
 
     def __post_init__(self) -> None:
         for name in ("groups", "absent", "not_understood", "not_around"):
-            object.__setattr__(self, name, _items(name, getattr(self, name)))
+            object.__setattr__(self, name, as_tuple(name, getattr(self, name)))
         for name, names in (("district", DISTRICTS), ("activity", ACTIVITIES), ("weather", tuple(WEATHERS))):
             if getattr(self, name) is not None:
-                _one_of(name, getattr(self, name), names)
+                check_choice(name, getattr(self, name), names)
         for name in ("absent", "not_around"):
             for kind in getattr(self, name):
-                _one_of(f"{name}: kind", kind, tuple(SENTENCE_KINDS))
+                check_choice(f"{name}: kind", kind, tuple(SENTENCE_KINDS))
         for part in self.not_understood:
-            _require(type(part) is str, "not_understood: part", part, "text")
+            check_that(type(part) is str, "not_understood: part", part, "text")
         for number, group in enumerate(self.groups):
             for reference in group.references:
                 other = type(reference) is int and 0 <= reference < len(self.groups) and reference != number
-                _require(other, f"{group.kind}: reference", reference, "the number of another group")
+                check_that(other, f"{group.kind}: reference", reference, "the number of another group")
         self._check_circles()
 
     def _check_circles(self) -> None:
@@ -304,7 +297,7 @@ class SceneSpec:
     def from_dict(cls, fields: Mapping[str, Any]) -> SceneSpec:
         """The inverse of `to_dict`; raises `FormatError` for an unknown field, `LayoutError` for a wrong one."""
         check_fields(fields, (), cls.__dataclass_fields__)
-        road, groups = check_object(fields.get("road", {})), _items("groups", fields.get("groups", ()))
+        road, groups = check_object(fields.get("road", {})), as_tuple("groups", fields.get("groups", ()))
         check_fields(road, (), RoadSpec.__dataclass_fields__)
         for group in groups:
             check_fields(check_object(group), ("kind",), ObjectGroup.__dataclass_fields__)
@@ -319,28 +312,6 @@ def _plain(value: Any) -> Any:
 
 def _says_nothing(key: str, item: Any) -> bool:
     return item is None or item == () or (key in ("median", "one_way", "at_junction", "words") and not item)
-
-
-def _require(fits: bool, name: str, value: object, limit: str) -> None:
-    if not fits:
-        raise LayoutError(f"{name} is {value!r}; it must be {limit}")
-
-
-def _check_motion(name: str, motion: str | None, speed: float | None) -> None:
-    if motion is not None:
-        _one_of(f"{name}motion", motion, MOTIONS)
-    fits = speed is None or (is_number(speed) and 0.0 <= speed <= MAX_SPEED)
-    _require(fits, f"{name}speed", speed, f"0 to {MAX_SPEED:g} m/s")
-
-
-def _items(name: str, value: Any) -> tuple[Any, ...]:
-    _require(isinstance(value, tuple | list), name, value, "a list")
-    return tuple(value)
-
-
-def _one_of(name: str, value: object, choices: tuple[str, ...]) -> None:
-    if value not in choices:
-        raise LayoutError(f"{name} is {value!r}; it must be {one_of(choices, value)}")
 
 
 def relations(spec: SceneSpec) -> list[str]:

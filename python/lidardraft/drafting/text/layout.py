@@ -51,16 +51,13 @@ def layout_from_text(sentence: str, *, seed: int = 0, strict: bool = False) -> L
     explanation = explain(sentence)
     spec = _strictly(explanation.spec) if strict else explanation.spec
     layout = layout_from_spec(spec, seed=seed)
-    said = {
-        "source": "text",
-        "sentence": sentence,
-        "understood": relations(spec),
-        "not_understood": list(spec.not_understood),
-        "not_shown": list(explanation.not_shown),
-        "notes": [f"{word!r} is read as {slip!r}" for word, slip in slips(sentence).items()],
-        "nearest_words": nearest_words(spec.not_understood),
-    }
-    return dataclasses.replace(layout, provenance=layout.provenance | said)
+    said = {"source": "text", "sentence": sentence, "understood": relations(spec)}
+    near = "".join(f"; did you mean {known!r}?" for known in nearest_words(spec.not_understood).values())
+    notes = [f"not understood: {', '.join(spec.not_understood)}{near}"] * bool(spec.not_understood)
+    notes += [f"not shown: {', '.join(explanation.not_shown)}"] * bool(explanation.not_shown)
+    notes += [f"{word!r} is read as {slip!r}" for word, slip in slips(sentence).items()]
+    intent = dataclasses.replace(layout.intent, sentence=sentence)
+    return dataclasses.replace(layout, provenance=layout.provenance | said, intent=intent).noted(*notes)
 
 
 def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:

@@ -16,6 +16,7 @@ from lidardraft.scene.layout import SHAPES, Layout, Primitive, object_of
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.road import Road
+from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 from lidardraft.streets.coarse.solver_shapes import solver_shapes
@@ -169,7 +170,7 @@ class CoarseStreet:
         self.objects = tuple(objects)
         number_of = {placed.id: number for number, placed in enumerate(self.objects)}
         self.owners = np.array([*(number_of.get(object_of(primitive), -1) for primitive in scene), -1], dtype=np.int32)
-        self._flat = ShapeTable.from_primitives(road.surfaces())
+        self._flat = ShapeTable.from_primitives(road_surfaces(road))
         self._mesh = GroundMesh(road, [p for p in scene if p.label in GROUND and object_of(p) not in number_of])
         kinds = [kind_of(t.kind) for t in self.objects]
         exact = [

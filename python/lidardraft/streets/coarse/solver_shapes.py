@@ -8,7 +8,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from lidardraft.arranging.district import PARKING_STRIP
 from lidardraft.drafting.solver.poses import LANE_OFFSET, YAW_DEVIATION
 from lidardraft.drafting.solver.scene import GAP
 from lidardraft.objects.coarse_shapes import (
@@ -20,7 +19,7 @@ from lidardraft.objects.coarse_shapes import (
 from lidardraft.objects.kinds import SENTENCE_KINDS, Kind, kind_of
 from lidardraft.objects.placed_object import PlacedObject, Vector
 from lidardraft.objects.sentence_kind import SentenceKind
-from lidardraft.scene.road import Road
+from lidardraft.scene.road import PARKING_STRIP, Road
 
 # Sizes are changed by no more than this: a network that learned from layouts further off would learn to ignore them.
 _MOST_RESIZED, _ALWAYS_RESIZED = 0.25, 0.12  # share of the size; m that are always allowed

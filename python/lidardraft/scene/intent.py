@@ -1,0 +1,177 @@
+"""The intent of a layout: what was asked for, and which of its objects answers it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Set
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+from lidardraft.errors import as_tuple, check_choice, check_that
+from lidardraft.files import named
+from lidardraft.json_fields import check_fields, check_object, is_number
+from lidardraft.scene.weather import WEATHERS
+
+HEADINGS = (
+    *("with", "against", "parked"),
+    *("across", "across-left", "across-right", "turning", "turning-left", "turning-right"),
+)
+MOTIONS = ("brakes", "accelerates", "overtakes")
+MAX_SPEED = 70.0  # m/s
+PAINTS = ("light", "mid", "dark")
+ACTIVITIES = ("empty", "quiet", "busy")
+
+
+def check_motion(name: str, motion: str | None, speed: float | None) -> None:
+    """Raises `LayoutError` where a motion or a speed [m/s], whose names begin with `name`, is invalid."""
+    if motion is not None:
+        check_choice(f"{name}motion", motion, MOTIONS)
+    fits = speed is None or (is_number(speed) and 0.0 <= speed <= MAX_SPEED)
+    check_that(fits, f"{name}speed", speed, f"0 to {MAX_SPEED:g} m/s")
+
+
+def _check_text(name: str, value: object) -> None:
+    check_that(value is None or type(value) is str, name, value, "text")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Asked:
+    """What was asked of one object, or of the ego vehicle; None where nothing was.
+
+    `group` is the number of the group that it was asked for with, `kind` what it was called, as in "pickup". It is
+    `counted` where a number of them was asked for, and not some or many. `heading` is one of HEADINGS, relative to the
+    ego's; `motion`, one of MOTIONS, and `speed` [m/s] are how it moves in a sequence, where it `overtakes` groups of
+    these numbers. `paint` is one of PAINTS. Raises `LayoutError` on an invalid value.
+    """
+
+    group: int | None = None
+    kind: str | None = None
+    counted: bool = True
+    heading: str | None = None
+    motion: str | None = None
+    speed: float | None = None
+    overtakes: tuple[int, ...] = ()
+    paint: str | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "overtakes", as_tuple("overtakes", self.overtakes))
+        for number in (*self.overtakes, self.group or 0):
+            check_that(type(number) is int and number >= 0, "group", number, "the number of a group, 0 or more")
+        _check_text("kind", self.kind)
+        check_that(type(self.counted) is bool, "counted", self.counted, "true or false")
+        check_motion("", self.motion, self.speed)
+        for name, choices in (("heading", HEADINGS), ("paint", PAINTS)):
+            if getattr(self, name) is not None:
+                check_choice(name, getattr(self, name), choices)
+
+
+NOTHING = Asked()
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Intent:
+    """What was asked of a layout; None where nothing was.
+
+    `sentence` is the text that it was made from. `road` is the kind of the road, `district` where it lies, as a street
+    does or a sentence says, `activity`, one of ACTIVITIES, how much goes on there, and `weather` one of
+    `scene.weather.WEATHERS`. One more of the kinds in `denied` would contradict what was asked. `objects` says what
+    was asked of each object, by its name; those that a layout does not have, it leaves out. `ego` is the ego vehicle.
+    `around` is the district of the street that `surround` has added.
+
+    `headed` is whether the yaw of an object says where its front is; a clustering of points knows no front from back.
+    Raises `LayoutError` on an invalid value.
+    """
+
+    sentence: str | None = None
+    road: str | None = None
+    district: str | None = None
+    activity: str | None = None
+    weather: str | None = None
+    denied: tuple[str, ...] = ()
+    ego: Asked = NOTHING
+    objects: Mapping[str, Asked] = field(default_factory=dict)
+    around: str | None = None
+    headed: bool = True
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "denied", as_tuple("denied", self.denied))
+        for name in ("sentence", "road", "district", "around"):
+            _check_text(name, getattr(self, name))
+        for kind in self.denied:
+            check_that(type(kind) is str, "denied: kind", kind, "text")
+        for name, choices in (("activity", ACTIVITIES), ("weather", tuple(WEATHERS))):
+            if getattr(self, name) is not None:
+                check_choice(name, getattr(self, name), choices)
+        check_that(type(self.headed) is bool, "headed", self.headed, "true or false")
+        check_that(isinstance(self.ego, Asked), "ego", self.ego, "of type Asked")
+        whole = isinstance(self.objects, Mapping) and all(isinstance(one, Asked) for one in self.objects.values())
+        check_that(whole, "objects", self.objects, "an `Asked` for each name")
+
+    def of(self, name: str) -> Asked:
+        """What was asked of an object, or of "ego"."""
+        return self.ego if name == "ego" else self.objects.get(name, NOTHING)
+
+    def only(self, names: Set[str]) -> Intent:
+        """The same of those objects alone."""
+        if self.objects.keys() <= names:
+            return self
+        return replace(self, objects={name: asked for name, asked in self.objects.items() if name in names})
+
+    def renamed(self, names: Mapping[str, str]) -> Intent:
+        """The same with other names of objects."""
+        return replace(self, objects={names.get(name, name): asked for name, asked in self.objects.items()})
+
+    @classmethod
+    def of_spec(cls, spec: Mapping[str, Any], objects: Mapping[str, int]) -> Intent:
+        """The intent of the JSON of a `SceneSpec`, where each of the `objects` is of the group of that number."""
+        road, settings = spec.get("road", {}), ("district", "activity", "weather")
+        of_group = [_asked_of(number, group) for number, group in enumerate(spec.get("groups", ()))]
+        counted = [one.kind for one in of_group if one.counted and one.kind]
+        ahead = [number for number, one in enumerate(of_group) if one.heading in (None, "with")]
+        ego = {"motion": road.get("ego_motion"), "speed": road.get("ego_speed"), "references": ahead}
+        fields: dict[str, Any] = {name: spec.get(name) for name in settings}
+        return cls(
+            road=road.get("kind"),
+            denied=tuple(dict.fromkeys((*spec.get("absent", ()), *spec.get("not_around", ()), *counted))),
+            ego=_asked_of(None, ego),
+            objects={name: of_group[number] for name, number in objects.items()},
+            **fields,
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """The intent as JSON types; fields that say nothing are left out."""
+        said: dict[str, Any] = _plain(self)
+        return said
+
+    @classmethod
+    def from_dict(cls, fields: Mapping[str, Any]) -> Intent:
+        """The inverse of `to_dict`; raises `FormatError` for an unknown field, `LayoutError` for an invalid one."""
+        check_fields(check_object(fields), (), cls.__dataclass_fields__)
+        ego, rows = _asked("ego", fields.get("ego", {})), check_object(fields.get("objects", {}))
+        return cls(**{**fields, "ego": ego, "objects": {name: _asked(name, row) for name, row in rows.items()}})
+
+
+NOTHING_ASKED = Intent()
+
+
+def _asked_of(number: int | None, group: Mapping[str, Any]) -> Asked:
+    """What the group of that number of a spec asks of each of its objects."""
+    names = ("kind", "heading", "motion", "speed", "paint")
+    fields: dict[str, Any] = {name: group.get(name) for name in names}
+    overtakes = tuple(group.get("references", ())) if fields["motion"] == "overtakes" else ()
+    return Asked(group=number, counted=group.get("count", 1) not in ("some", "many"), overtakes=overtakes, **fields)
+
+
+def _asked(name: str, row: Any) -> Asked:
+    with named(name):
+        check_fields(check_object(row), (), Asked.__dataclass_fields__)
+        return Asked(**row)
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON types, without the fields that have their defaults."""
+    if isinstance(value, Asked | Intent):
+        values = ((row, getattr(value, row.name)) for row in fields(value))
+        return {row.name: _plain(each) for row, each in values if each != row.default and each != {}}
+    if isinstance(value, Mapping):
+        return {name: _plain(each) for name, each in value.items()}
+    return list(value) if isinstance(value, tuple) else value

@@ -1,0 +1,96 @@
+"""Lanes and what regulates them: the parts of a road network."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from lidardraft.errors import LayoutError, check_choice, check_that
+from lidardraft.files import named
+from lidardraft.json_fields import is_number
+from lidardraft.scene.line import Line
+from lidardraft.scene.pose import Place
+
+LANE_KINDS = ("driving", "aisle", "parking", "shoulder", "cycling", "sidewalk")
+_TURNING, _EASING = 5.0, 1.5  # m/s in a turn, m/s2 on the way to it
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class Lane:
+    """A lane of a road, or a way through several (`RoadNetwork.ways`): its middle `line` in the direction of travel.
+
+    `kind` is one of LANE_KINDS, `width` [m] is that of all of it, `speed` [m/s] the limit. `left` and `right` are the
+    ids of lanes of the same direction beside it, `successors` those that begin where it ends, `junction` is the id of
+    the one that it leads through. Those who give way wait `stop` [m] along it. One that turns, "left" or "right", does
+    so from and to along it: `bend` [m]. Raises `LayoutError` naming the lane and an invalid value.
+    """
+
+    id: str
+    line: Line
+    width: float
+    speed: float
+    road: str = "road"
+    kind: str = "driving"
+    left: str | None = None
+    right: str | None = None
+    successors: tuple[str, ...] = ()
+    junction: str | None = None
+    stop: float | None = None
+    turn: str | None = None
+    bend: tuple[float, float] = (0.0, 0.0)
+
+    def __post_init__(self) -> None:
+        with named(f"lane {self.id}"):
+            for name in ("width", "speed"):
+                value = getattr(self, name)
+                check_that(is_number(value) and value > 0.0, name, value, "a number over 0")
+            check_choice("kind", self.kind, LANE_KINDS)
+            if self.turn is not None:
+                check_choice("turn", self.turn, ("left", "right"))
+            on_it = self.stop is None or (is_number(self.stop) and 0.0 <= self.stop <= self.line.length)
+            check_that(on_it, "stop", self.stop, f"0 to {self.line.length:.1f} m")
+
+    def limit(self, along: float) -> float:
+        """The speed [m/s] at a place along it from which a turn can be taken."""
+        before = max(0.0, self.bend[0] - along)
+        return math.sqrt(_TURNING**2 + 2 * _EASING * before) if along < self.bend[1] else math.inf
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Junction:
+    """Where lanes meet: `lanes` are the ids of those that lead through it, its turns."""
+
+    id: str
+    lanes: tuple[str, ...]
+
+    def __post_init__(self) -> None:
+        if not self.lanes:
+            raise LayoutError(f"junction {self.id} has no lanes through it; it needs one for each turn")
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Crossing:
+    """Where people cross a road: a rectangle around `place`, with its extents [m] in that frame."""
+
+    id: str
+    place: Place
+    size: tuple[float, float]
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Signal:
+    """A light or a sign at `place` (x, y [m], yaw) that those in `lanes` obey: who has to waits there."""
+
+    id: str
+    place: Place
+    lanes: tuple[str, ...]
+    kind: str = "traffic-light"
+
+
+@dataclass(frozen=True, kw_only=True, slots=True)
+class Pavement:
+    """A paved rectangle around `place`, of a length and width [m], with the label "road" or "sidewalk"."""
+
+    place: Place
+    size: tuple[float, float]
+    label: str

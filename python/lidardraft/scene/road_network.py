@@ -1,0 +1,293 @@
+"""The roads of a layout: their lanes, junctions, crossings and signals, and what a planner asks of them."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from lidardraft.errors import LayoutError, UnknownNameError, did_you_mean
+from lidardraft.json_fields import check_fields, read_as, write_as
+from lidardraft.scene.lane import Crossing, Junction, Lane, Pavement, Signal
+from lidardraft.scene.line import Line
+from lidardraft.scene.pose import Place, in_frame
+from lidardraft.scene.street import StreetFrame
+
+MEETS = 0.5  # m that a lane may end from where its successor begins
+_CHANGE = 20.0  # m that a change of lanes counts as much as, in a route
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """A primitive that shows a road: its lowest and highest corner [m]."""
+
+    id: str
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+
+
+_FIELDS: dict[str, Any] = {
+    "street": StreetFrame | None,
+    "lanes": tuple[Lane, ...],
+    "junctions": tuple[Junction, ...],
+    "crossings": tuple[Crossing, ...],
+    "signals": tuple[Signal, ...],
+    "paved": tuple[Pavement, ...],
+    "drawn": tuple[Drawn, ...] | None,
+}
+
+
+class RoadNetwork:
+    """The roads of a layout, in its frame: a `street`, whose lanes follow from it, or all that a map holds.
+
+    `lanes`, `junctions`, `crossings`, `signals` and `paved` areas refer to each other by ids, and may lie over each
+    other, on several levels. `drawn` are the primitives that show the roads; None are those of `street.road`
+    (`scene.road_surfaces`). A street rises and falls as its `ground` does, whose height f64 [N] at points [N, 2] is
+    asked for when somebody needs it. Nothing of a network is ever changed.
+
+    Raises `LayoutError` for an id that is unknown or given twice, for lanes that do not meet their successors, and for
+    a street with other lanes.
+    """
+
+    def __init__(
+        self,
+        *,
+        street: StreetFrame | None = None,
+        lanes: tuple[Lane, ...] = (),
+        junctions: tuple[Junction, ...] = (),
+        crossings: tuple[Crossing, ...] = (),
+        signals: tuple[Signal, ...] = (),
+        paved: tuple[Pavement, ...] = (),
+        drawn: tuple[Drawn, ...] | None = None,
+        ground: Callable[[np.ndarray], np.ndarray] | None = None,
+    ) -> None:
+        self._flat, self.crossings, self.paved, self.drawn, self._ground = street, crossings, paved, drawn, ground
+        self._given = (lanes, junctions, signals)
+        if street is None:
+            self._check()
+        elif any(self._given):
+            raise LayoutError("the network has a street and other lanes; those of a street follow from it")
+
+    @cached_property
+    def street(self) -> StreetFrame | None:
+        """The street, if it is one."""
+        return self._flat if self._flat is None or self._ground is None else self._flat.over(self._ground)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _network, (self._fields(),)
+
+    @cached_property
+    def _made(self) -> tuple[tuple[Lane, ...], tuple[Junction, ...], tuple[Signal, ...]]:
+        return self._given if self.street is None else self.street.lanes()
+
+    @property
+    def lanes(self) -> tuple[Lane, ...]:
+        """All lanes."""
+        return self._made[0]
+
+    @property
+    def junctions(self) -> tuple[Junction, ...]:
+        """Where they meet."""
+        return self._made[1]
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """Lights and signs."""
+        return self._made[2]
+
+    def _check(self) -> None:
+        for what in ("lanes", "junctions", "crossings", "signals"):
+            ids = [one.id for one in getattr(self, what)]
+            if len(set(ids)) < len(ids):
+                twice = next(id for id in ids if ids.count(id) > 1)
+                raise LayoutError(f"two {what} have the id {twice!r}; ids must be distinct")
+        junctions = {junction.id for junction in self.junctions}
+        for id, lanes in ((one.id, one.lanes) for some in (self.junctions, self.signals) for one in some):
+            self._known(id, lanes, self._by_id)
+        for lane in self.lanes:
+            self._known(lane.id, (*lane.successors, *filter(None, (lane.left, lane.right))), self._by_id)
+            self._known(lane.id, filter(None, (lane.junction,)), junctions)
+            end = lane.line.middle[-1]
+            for id in lane.successors:
+                apart = math.dist(end, self._by_id[id].line.middle[0])
+                if apart > MEETS:
+                    raise LayoutError(f"lane {lane.id} ends {apart:.1f} m from its successor {id}; {MEETS} m at most")
+
+    def _known(self, owner: str, ids: Iterable[str], known: Iterable[str]) -> None:
+        for id in ids:
+            if id not in known:
+                raise LayoutError(f"{owner} refers to {id!r}, which the network does not have{did_you_mean(known, id)}")
+
+    @cached_property
+    def _by_id(self) -> dict[str, Lane]:
+        return {lane.id: lane for lane in self.lanes}
+
+    @cached_property
+    def _bounds(self) -> np.ndarray:
+        """Of each lane's line: its lowest and highest x, y [L, 2, 2]."""
+        return np.array([(lane.line.middle.min(axis=0), lane.line.middle.max(axis=0)) for lane in self.lanes])
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, RoadNetwork) and self.to_dict() == other.to_dict()
+
+    def lane(self, id: str) -> Lane:
+        """The lane of that id; raises `UnknownNameError`, a `KeyError`, where there is none."""
+        if id not in self._by_id:
+            raise UnknownNameError(f"no lane has the id {id!r}{did_you_mean(self._by_id, id)}")
+        return self._by_id[id]
+
+    def nearest_lane(
+        self,
+        x: float,
+        y: float,
+        z: float | None = None,
+        yaw: float | None = None,
+        *,
+        kinds: Iterable[str] | None = ("driving",),
+    ) -> tuple[Lane, float, float]:
+        """The lane nearest to x, y [m], and how far along it and to the left of its middle [m] that is.
+
+        Where lanes lie over each other, `z` [m] picks the level. With a `yaw` [rad], lanes that lead elsewhere, by more
+        than a quarter turn, do not count. Raises `LayoutError` where the network has no lane of one of `kinds`.
+        """
+        wanted, place = None if kinds is None else set(kinds), np.array([[x, y]])
+        away = np.hypot(*np.maximum(self._bounds[:, 0] - place, place - self._bounds[:, 1]).clip(0.0).T)
+        best, least = None, math.inf
+        for number in np.argsort(away, kind="stable").tolist():
+            lane, line = self.lanes[number], self.lanes[number].line
+            if away[number] > least or (wanted is not None and lane.kind not in wanted):
+                continue
+            (along,), (left,) = (one.tolist() for one in line.along_across(place, beyond=False))
+            heading = float(line.heading(np.array([along]))[0])
+            if yaw is not None and math.cos(yaw - heading) < 0.0:
+                continue
+            near = line.at(np.array([along]), np.zeros(1))[0]
+            level = 0.0 if z is None else z - float(line.height(along, left))
+            distance = math.hypot(x - near[0], y - near[1], level)
+            if distance < least:
+                best, least = (lane, along, left), distance
+        if best is None:
+            raise LayoutError(f"the network has no lane of {', '.join(kinds or ('any kind',))} that leads there")
+        return best
+
+    def successors(self, lane: Lane) -> tuple[Lane, ...]:
+        """The lanes that begin where it ends."""
+        return tuple(self._by_id[id] for id in lane.successors)
+
+    def route(self, start: str, end: str) -> tuple[Lane, ...]:
+        """The shortest way over successors and lanes beside from one lane, by its id, to another, both included.
+
+        Raises `UnknownNameError` for an unknown id, and `LayoutError` where no way leads there.
+        """
+        first, last = self.lane(start), self.lane(end)
+        before, open_ends = dict[str, str](), [(0.0, first.id, "")]
+        while open_ends:
+            length, id, came = heapq.heappop(open_ends)
+            if id in before:
+                continue
+            before[id] = came
+            if id == last.id:
+                ids = [id]
+                while before[ids[-1]]:
+                    ids.append(before[ids[-1]])
+                return tuple(self._by_id[one] for one in reversed(ids))
+            lane = self._by_id[id]
+            for after in lane.successors:
+                heapq.heappush(open_ends, (length + lane.line.length, after, id))
+            for beside in filter(None, (lane.left, lane.right)):
+                heapq.heappush(open_ends, (length + _CHANGE, beside, id))
+        raise LayoutError(f"no way leads from lane {start} to lane {end}")
+
+    def height(self, x: float, y: float, z: float | None = None) -> float:
+        """The height [m] of the road at x, y, of the level nearest to `z`: that of its nearest lane of any kind."""
+        lane, along, left = self.nearest_lane(x, y, z, kinds=None)
+        return float(lane.line.height(along, min(max(left, -lane.width / 2), lane.width / 2)))
+
+    def normal(self, x: float, y: float, z: float | None = None) -> np.ndarray:
+        """The direction [3] up from the road at x, y, of the level nearest to `z`."""
+        lane, along, _ = self.nearest_lane(x, y, z, kinds=None)
+        return lane.line.normal(along)
+
+    def ways(self) -> tuple[Lane, ...]:
+        """What drivers follow: a lane straight on through junctions, and one over each turn, in which several are one.
+
+        Those of a street are sampled as its sequences are; of other networks, lanes are joined at their ends.
+        """
+        if self.street is not None:
+            return self.street.ways()
+        before = {after: lane for lane in self.lanes for after in lane.successors}
+        ways, covered = list[Lane](), set[str]()
+        for lane in sorted(self.lanes, key=lambda lane: lane.junction is None):
+            if lane.kind in ("driving", "aisle") and (lane.junction is not None or lane.id not in covered):
+                chain = self._chain(lane, before)
+                covered |= {one.id for one in chain}
+                ways.append(_joined(chain, lane))
+        return tuple(ways)
+
+    def _chain(self, middle: Lane, before: Mapping[str, Lane]) -> list[Lane]:
+        """The lanes through which one leads on, straight where it can, and from as far before it."""
+        chain = [middle]
+        while (lane := before.get(chain[0].id)) is not None and lane not in chain:
+            chain.insert(0, lane)
+        while after := sorted(self.successors(chain[-1]), key=lambda lane: lane.turn is not None):
+            if after[0] in chain:
+                break
+            chain.append(after[0])
+        return chain
+
+    def moved(self, place: Place) -> RoadNetwork:
+        """The network of a frame that stands at a place, as those around see it; `drawn` is that of its own frame."""
+        if self.street is not None:
+            return self.but(street=replace(self.street, place=in_frame(self.street.place, place)))
+        parts = {
+            name: tuple(replace(part, place=in_frame(part.place, place)) for part in getattr(self, name))
+            for name in ("crossings", "signals", "paved")
+        }
+        return self.but(lanes=tuple(replace(lane, line=lane.line.moved(place)) for lane in self.lanes), **parts)
+
+    def but(self, **fields: Any) -> RoadNetwork:
+        """The same network, but for some of what it is made from."""
+        return RoadNetwork(**{**self._fields(), **fields})
+
+    def _fields(self) -> dict[str, Any]:
+        """What the network is made from: a street without the lanes that follow from it."""
+        lanes, junctions, signals = self._given
+        given = {"lanes": lanes, "junctions": junctions, "signals": signals}
+        return {name: given[name] if name in given else getattr(self, name) for name in _FIELDS}
+
+    def to_dict(self) -> dict[str, Any]:
+        """The network as JSON types."""
+        return {
+            name: write_as(value) for name, value in self._fields().items() if value or (name, value) == ("drawn", ())
+        }
+
+    @classmethod
+    def from_dict(cls, fields: Mapping[str, Any]) -> RoadNetwork:
+        """The inverse of `to_dict`; raises `FormatError` for a missing or unknown field, `LayoutError` for a value."""
+        check_fields(fields, (), _FIELDS)
+        return cls(**{name: read_as(_FIELDS[name], value, name) for name, value in fields.items()})
+
+
+def _network(fields: dict[str, Any]) -> RoadNetwork:
+    return RoadNetwork(**fields)
+
+
+def _joined(chain: Sequence[Lane], middle: Lane) -> Lane:
+    """The lanes of a chain as one, that turns as the middle one does."""
+    lines = [np.array(lane.line.written()["points"]) for lane in chain]
+    starts = np.cumsum([0.0, *(lane.line.length for lane in chain)]).tolist()
+    stops = [start + lane.stop for start, lane in zip(starts, chain, strict=False) if lane.stop is not None]
+    begin = starts[chain.index(middle)]
+    return replace(
+        middle,
+        id=f"way.{middle.id}",
+        line=Line.through(np.concatenate([lines[0], *(line[1:] for line in lines[1:])])),
+        successors=(),
+        stop=stops[0] if stops else None,
+        bend=(begin, begin + middle.line.length) if middle.turn else (0.0, 0.0),
+    )
