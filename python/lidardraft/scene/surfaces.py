@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from zlib import crc32
 
 import numpy as np
@@ -51,12 +52,30 @@ class Surfaces:
         with `by_id`, from its id: then one that is moved looks as before.
         Raises `SensorError` where `wetness` is not 0 to 1.
         """
-        primitives = layout.primitives
+        return cls.from_primitives(layout.primitives, wetness=wetness, variation=variation, by_id=by_id)
+
+    @classmethod
+    def from_primitives(
+        cls, primitives: tuple[Primitive, ...], *, wetness: float = 0.0, variation: bool = True, by_id: bool = False
+    ) -> Surfaces:
+        """As `from_layout`, of the primitives of one."""
         names = [p.material or CLASS_MATERIALS[BY_NAME[p.label].id].name for p in primitives]
         index = np.array([_INDEX[name] for name in names], dtype=np.intp)
         media = np.array([p.extinction is not None for p in primitives], dtype=bool)
         keys = _keys_from_ids(primitives) if by_id else _keys_from_places(primitives)
         return cls._made_of(index, media, keys if variation else None, wetness)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Surfaces]) -> Surfaces:
+        """Those of several, one after the other."""
+        first = [cls.from_primitives(()), *parts]  # the row of no return is that of the first
+        columns = [[getattr(part, field.name) for part in first] for field in fields(cls)]
+        return cls(*(np.concatenate([one[0], *(more[1:] for more in one[1:])]) for one in columns))
+
+    def some(self, indices: np.ndarray) -> Surfaces:
+        """Those of the primitives of these indices."""
+        kept = np.concatenate([[0], indices.astype(np.intp) + 1])
+        return Surfaces(*(getattr(self, field.name)[kept] for field in fields(self)))
 
     @classmethod
     def from_materials(cls, materials: np.ndarray, keys: np.ndarray, *, wetness: float = 0.0) -> Surfaces:
