@@ -41,18 +41,24 @@ class Bodies:
         return cls(primitives, scene, Surfaces.from_primitives(primitives, wetness=wetness, by_id=True))
 
     @classmethod
-    def joined(cls, parts: Sequence[Bodies], origin: tuple[float, float, float] | None = None) -> Bodies:
-        """All of some, in that order: a function of their shapes, where these are and `origin` alone, byte for byte."""
+    def joined(cls, parts: Sequence[Bodies], surfaces: Surfaces, origin: tuple[float, float, float]) -> Bodies:
+        """All of some, in that order, whose `surfaces` may be followed by others: a function of their shapes, where
+        these are and `origin` alone, byte for byte."""
         every = [np.arange(len(part.primitives), dtype=np.uint32) for part in parts]
         scene = _core.Scene.joined([part.scene for part in parts], every, origin)
         primitives = tuple(primitive for part in parts for primitive in part.primitives)
-        return cls(primitives, scene, Surfaces.joined([part.surfaces for part in parts]))
+        return cls(primitives, scene, surfaces)
 
     def some(self, indices: Sequence[int], origin: tuple[float, float, float] | None = None) -> Bodies:
         """The shapes of these indices."""
         kept = np.array(indices, dtype=np.uint32)
         scene = _core.Scene.joined([self.scene], [kept], origin)
         return Bodies(tuple(self.primitives[i] for i in indices), scene, self.surfaces.some(kept))
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """The point around which they are most precise [m]."""
+        return self.scene.origin
 
     def moved(self, by: np.ndarray) -> Bodies:
         """All of them moved by a rigid motion [4, 4] from where they were given."""

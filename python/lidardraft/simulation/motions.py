@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from lidardraft.scene.check import VEHICLE_LABELS
-from lidardraft.scene.intent import Asked
+from lidardraft.scene.intent import Asked, Intent
 from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.raycast import Raycaster
@@ -46,7 +46,7 @@ class Ground:
 
 
 def usual_motions(
-    layout: Layout,
+    intent: Intent,
     bodies: Mapping[str, Body],
     given: Mapping[str, Motion],
     lanes: Sequence[Lane],
@@ -55,7 +55,7 @@ def usual_motions(
 ) -> dict[str, Motion]:
     """The motions of all bodies that have none `given`, but for those that stand; first who is the first to give way:
     the ego vehicle after others, and what the sentence moves after the rest."""
-    said = {name: layout.intent.of(name) for name in bodies}
+    said = {name: intent.of(name) for name in bodies}
     crossing = {name for name, asked in said.items() if str(asked.heading).startswith("across")}
     found: dict[str, Motion] = {}
     for name, body in bodies.items():
@@ -71,7 +71,7 @@ def usual_motions(
             motion = _free_walk(body, asked.speed or _WALKING, still, ground, duration, name in crossing)
         if motion is not None:
             found[name] = motion
-    for name in ("ego", *layout.intent.objects):
+    for name in ("ego", *intent.objects):
         if name in bodies and said[name].motion == "overtakes":
             others = [one for one in bodies if said[one].group in said[name].overtakes]
             _pass(name, others or ["ego"], {**given, **found}, found, bodies, lanes)

@@ -27,10 +27,9 @@ from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather, weather_of
 from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
-from lidardraft.simulation.sweeps import Mover, Spot, Sweeper, radius_of
+from lidardraft.simulation.sweeps import FLASH, Mover, Spot, Sweeper, radius_of
 from lidardraft.simulation.tracks import tracks_of
 
-_FLASH = 1e-3  # s over which rates are taken where a sweep takes no time
 _LONGEST = 1000.0  # s, of which the traffic is known within a minute
 
 
@@ -146,7 +145,7 @@ class SequenceSimulator:
 
     @property
     def _span(self) -> float:
-        return max(self._sweeper.sensor.sweep_time, _FLASH)
+        return max(self._sweeper.sensor.sweep_time, FLASH)
 
     def _layout(self, places: dict[str, tuple[float, float, float, float]]) -> Layout:
         """The layout with all that moves at its place, x, y, z and yaw."""

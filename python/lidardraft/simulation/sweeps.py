@@ -26,6 +26,7 @@ from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather
 
 Spot = tuple[float, float, float, float]  # x, y, z [m] and yaw [rad] of what stands upright
+FLASH = 1e-3  # s over which rates are taken where a sweep takes no time
 _SECTORS = 32  # of a sweep, of which a body is cast in those that it may be seen in
 _MARGIN = 0.5  # m around a body: lasers do not start in the middle of the sensor
 

@@ -1,0 +1,313 @@
+"""How the things of a world go on: a step takes one state to the next, and is a function of that state alone."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+import numpy as np
+
+from lidardraft.errors import LayoutError
+from lidardraft.scene.check import OVERLAP_TOLERANCE
+from lidardraft.scene.lane import Lane
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk, Waypoints
+from lidardraft.scene.solids import penetration
+from lidardraft.simulation.driving import Body, Driver, Traffic, bar_of, driver_of, extents_in
+from lidardraft.simulation.motions import Ground, usual_motions
+from lidardraft.simulation.sweeps import Spot
+from lidardraft.simulation.tracks import through
+from lidardraft.world.state import Actor, Collision, Drive, WorldState
+from lidardraft.world.things import Thing
+
+_FORESEEN = 60.0  # s of a walk whose way is looked at
+ThingOf = Callable[[str, Actor], Thing]
+
+
+class Stepping:
+    """The roads of a world's layout, the ground that is left of it, and how long the past is that its scans need [s].
+
+    What it keeps between steps are functions of the state: of things that stand, where they are in lanes.
+    """
+
+    def __init__(self, base: Layout, ground: Sequence[Primitive], thing_of: ThingOf, span: float) -> None:
+        self.roads, self.intent = base.roads, base.intent
+        self.ways: tuple[Lane, ...] = () if base.roads is None else base.roads.ways()
+        self._ground = Ground(Layout(tuple(ground))) if ground else None
+        self._thing_of, self._span = thing_of, span
+        self._standing: _Standing | None = None
+
+    def on_ground(self, name: str, spot: Spot, x: float, y: float, yaw: float) -> Spot:
+        """The spot as high over the ground at x, y as it is now; raises `LayoutError` off the map."""
+        if self._ground is None:
+            return x, y, spot[2], yaw
+        (there, here), label = self._ground.at(np.array([(x, y), spot[:2]]))
+        if not label[0]:
+            raise LayoutError(f"{name}: x {x:.1f}, y {y:.1f} m is off the map; there is no ground")
+        return x, y, spot[2] + float(there - here) if label[1] else float(there), yaw
+
+    def height(self, x: float, y: float) -> float:
+        """Of the ground [m]; 0 where there is none."""
+        return 0.0 if self._ground is None else float(self._ground.at(np.array([(x, y)]))[0][0])
+
+    def launched(self, state: WorldState, names: Iterable[str]) -> WorldState:
+        """The state in which things of these names move as they do by themselves, and did so before."""
+        bodies = {
+            name: thing.body_at(actor.spot)
+            for name, actor in state.actors.items()
+            if not (thing := self._thing_of(name, actor)).is_ground
+        }
+        given: dict[str, Motion] = {name: Straight(0.0) for name in set(bodies) - set(names)}
+        motions = usual_motions(self.intent, bodies, given, self.ways, self._ground or Ground(Layout()), _FORESEEN)
+        actors = {name: self.commanded(name, state.actors[name], motion) for name, motion in motions.items()}
+        return self.begun(state.but(actors), actors)
+
+    def begun(self, state: WorldState, names: Iterable[str]) -> WorldState:
+        """The state in which drivers of these names are as fast as they like, and have been for a sweep."""
+        drivers, others = self._movers(state)
+        rows = np.array([_row(state.actors[name], state.actors[name].rate()) for name in others]).reshape(-1, 5)
+        bodies = [self._thing_of(name, state.actors[name]).body for name in others]
+        starting = [drivers[name] for name in names if name in drivers]
+        Traffic(list(drivers.values()), bodies).begin(starting, rows, state.time)
+        actors = dict[str, Actor | None]()
+        for name in names:
+            actor = state.actors[name]
+            speed = drivers[name].speed if name in drivers else _speed_of(actor.motion, state.time)
+            if actor.drive is not None:
+                actor = dataclasses.replace(actor, drive=dataclasses.replace(actor.drive, speed=speed))
+            heading = actor.spot[3]
+            if isinstance(actor.motion, Walk):
+                heading = math.atan2(actor.motion.to[1] - actor.spot[1], actor.motion.to[0] - actor.spot[0])
+            actors[name] = self.with_past(actor, state.time, speed * math.cos(heading), speed * math.sin(heading))
+        return state.but(actors)
+
+    def with_past(self, actor: Actor, time: float, x: float, y: float) -> Actor:
+        """The actor as if it had come with that velocity [m/s]."""
+        if not (x or y):
+            return dataclasses.replace(actor, past=())
+        before = (actor.spot[0] - x * self._span, actor.spot[1] - y * self._span, *actor.spot[2:])
+        return dataclasses.replace(actor, past=((time - self._span, *before), (time, *actor.spot)))
+
+    def commanded(
+        self,
+        name: str,
+        actor: Actor,
+        motion: Motion | None,
+        among: Iterable[Lane] | None = None,
+        *,
+        to_middle: bool = False,
+    ) -> Actor:
+        """The actor with another motion, of those who drive along one of the ways `among`; raises `LayoutError` where
+        it is in none."""
+        drive = None
+        if isinstance(motion, AlongLane):
+            body = self._thing_of(name, actor).body_at(actor.spot)
+            driver = driver_of(body, motion, self.ways if among is None else tuple(among))
+            if driver is None:
+                raise LayoutError(f"{name} stands in no lane that it could drive along; move it into one first")
+            x, y, _, _ = actor.rate()
+            speed = max(0.0, x * math.cos(actor.spot[3]) + y * math.sin(actor.spot[3]))
+            way = next(number for number, lane in enumerate(self.ways) if lane is driver.lane)
+            drive = Drive(way, driver.along, driver.left, driver.yaw, driver.start, speed, returns=to_middle)
+        stands = motion is None or (motion == Straight(0.0))
+        return dataclasses.replace(actor, motion=None if stands else motion, drive=drive, goal=None)
+
+    def stepped(self, state: WorldState, seconds: float, count: int, policy: str) -> WorldState:
+        """The state `seconds` later, in `count` steps; those with a goal are there in the last."""
+        start = state.time
+        for number in range(1, count + 1):
+            state = self._step(state, start + seconds * number / count, count + 1 - number, policy)
+        return state
+
+    def _step(self, state: WorldState, time: float, left: int, policy: str) -> WorldState:
+        span, actors = time - state.time, state.actors
+        drivers, others = self._movers(state)
+        changes = {name: _gone(actors[name], state.time, time, left) for name in others}
+        rows = [
+            _row(actors[name], [(b - a) / span for a, b in zip(actors[name].spot, after.spot, strict=True)])
+            for name, after in changes.items()
+        ]
+        bodies = [self._thing_of(name, actors[name]).body for name in others]
+        traffic = Traffic(list(drivers.values()), bodies)
+        traffic.advance(state.time, np.array(rows).reshape(-1, 5), span)
+        places = traffic.places().tolist() if drivers else []
+        for (name, driver), (x, y, _, yaw) in zip(drivers.items(), places, strict=True):
+            actor = actors[name]
+            assert actor.drive is not None
+            turned = actor.spot[3] + math.remainder(yaw - actor.spot[3], math.tau)
+            changes[name] = dataclasses.replace(
+                actor, spot=(x, y, actor.spot[2], turned), drive=_drive(driver, actor.drive.way)
+            )
+        changes = self._raised(actors, changes)
+        changes, events = self._run_into(state, changes, time, policy)
+        for name, actor in actors.items():
+            if name in changes or actor.past:
+                changes[name] = self._remembered(actor, changes.get(name, actor), state.time, time)
+        return state.but(changes, time=time, collisions=state.collisions + events)
+
+    def _movers(self, state: WorldState) -> tuple[dict[str, Driver], list[str]]:
+        """Those who drive, each knowing where it is barred by what stands, and the names of others that move."""
+        moving = [name for name, actor in state.actors.items() if actor.motion is not None or actor.goal is not None]
+        now = set(moving)
+        standing = [(name, actor) for name, actor in state.actors.items() if name not in now]
+        if self._standing is None or not self._standing.is_of(standing):
+            self._standing = _Standing(standing, self._thing_of)
+        drivers, others = dict[str, Driver](), list[str]()
+        for name in moving:
+            actor = state.actors[name]
+            if (drive := actor.drive) is None:
+                others.append(name)
+                continue
+            assert isinstance(actor.motion, AlongLane)
+            body, lane = self._thing_of(name, actor).body, self.ways[drive.way]
+            driver = Driver(body, actor.motion, lane, drive.along, drive.left, drive.yaw, drive.start, drive.speed)
+            driver.beside, driver.returns = drive.beside, drive.returns
+            driver.barred = bar_of(driver, self._standing.extents(lane))
+            drivers[name] = driver
+        return drivers, others
+
+    def _raised(self, actors: Mapping[str, Actor], changes: dict[str, Actor]) -> dict[str, Actor]:
+        """Those who have moved as high over the ground as they were."""
+        if self._ground is None or not changes:
+            return changes
+        spots = [spot[:2] for name, after in changes.items() for spot in (actors[name].spot, after.spot)]
+        heights, labels = self._ground.at(np.array(spots))
+        rises = np.where(labels.reshape(-1, 2).all(axis=1), np.diff(heights.reshape(-1, 2))[:, 0], 0.0).tolist()
+        raised = {}
+        for (name, after), rise in zip(changes.items(), rises, strict=True):
+            x, y, z, yaw = after.spot
+            raised[name] = dataclasses.replace(after, spot=(x, y, z + rise, yaw)) if rise else after
+        return raised
+
+    def _remembered(self, before: Actor, after: Actor, begin: float, end: float) -> Actor:
+        """With its past up to now, as far back as scans need it."""
+        past = (*(before.past or ((begin, *before.spot),)), (end, *after.spot))
+        first = max((k for k, row in enumerate(past) if row[0] <= end - self._span), default=0)
+        past = past[first:]
+        moves = any(row[1:] != past[0][1:] for row in past)
+        return dataclasses.replace(after, past=past if moves else ())
+
+    def met(self, state: WorldState, names: Iterable[str], policy: str) -> WorldState:
+        """The state in which things of these names were placed: with the collisions of that, unless they are refused."""
+        _, events = self._run_into(state, {name: state.actors[name] for name in names}, state.time, policy, placed=True)
+        return dataclasses.replace(state, collisions=state.collisions + events)
+
+    def _run_into(
+        self, state: WorldState, changes: dict[str, Actor], time: float, policy: str, *, placed: bool = False
+    ) -> tuple[dict[str, Actor], tuple[Collision, ...]]:
+        """The changes, and who runs into whom by them; with the policy "stop" they are not moved, and stand."""
+        self._movers(state)
+        assert self._standing is not None
+        moved = [n for n, after in changes.items() if placed or after.spot != state.actors[n].spot]
+        if not moved:
+            return changes, ()
+        live = {name: actor for name, actor in state.actors.items() if name not in self._standing.numbers} | changes
+        bodies = {name: self._thing_of(name, actor).body_at(actor.spot) for name, actor in live.items()}
+        found = list[Collision]()
+        for number, name in enumerate(moved):
+            near = self._standing.near(bodies[name])
+            near += [body for other, body in bodies.items() if other != name and _are_near(bodies[name], body)]
+            for other in near:
+                if other.name in moved[:number] or other.name == name or not _touch(bodies[name], other):
+                    continue
+                if placed or not self._touched(state, name, other.name):
+                    found.append(Collision(time, name, other.name))
+        if found and policy == "refuse":
+            raise LayoutError(f"{found[0].one} runs into {found[0].other} at {time:.2f} s; nothing was changed")
+        if policy == "stop" and not placed:
+            for name in {name for event in found for name in (event.one, event.other) if name in changes}:
+                changes[name] = dataclasses.replace(state.actors[name], motion=None, drive=None, goal=None)
+        return changes, tuple(found)
+
+    def _touched(self, state: WorldState, one: str, other: str) -> bool:
+        bodies = [self._thing_of(n, state.actors[n]).body_at(state.actors[n].spot) for n in (one, other)]
+        return _touch(*bodies)
+
+
+class _Standing:
+    """Things that stand: where they are in lanes, and which are near."""
+
+    def __init__(self, actors: Sequence[tuple[str, Actor]], thing_of: ThingOf) -> None:
+        self._actors = actors
+        self.bodies = [thing_of(name, actor).body_at(actor.spot) for name, actor in actors]
+        self.numbers = {name: number for number, (name, _) in enumerate(actors)}
+        self._solids = [solid for body in self.bodies for solid in body.solids]
+        self._places = np.array([body.place[:2] for body in self.bodies]).reshape(-1, 2)
+        self._reach = np.array([math.hypot(*body.size[:2]) / 2 if body.solids else -np.inf for body in self.bodies])
+        self._extents: dict[int, np.ndarray] = {}
+
+    def is_of(self, actors: Sequence[tuple[str, Actor]]) -> bool:
+        """Whether it is of these."""
+        return len(actors) == len(self._actors) and all(
+            one is other and name == named for (name, one), (named, other) in zip(actors, self._actors, strict=True)
+        )
+
+    def extents(self, lane: Lane) -> np.ndarray:
+        """Those of all solids in a lane."""
+        if id(lane) not in self._extents:
+            self._extents[id(lane)] = extents_in(lane, self._solids)
+        return self._extents[id(lane)]
+
+    def near(self, body: Body) -> list[Body]:
+        """Those that a body may touch."""
+        away = np.hypot(*(self._places - body.place[:2]).T) if len(self._places) else np.empty(0)
+        return [self.bodies[k] for k in np.flatnonzero(away < self._reach + math.hypot(*body.size[:2]) / 2).tolist()]
+
+
+def _are_near(one: Body, other: Body) -> bool:
+    return math.dist(one.place[:2], other.place[:2]) < (math.hypot(*one.size[:2]) + math.hypot(*other.size[:2])) / 2
+
+
+def _touch(one: Body, other: Body) -> bool:
+    return any(penetration(a, b) > OVERLAP_TOLERANCE for a in one.solids for b in other.solids)
+
+
+def _drive(driver: Driver, way: int) -> Drive:
+    return Drive(
+        way,
+        driver.along,
+        driver.left,
+        driver.yaw,
+        driver.start,
+        driver.speed,
+        bool(driver.beside),
+        bool(driver.returns),
+    )
+
+
+def _row(actor: Actor, rate: Sequence[float]) -> tuple[float, ...]:
+    return *actor.spot[:2], actor.spot[3], rate[0], rate[1]
+
+
+def _speed_of(motion: Motion | None, time: float) -> float:
+    if isinstance(motion, Walk):
+        return motion.speed if time >= motion.start else 0.0
+    return motion.speed if isinstance(motion, Straight) else 0.0
+
+
+def _gone(actor: Actor, begin: float, end: float, left: int) -> Actor:
+    """Who follows no lane at the end of a step, of `left` steps to its goal; heights are added later."""
+    (x, y, z, yaw), motion = actor.spot, actor.motion
+    if actor.goal is not None:
+        u, v, heading = actor.goal
+        turn = math.remainder(heading - yaw, math.tau)
+        if left == 1:
+            return dataclasses.replace(actor, spot=(u, v, z, yaw + turn), goal=None)
+        return dataclasses.replace(actor, spot=(x + (u - x) / left, y + (v - y) / left, z, yaw + turn / left))
+    if isinstance(motion, Straight):
+        way = motion.speed * (end - begin)
+        return dataclasses.replace(actor, spot=(x + way * math.cos(yaw), y + way * math.sin(yaw), z, yaw))
+    if isinstance(motion, Walk):
+        rest, way = math.dist(motion.to, (x, y)), motion.speed * max(0.0, end - max(begin, motion.start))
+        if way >= rest:
+            return dataclasses.replace(actor, spot=(*motion.to, z, yaw), motion=None)
+        if way > 0.0:
+            yaw += math.remainder(math.atan2(motion.to[1] - y, motion.to[0] - x) - yaw, math.tau)
+            x, y = x + (motion.to[0] - x) * way / rest, y + (motion.to[1] - y) * way / rest
+        return dataclasses.replace(actor, spot=(x, y, z, yaw))
+    assert isinstance(motion, Waypoints)
+    u, v, _, looks = through(np.array(motion.points), yaw, np.array([begin, end])).places[-1].tolist()
+    over = end >= motion.points[-1][0]
+    turned = yaw + math.remainder(looks - yaw, math.tau)
+    return dataclasses.replace(actor, spot=(u, v, z, turned), motion=None if over else motion)

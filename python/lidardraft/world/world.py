@@ -1,0 +1,569 @@
+"""A world that is changed, stepped and scanned: `World`."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+import math
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from fnmatch import fnmatchcase
+from typing import Any, overload
+
+import numpy as np
+
+from lidardraft.drafting.boxes import layout_from_boxes
+from lidardraft.errors import (
+    LayoutError,
+    LidarDraftError,
+    UnknownNameError,
+    check_choice,
+    check_that,
+    check_type,
+    did_you_mean,
+)
+from lidardraft.json_fields import are_numbers, is_number
+from lidardraft.scan import Scan
+from lidardraft.scene.bodies import Bodies
+from lidardraft.scene.box import Box
+from lidardraft.scene.edit import moved_part
+from lidardraft.scene.lane import Lane
+from lidardraft.scene.layout import Layout, Primitive, box_around, object_of
+from lidardraft.scene.pose import Place, upright
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.scenario import FASTEST, AlongLane, Motion, Straight
+from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.surfaces import Surfaces
+from lidardraft.scene.weather import Weather, weather_of
+from lidardraft.semantics import BY_NAME, GROUND
+from lidardraft.simulation.driving import STEP
+from lidardraft.simulation.roads import with_known_roads
+from lidardraft.simulation.simulate import prepared
+from lidardraft.simulation.solid_object import sampled_parts
+from lidardraft.simulation.sweeps import FLASH, Mover, Sweeper, radius_of
+from lidardraft.world.state import EGO_NAME, Actor, Collision, WorldState
+from lidardraft.world.stepping import Stepping
+from lidardraft.world.things import EGO_THING, Thing, built
+
+_POLICIES = ("allow", "refuse", "stop")
+_MOST_THINGS = 5000  # of which a step and a scan take a second together where all of them drive
+_MOST_INSTANCES = 2**16 - 1
+_LONGEST = 60.0  # s, of a step
+
+
+class Handle:
+    """One object of a world, or its ego vehicle, as it is now."""
+
+    def __init__(self, world: World, id: str) -> None:
+        self._world, self.id = world, id
+
+    @property
+    def pose(self) -> Place:
+        """x, y [m] and yaw [rad] of the middle of its box; of the ego vehicle, where it stands on the road.
+
+        Set it to where it is to be at the end of the next step: it goes there evenly, and stands there until it is told
+        otherwise. `World.move` places at once.
+        """
+        x, y, _, yaw = self._world._actor(self.id).spot
+        return x, y, yaw
+
+    @pose.setter
+    def pose(self, pose: Place) -> None:
+        self._world._send(self.id, pose)
+
+    @property
+    def velocity(self) -> tuple[float, float, float]:
+        """In the world [m/s]."""
+        return self._world._actor(self.id).rate()[:3]
+
+    @property
+    def speed(self) -> float:
+        """Ahead [m/s]. Set it, and it is that at once: who drives along a lane goes on there, but stops behind others;
+        all else goes straight on."""
+        actor = self._world._actor(self.id)
+        if actor.drive is not None:
+            return actor.drive.speed
+        return self.velocity[0] * math.cos(actor.spot[3]) + self.velocity[1] * math.sin(actor.spot[3])
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._world._set_speed(self.id, speed)
+
+    @property
+    def motion(self) -> Motion | None:
+        """How it moves until it is told otherwise, None where it stands; times in it are those of the world. Set it to
+        drive as in a scenario, also into others (`Straight`, `Waypoints`)."""
+        return self._world._actor(self.id).motion
+
+    @motion.setter
+    def motion(self, motion: Motion | None) -> None:
+        self._world._set_motion(self.id, motion)
+
+    def __repr__(self) -> str:
+        x, y, yaw = self.pose
+        return f"Handle({self.id}, x {x:.2f} m, y {y:.2f} m, yaw {yaw:.3f} rad, {self.speed:.2f} m/s)"
+
+
+class World:
+    """A layout, the street of a sentence, or boxes, scanned while things in it move, come and go.
+
+    Vehicles in a lane, people and the ego vehicle move by themselves, as in sequences, until they are told otherwise.
+    Things are told from each other by the part of their ids before the dot; the ego vehicle is "ego".
+
+    A scan at the time t covers the sweep that ends at t, in which everything is where it has been then. `boxes` are
+    those at t. The time, pose, boxes and velocities of the `Scan` itself are those of the middle of its sweep, in which
+    its points lie, as in sequences: frame k of a `SequenceSimulator` is the scan after k + 1 steps of 1 / hz, and a
+    box is half a `sweep_time` of its velocity behind that of `boxes`.
+
+    All but sensor, model and weather is in `state()`: from the same state the same bytes follow, in scans and steps. A
+    `WorldState` in place of the layout goes on from there, with its own seed. What runs into each other is listed in
+    `collisions`; with "stop" it stands there, and with "refuse" the call raises `LayoutError`. `model`, `weather` and
+    `threads` are those of `Simulator`. A call that raises leaves the world as it was; one thread may use it at a time.
+    """
+
+    def __init__(
+        self,
+        layout: Layout | str | Sequence[Box] | WorldState,
+        sensor: Sensor,
+        *,
+        seed: int | None = None,
+        collisions: str = "allow",
+        model: SensorModel | None = None,
+        weather: Weather | None = None,
+        threads: int | None = None,
+    ) -> None:
+        check_type("sensor", sensor, Sensor)
+        check_choice("collisions", collisions, _POLICIES)
+        self.sensor, self._policy, self._lock = sensor, collisions, threading.Lock()
+        self._built: dict[int, tuple[Layout, dict[str, Thing]]] = {}
+        if isinstance(layout, WorldState):
+            check_that(seed is None, "seed", seed, f"left out: the state has {layout.seed}")
+            base, state, self._assumed = layout.layouts[0], layout, ()
+        else:
+            given = layout if isinstance(layout, Layout | str) else layout_from_boxes(layout)
+            base, _, self._assumed = prepared(given, seed or 0, False)
+            state = WorldState(seed or 0, (0.0, 0.0, 0.0), 0.0, 0, {0: base}, {})
+        self._sweeper = Sweeper.of(sensor, model, weather or weather_of(base.intent.weather), threads)
+        self._span = max(sensor.sweep_time, FLASH)
+        self._adopt(state)
+        if not isinstance(layout, WorldState):
+            self._begin()
+
+    def _begin(self) -> None:
+        """Give everything its place, and let it move."""
+        things = self._built[0][1]
+        if EGO_NAME in things:
+            raise LayoutError("an object of the layout is called 'ego', as the ego vehicle is; rename it")
+        _check_number(len(things))
+        actors = {name: Actor(0, thing.home) for name, thing in things.items()}
+        actors[EGO_NAME] = Actor(0, (0.0, 0.0, self._stepping.height(0.0, 0.0), 0.0))
+        state = self._state.but(actors, origin=next(iter(things.values())).bodies.origin if things else (0.0, 0.0, 0.0))
+        self._state = self._stepping.launched(
+            state, [name for name in actors if not self._thing(name, actors[name]).is_ground]
+        )
+
+    def _adopt(self, state: WorldState) -> None:
+        """Take a state, and build those of its layouts that are new."""
+        kept, wetness = self._built, self._sweeper.weather.wetness
+        base, origin = state.layouts[0], state.origin if state.actors else None
+        made = {number: entry for number, entry in kept.items() if state.layouts.get(number) is entry[0]}
+        for number, layout in state.layouts.items():
+            if number not in made:
+                made[number] = layout, built(layout, state.seed, wetness, base if number else None, origin)
+        for name, actor in state.actors.items():
+            if name != EGO_NAME and name not in made.get(actor.batch, (None, {}))[1]:
+                raise LayoutError(f"the state has {name!r} of its layout {actor.batch}, which has no such object")
+        known = with_known_roads(base) if not kept or kept[0][0] is not base else self._known
+        ground = tuple(
+            part
+            for name, actor in (
+                state.actors or {name: Actor(0, thing.home) for name, thing in made[0][1].items()}
+            ).items()
+            if name != EGO_NAME and made[actor.batch][1][name].is_ground
+            for part in made[actor.batch][1][name].parts
+            if part.label in GROUND
+        )
+        if not kept or kept[0][0] is not base or ground != self._ground:
+            self._stepping = Stepping(known, ground, self._thing, self._span)
+        for name, actor in state.actors.items():
+            if actor.drive is not None and not 0 <= actor.drive.way < len(self._stepping.ways):
+                raise LayoutError(
+                    f"the state has {name!r} on way {actor.drive.way}; there are {len(self._stepping.ways)}"
+                )
+        self._known, self._ground, self._built, self._state = known, ground, made, state
+        self._still: tuple[list[Actor], Bodies] | None = None
+        self._table: tuple[list[Thing], Surfaces] | None = None
+        self._scan: tuple[WorldState, Scan] | None = None
+
+    @contextmanager
+    def _alone(self) -> Iterator[None]:
+        if not self._lock.acquire(blocking=False):
+            raise LidarDraftError("another thread uses this world; give each one of its own, `World(state, sensor)`")
+        try:
+            yield
+        finally:
+            self._lock.release()
+
+    def _thing(self, name: str, actor: Actor) -> Thing:
+        return EGO_THING if name == EGO_NAME else self._built[actor.batch][1][name]
+
+    def _actor(self, id: str) -> Actor:
+        actor = self._state.actors.get(id) if isinstance(id, str) else None
+        if actor is None:
+            raise UnknownNameError(f"the world has no object {id!r}{did_you_mean(self._state.actors, id)}")
+        return actor
+
+    def _movable(self, id: str) -> Actor:
+        actor = self._actor(id)
+        if self._thing(id, actor).is_ground:
+            raise LayoutError(f"{id} is ground, which others stand on; it cannot be moved")
+        return actor
+
+    @property
+    def time(self) -> float:
+        """How long it has been stepped [s]."""
+        return self._state.time
+
+    @property
+    def ids(self) -> tuple[str, ...]:
+        """The ids of all objects, but for the ego vehicle and the ground."""
+        actors = self._state.actors
+        return tuple(n for n in actors if n != EGO_NAME and not self._thing(n, actors[n]).is_ground)
+
+    @property
+    def collisions(self) -> tuple[Collision, ...]:
+        """All events of two things that began to overlap."""
+        return self._state.collisions
+
+    @property
+    def ego(self) -> Handle:
+        """The vehicle that the sensor is on."""
+        return Handle(self, EGO_NAME)
+
+    def __getitem__(self, id: str) -> Handle:
+        self._actor(id)
+        return Handle(self, id)
+
+    def __contains__(self, id: object) -> bool:
+        return id in self._state.actors
+
+    def state(self) -> WorldState:
+        """All that is now, as a value."""
+        return self._state
+
+    def restore(self, state: WorldState) -> None:
+        """Go on from a state, of this world or of another; raises `LayoutError` where it contradicts itself."""
+        check_type("state", state, WorldState)
+        with self._alone():
+            self._adopt(state)
+
+    @overload
+    def add(
+        self, what: str | Primitive, at: tuple[float, float] | None = ..., *, yaw: float | None = ...,
+        speed: float | None = ..., id: str | None = ...,
+    ) -> str: ...  # fmt: skip
+    @overload
+    def add(
+        self, what: Sequence[Primitive] | Layout, at: tuple[float, float] | None = ..., *, yaw: float | None = ...,
+        speed: float | None = ...,
+    ) -> tuple[str, ...]: ...  # fmt: skip
+    def add(
+        self,
+        what: str | Primitive | Sequence[Primitive] | Layout,
+        at: tuple[float, float] | None = None,
+        *,
+        yaw: float | None = None,
+        speed: float | None = None,
+        id: str | None = None,
+    ) -> str | tuple[str, ...]:
+        """Put something in: a kind, as in "van" or "cyclist", a shape, or all shapes of a model; its id or ids.
+
+        The middle of it stands `at` x, y [m], and without it where the shapes are, on the ground there; it is turned by
+        `yaw` [rad]. With a `speed` [m/s] it moves as `Handle.speed` does, else by itself. Raises `LayoutError` for an
+        unknown kind, a taken id, a place off the map and too many things.
+        """
+        with self._alone():
+            state = self._state
+            parts = self._parts_of(what, id)
+            if at is not None or yaw is not None or isinstance(what, str):
+                parts = self._placed(
+                    parts, _numbers("at", (0.0, 0.0) if at is None else at, 2), yaw or 0.0, at is not None
+                )
+            names = tuple(dict.fromkeys(map(object_of, parts)))
+            if taken := [name for name in names if name in state.actors]:
+                raise LayoutError(f"id is {taken[0]!r}, which another object has; give `id`, or remove that one first")
+            _check_number(len(state.actors) + len(names))
+            layout, number = Layout(self._counted(parts)), max(state.layouts) + 1
+            things = built(layout, state.seed, self._sweeper.weather.wetness, state.layouts[0], state.origin)
+            self._built[number] = layout, things
+            actors = {name: Actor(number, thing.home) for name, thing in things.items()}
+            after = state.but(actors, layouts={**state.layouts, number: layout})
+            if speed is None:
+                after = self._stepping.launched(after, names)
+            else:
+                after = after.but({name: self._at_speed(name, actors[name], speed, True) for name in names})
+            self._state = self._stepping.met(after, names, self._policy)
+            return names[0] if isinstance(what, str | Primitive) else names
+
+    def _parts_of(self, what: str | Primitive | Sequence[Primitive] | Layout, id: str | None) -> list[Primitive]:
+        """What is added: a kind in the origin, shapes where they are."""
+        if isinstance(what, str):
+            names = {name for _, things in self._built.values() for name in things}
+            name = id or next(one for k in itertools.count(1) if (one := f"{what}_{k}") not in names)
+            shapes = sampled_parts(what, self._state.seed, name)
+            return [
+                shape.placed((0.0, 0.0, 0.0), 0.0, f"{name}.{shape.name}" if shape.name else name, number)
+                for number, shape in enumerate(shapes, start=1)
+            ]
+        parts = [what] if isinstance(what, Primitive) else list(what)
+        for part in parts:
+            check_type("a shape", part, Primitive)
+            check_that(
+                part.label not in GROUND, f"{part.id}: label", part.label, "that of an object, not of the ground"
+            )
+        if not parts:
+            raise LayoutError("there is nothing to add; give a kind, shapes or a layout")
+        if id is not None and isinstance(what, Primitive):
+            return [dataclasses.replace(what, id=id)]
+        return parts
+
+    def _placed(self, parts: list[Primitive], at: tuple[float, ...], yaw: float, there: bool) -> list[Primitive]:
+        """The parts turned, and with their middle `at` a place on the ground, or where it is."""
+        yaw, box = _numbers("yaw", (yaw,), 1)[0], box_around(parts)
+        middle = box.center[:2]
+        x, y = at if there else middle
+        low = min(part.center[2] - part.size[2] / 2 for part in parts)
+        spot = self._stepping.on_ground(object_of(parts[0]), (*middle, low, 0.0), x, y, yaw)
+        rise = self._stepping.height(x, y) - low if there else spot[2] - low
+        return [moved_part(part, middle, (x - middle[0], y - middle[1], rise), yaw) for part in parts]
+
+    def _counted(self, parts: Sequence[Primitive]) -> tuple[Primitive, ...]:
+        """The parts with instances that nothing has, one for each that they had among themselves."""
+        used = {part.instance for _, things in self._built.values() for one in things.values() for part in one.parts}
+        free = (number for number in range(1, _MOST_INSTANCES + 1) if number not in used)
+        numbers: dict[tuple[str, int], int] = {}
+        counted = []
+        for part in parts:
+            if BY_NAME[part.label].is_thing:
+                key = object_of(part), part.instance
+                if key not in numbers:
+                    numbers[key] = next(free)
+                part = dataclasses.replace(part, instance=numbers[key])
+            counted.append(part)
+        return tuple(counted)
+
+    def move(self, id: str, to: tuple[float, float], *, yaw: float | None = None, speed: float = 0.0) -> None:
+        """Place an object at x, y [m] at once; there it stands, or has that `speed` [m/s], as `Handle.speed` says."""
+        with self._alone():
+            actor, (x, y) = self._movable(id), _numbers("to", to, 2)
+            turned = actor.spot[3] if yaw is None else _numbers("yaw", (yaw,), 1)[0]
+            spot = self._stepping.on_ground(id, actor.spot, x, y, turned)
+            after = self._at_speed(id, Actor(actor.batch, spot), speed, True)
+            self._state = self._stepping.met(self._state.but({id: after}), [id], self._policy)
+
+    def remove(self, pattern: str) -> None:
+        """Take out all objects whose ids match, as in "around/tree_*"; raises `LayoutError` where none does."""
+        with self._alone():
+            check_type("pattern", pattern, str)
+            names = [name for name in self._state.actors if fnmatchcase(name, pattern) and name != EGO_NAME]
+            if not names:
+                self._actor(pattern)
+                raise LayoutError("the ego vehicle cannot be removed")
+            self._adopt(self._state.but(dict.fromkeys(names)))
+
+    def follow(self, id: str, *, lane: str | Lane | None = None, behind: str | None = None, gap: float = 2.0) -> None:
+        """Let an object drive along a lane of the layout's `roads`, to its middle, or `behind` another in the lane of
+        that; with `gap` [m] and 1.5 s to whoever is ahead. Raises `LayoutError` where it is not in that lane."""
+        with self._alone():
+            actor, ways = self._movable(id), self._stepping.ways
+            if (lane is None) == (behind is None):
+                raise LayoutError(f"{id} follows a lane or somebody; give one of lane and behind")
+            if behind is not None:
+                leader = self._actor(behind).drive
+                check_that(leader is not None, "behind", behind, "an object that drives along a lane")
+                assert leader is not None
+                among, where = [ways[leader.way]], f"the lane of {behind}"
+            else:
+                roads = self._stepping.roads
+                if roads is None:
+                    raise LayoutError("the layout has no roads that are known; nothing can follow a lane")
+                one = lane if isinstance(lane, Lane) else roads.lane(str(lane))
+                among, where = [way for way in ways if _leads_along(way, one)], f"lane {one.id}"
+            for turn in (None, "left", "right"):
+                with_turn = [way for way in among if way.turn == turn]
+                try:
+                    motion = AlongLane(gap=gap, turn=turn, overtakes=False)
+                    after = self._stepping.commanded(id, actor, motion, with_turn, to_middle=True)
+                except LayoutError as error:
+                    if "stands in no lane" not in str(error):
+                        raise
+                else:
+                    self._state = self._state.but({id: after})
+                    return
+            raise LayoutError(f"{id} does not stand in {where} and look along it; move it there first")
+
+    def _send(self, id: str, pose: Place) -> None:
+        with self._alone():
+            actor = self._movable(id)
+            x, y, yaw = _numbers(f"{id}: pose", pose, 3)
+            self._stepping.on_ground(id, actor.spot, x, y, yaw)
+            after = dataclasses.replace(actor, motion=None, drive=None, goal=(x, y, yaw))
+            self._state = self._state.but({id: after})
+
+    def _set_speed(self, id: str, speed: float) -> None:
+        with self._alone():
+            self._state = self._state.but({id: self._at_speed(id, self._movable(id), speed, False)})
+
+    def _at_speed(self, name: str, actor: Actor, speed: float, anew: bool) -> Actor:
+        """The actor with a speed, along its lane where it is in one; `anew` as if it had come so."""
+        check_that(
+            is_number(speed) and abs(speed) <= FASTEST, f"{name}: speed", speed, f"-{FASTEST:g} to {FASTEST:g} m/s"
+        )
+        if actor.drive is not None and isinstance(actor.motion, AlongLane) and speed >= 0.0:
+            after = dataclasses.replace(
+                actor, motion=dataclasses.replace(actor.motion, speed=speed, later=()), goal=None
+            )
+        else:
+            try:
+                after = self._stepping.commanded(name, actor, AlongLane(speed) if speed > 0.0 else Straight(speed))
+            except LayoutError:
+                after = self._stepping.commanded(name, actor, Straight(speed))
+        if after.drive is not None:
+            after = dataclasses.replace(after, drive=dataclasses.replace(after.drive, speed=float(speed)))
+        if not anew:
+            return after
+        ways = speed * math.cos(actor.spot[3]), speed * math.sin(actor.spot[3])
+        return self._stepping.with_past(after, self._state.time, *ways)
+
+    def _set_motion(self, id: str, motion: Motion | None) -> None:
+        with self._alone():
+            if motion is not None:
+                check_type("motion", motion, Motion)
+            self._state = self._state.but({id: self._stepping.commanded(id, self._movable(id), motion)})
+
+    def step(self, seconds: float) -> None:
+        """Go on, in steps of 0.05 s or less. Raises `LayoutError` where `seconds` is not over 0, or over 60."""
+        with self._alone():
+            fits = is_number(seconds) and 0.0 < seconds <= _LONGEST
+            check_that(fits, "seconds", seconds, f"a number over 0, and {_LONGEST:g} at most")
+            count = max(1, math.ceil(seconds / STEP - 1e-9))
+            after = self._stepping.stepped(self._state, float(seconds), count, self._policy)
+            self._state = dataclasses.replace(after, steps=after.steps + 1)
+
+    def scan(self) -> Scan:
+        """What the sensor reports of the sweep that ends now; noise and drop are drawn anew after each step."""
+        with self._alone():
+            if self._scan is None or self._scan[0] is not self._state:
+                self._scan = self._state, self._scanned(self._state)
+            return self._scan[1]
+
+    def cast(self) -> RangeImage:
+        """The clean returns of all sub-rays in the sweep that ends now (`Scanner.cast`)."""
+        with self._alone():
+            return self._cast(self._state, self._swept(self._state))[0]
+
+    def points(self) -> np.ndarray:
+        """`scan().points()`: float32 [N, 3], in the sensor's frame in the middle of the sweep [m]."""
+        return self.scan().points()
+
+    def boxes(self) -> list[Box]:
+        """The boxes of all that is counted, now and in the world, with their velocities [m/s]."""
+        state = self._state
+        named = ((name, actor) for name, actor in state.actors.items() if name != EGO_NAME)
+        return [box for n, actor in named for box in self._thing(n, actor).boxes_at(actor.spot, actor.rate()[:3])]
+
+    def layout(self) -> Layout:
+        """The layout as it is now."""
+        return self._layout({name: actor.spot for name, actor in self._state.actors.items()})
+
+    def _layout(self, spots: dict[str, Any]) -> Layout:
+        actors = ((name, actor) for name, actor in self._state.actors.items() if name != EGO_NAME)
+        parts = tuple(part for name, actor in actors for part in self._thing(name, actor).parts_at(spots[name]))
+        return dataclasses.replace(self._known, primitives=parts)
+
+    def _swept(self, state: WorldState) -> dict[str, Any]:
+        """Pose, speed, turn and heading of the sensor in the sweep that ends now, as a `Scan` has them."""
+        ends, half = state.time - self._span * np.array([1.0, 0.5, 0.0]), self.sensor.sweep_time / 2
+        actor = state.actors[EGO_NAME]
+        if not actor.past:
+            x, y, z, yaw = actor.spot
+            return {"pose": upright((x, y, z + self.sensor.mount_height), yaw), "speed": 0.0, "turn": 0.0}
+        track = actor.track()
+        begin, _, end = track.at(ends)
+        x, y, z, yaw = track.at(np.array([state.time - half]))[0].tolist()
+        velocity = (end - begin)[:3] / self._span
+        speed = float(np.linalg.norm(velocity))
+        heading = {"heading": tuple((velocity / speed).tolist())} if speed else {}
+        turn = float(end[3] - begin[3]) / self._span
+        return {"pose": upright((x, y, z + self.sensor.mount_height), yaw), "speed": speed, "turn": turn, **heading}
+
+    def _cast(self, state: WorldState, swept: dict[str, Any]) -> tuple[RangeImage, Surfaces]:
+        """The clean returns, and the surfaces that they are of."""
+        sensor, still, moving = self.sensor, list[tuple[Thing, Actor]](), list[tuple[Thing, Actor]]()
+        for name, actor in state.actors.items():
+            if name != EGO_NAME:
+                (moving if actor.past else still).append((self._thing(name, actor), actor))
+        things = [thing for thing, _ in (*still, *moving)]
+        if self._table is None or not _same(self._table[0], things):
+            self._table = things, Surfaces.joined([thing.bodies.surfaces for thing in things])
+        table, actors = self._table[1], [actor for _, actor in still]
+        if self._still is None or not _same(self._still[0], actors):
+            parts = [thing.bodies_at(actor.spot) for thing, actor in still]
+            self._still = actors, Bodies.joined(parts, table, state.origin)
+        velocity = swept["speed"] * np.array(swept.get("heading", (0.0, 0.0, 0.0)))
+        poses = sensor.poses_in_motion(swept["pose"], velocity, (0.0, 0.0, swept["turn"]))
+        times, first, movers = (
+            state.time - sensor.sweep_time + sensor.column_times(),
+            len(self._still[1].primitives),
+            [],
+        )
+        for thing, actor in moving:
+            places = actor.track().at(times)
+            movers.append(Mover(thing.bodies, first, thing.home, radius_of(thing.body.size), places))
+            first += len(thing.bodies.primitives)
+        return self._sweeper.cast(self._still[1], movers, poses, state.seed), table
+
+    def _scanned(self, state: WorldState) -> Scan:
+        swept, half = self._swept(state), self.sensor.sweep_time / 2
+        clean, table = self._cast(state, swept)
+        seed = (state.seed + state.steps) % 2**63
+        ends = np.array([state.time - self._span, state.time - half, state.time])
+        spots: dict[str, Any] = {name: actor.spot for name, actor in state.actors.items()}
+        velocities = {}
+        for name, actor in state.actors.items():
+            if actor.past and name != EGO_NAME:
+                begin, middle, end = actor.track().at(ends)
+                spots[name] = tuple(middle.tolist())
+                velocities[name] = tuple(((end - begin)[:3] / self._span).tolist())
+        return Scan(
+            image=self._sweeper.observe(clean, table, seed),
+            layout=self._layout(spots),
+            seed=seed,
+            time=state.time - half,
+            velocities=velocities,
+            assumed=self._assumed,
+            **swept,
+        )
+
+
+def _same(some: Sequence[object], others: Sequence[object]) -> bool:
+    return len(some) == len(others) and all(one is other for one, other in zip(some, others, strict=True))
+
+
+def _leads_along(way: Lane, lane: Lane) -> bool:
+    """Whether a way leads through a lane."""
+    along, left = way.line.along_across(lane.line.spaced(5)[1:-1])
+    return bool((np.abs(left) < lane.width / 4).all() and (np.diff(along) > 0.0).all())
+
+
+def _check_number(things: int) -> None:
+    if things > _MOST_THINGS:
+        raise LayoutError(f"{things} objects; a world has {_MOST_THINGS} at most, with which a step takes seconds")
+
+
+def _numbers(name: str, values: Any, count: int) -> tuple[float, ...]:
+    values = values.tolist() if isinstance(values, np.ndarray) else values
+    check_that(are_numbers(values, count), name, values, f"{count} finite numbers" if count > 1 else "a finite number")
+    return tuple(map(float, values))
