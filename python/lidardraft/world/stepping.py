@@ -13,8 +13,8 @@ from lidardraft.scene.check import OVERLAP_TOLERANCE
 from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk, Waypoints
-from lidardraft.scene.solids import penetration
-from lidardraft.simulation.driving import Body, Driver, Traffic, bar_of, driver_of, extents_in
+from lidardraft.scene.solids import Solid, penetration
+from lidardraft.simulation.driving import Driver, Traffic, bar_of, driver_of, extents_in
 from lidardraft.simulation.motions import Ground, usual_motions
 from lidardraft.simulation.sweeps import Spot
 from lidardraft.simulation.tracks import through
@@ -202,17 +202,20 @@ class Stepping:
         moved = [n for n, after in changes.items() if placed or after.spot != state.actors[n].spot]
         if not moved:
             return changes, ()
-        live = {name: actor for name, actor in state.actors.items() if name not in self._standing.numbers} | changes
+        live = {name: actor for name, actor in state.actors.items() if name not in self._standing.names} | changes
         bodies = {name: self._thing_of(name, actor).body_at(actor.spot) for name, actor in live.items()}
-        found = list[Collision]()
-        for number, name in enumerate(moved):
-            near = self._standing.near(bodies[name])
-            near += [body for other, body in bodies.items() if other != name and _are_near(bodies[name], body)]
-            for other in near:
-                if other.name in moved[:number] or other.name == name or not _touch(bodies[name], other):
-                    continue
-                if placed or not self._touched(state, name, other.name):
-                    found.append(Collision(time, name, other.name))
+        solids = [(name, solid) for name, body in bodies.items() for solid in body.solids]
+        circles = np.concatenate([self._standing.circles, _circles(solid for _, solid in solids)])
+        solids, found, seen = self._standing.solids + solids, list[Collision](), set[str]()
+        for name in moved:
+            met = dict[str, None]()
+            for own in bodies[name].solids:
+                away = np.hypot(circles[:, 0] - own.x, circles[:, 1] - own.y) - circles[:, 2]
+                for other, solid in (solids[k] for k in np.flatnonzero(away < own.radius).tolist()):
+                    if other != name and other not in seen and other not in met and _touch(own, solid):
+                        met[other] = None
+            seen.add(name)
+            found += [Collision(time, name, other) for other in met if placed or not self._touched(state, name, other)]
         if found and policy == "refuse":
             raise LayoutError(f"{found[0].one} runs into {found[0].other} at {time:.2f} s; nothing was changed")
         if policy == "stop" and not placed:
@@ -220,21 +223,20 @@ class Stepping:
                 changes[name] = dataclasses.replace(state.actors[name], motion=None, drive=None, goal=None)
         return changes, tuple(found)
 
-    def _touched(self, state: WorldState, one: str, other: str) -> bool:
-        bodies = [self._thing_of(n, state.actors[n]).body_at(state.actors[n].spot) for n in (one, other)]
-        return _touch(*bodies)
+    def _touched(self, state: WorldState, *names: str) -> bool:
+        bodies = [self._thing_of(name, state.actors[name]).body_at(state.actors[name].spot) for name in names]
+        return any(_touch(a, b) for a in bodies[0].solids for b in bodies[1].solids)
 
 
 class _Standing:
-    """Things that stand: where they are in lanes, and which are near."""
+    """Things that stand: the solids of all, with the names of their owners and the circles around them, and where they
+    are in lanes."""
 
     def __init__(self, actors: Sequence[tuple[str, Actor]], thing_of: ThingOf) -> None:
-        self._actors = actors
-        self.bodies = [thing_of(name, actor).body_at(actor.spot) for name, actor in actors]
-        self.numbers = {name: number for number, (name, _) in enumerate(actors)}
-        self._solids = [solid for body in self.bodies for solid in body.solids]
-        self._places = np.array([body.place[:2] for body in self.bodies]).reshape(-1, 2)
-        self._reach = np.array([math.hypot(*body.size[:2]) / 2 if body.solids else -np.inf for body in self.bodies])
+        self._actors, self.names = actors, {name for name, _ in actors}
+        bodies = ((name, thing_of(name, actor).body_at(actor.spot)) for name, actor in actors)
+        self.solids = [(name, solid) for name, body in bodies for solid in body.solids]
+        self.circles = _circles(solid for _, solid in self.solids)
         self._extents: dict[int, np.ndarray] = {}
 
     def is_of(self, actors: Sequence[tuple[str, Actor]]) -> bool:
@@ -246,21 +248,16 @@ class _Standing:
     def extents(self, lane: Lane) -> np.ndarray:
         """Those of all solids in a lane."""
         if id(lane) not in self._extents:
-            self._extents[id(lane)] = extents_in(lane, self._solids)
+            self._extents[id(lane)] = extents_in(lane, [solid for _, solid in self.solids])
         return self._extents[id(lane)]
 
-    def near(self, body: Body) -> list[Body]:
-        """Those that a body may touch."""
-        away = np.hypot(*(self._places - body.place[:2]).T) if len(self._places) else np.empty(0)
-        return [self.bodies[k] for k in np.flatnonzero(away < self._reach + math.hypot(*body.size[:2]) / 2).tolist()]
+
+def _circles(solids: Iterable[Solid]) -> np.ndarray:
+    return np.array([(solid.x, solid.y, solid.radius) for solid in solids]).reshape(-1, 3)
 
 
-def _are_near(one: Body, other: Body) -> bool:
-    return math.dist(one.place[:2], other.place[:2]) < (math.hypot(*one.size[:2]) + math.hypot(*other.size[:2])) / 2
-
-
-def _touch(one: Body, other: Body) -> bool:
-    return any(penetration(a, b) > OVERLAP_TOLERANCE for a in one.solids for b in other.solids)
+def _touch(one: Solid, other: Solid) -> bool:
+    return penetration(one, other) > OVERLAP_TOLERANCE
 
 
 def _drive(driver: Driver, way: int) -> Drive:
