@@ -30,7 +30,8 @@ ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(400, 60, 0), label="road
 
 def car(x: float, y: float, *, number: int = 1, yaw: float = 0.0) -> Primitive:
     return Primitive(
-        shape="box", center=(x, y, 0.76), size=(4.2, 1.8, 1.5), yaw=yaw, label="car", id=f"car_{number}", instance=number
+        shape="box", center=(x, y, 0.76), size=(4.2, 1.8, 1.5), yaw=yaw,
+        label="car", id=f"car_{number}", instance=number,
     )  # fmt: skip
 
 
@@ -256,7 +257,7 @@ def test_collisions() -> None:
     with pytest.raises(ValueError, match=r"car_1 runs into car_2 at 1.\d+ s; nothing was changed"):
         world.step(3.0)
     assert world.state() is now
-    with pytest.raises(ValueError, match="car_2 runs into car_1 at 0.00 s"):
+    with pytest.raises(ValueError, match=r"car_2 runs into car_1 at 0\.00 s"):
         world.move("car_2", (21.0, 0.0))
     assert world.state() is now
     with pytest.raises(ValueError, match="van_1 runs into"):

@@ -78,7 +78,7 @@ class Collision:
     other: str
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class WorldState:
     """All that the scans of a `World` depend on, but for its sensor and weather.
 

@@ -35,7 +35,7 @@ class Stepping:
         self.roads, self.intent = base.roads, base.intent
         self.ways: tuple[Lane, ...] = () if base.roads is None else base.roads.ways()
         self._ground = Ground(Layout(tuple(ground))) if ground else None
-        self._thing_of, self._span = thing_of, span
+        self._thing_of, self.span = thing_of, span
         self._standing: _Standing | None = None
 
     def on_ground(self, name: str, spot: Spot, x: float, y: float, yaw: float) -> Spot:
@@ -86,32 +86,45 @@ class Stepping:
         """The actor as if it had come with that velocity [m/s]."""
         if not (x or y):
             return dataclasses.replace(actor, past=())
-        before = (actor.spot[0] - x * self._span, actor.spot[1] - y * self._span, *actor.spot[2:])
-        return dataclasses.replace(actor, past=((time - self._span, *before), (time, *actor.spot)))
+        before = (actor.spot[0] - x * self.span, actor.spot[1] - y * self.span, *actor.spot[2:])
+        return dataclasses.replace(actor, past=((time - self.span, *before), (time, *actor.spot)))
 
-    def commanded(
+    def commanded(self, name: str, actor: Actor, motion: Motion | None) -> Actor:
+        """The actor with another motion; raises `LayoutError` where it is to drive along a lane, and is in none."""
+        if isinstance(motion, AlongLane):
+            after = self.along(name, actor, motion, self.ways)
+            if after is None:
+                raise LayoutError(f"{name} stands in no lane that it could drive along; move it into one first")
+            return after
+        stands = motion is None or motion == Straight(0.0)
+        return dataclasses.replace(actor, motion=None if stands else motion, drive=None, goal=None)
+
+    def along(
         self,
         name: str,
         actor: Actor,
-        motion: Motion | None,
-        among: Iterable[Lane] | None = None,
+        motion: AlongLane,
+        among: Sequence[Lane] | None = None,
         *,
         to_middle: bool = False,
-    ) -> Actor:
-        """The actor with another motion, of those who drive along one of the ways `among`; raises `LayoutError` where
-        it is in none."""
-        drive = None
-        if isinstance(motion, AlongLane):
-            body = self._thing_of(name, actor).body_at(actor.spot)
-            driver = driver_of(body, motion, self.ways if among is None else tuple(among))
-            if driver is None:
-                raise LayoutError(f"{name} stands in no lane that it could drive along; move it into one first")
-            x, y, _, _ = actor.rate()
-            speed = max(0.0, x * math.cos(actor.spot[3]) + y * math.sin(actor.spot[3]))
-            way = next(number for number, lane in enumerate(self.ways) if lane is driver.lane)
-            drive = Drive(way, driver.along, driver.left, driver.yaw, driver.start, speed, returns=to_middle)
-        stands = motion is None or (motion == Straight(0.0))
-        return dataclasses.replace(actor, motion=None if stands else motion, drive=drive, goal=None)
+    ) -> Actor | None:
+        """The actor driving along one of the ways `among`, also to its middle; None where it is in none."""
+        body = self._thing_of(name, actor).body_at(actor.spot)
+        driver = driver_of(body, motion, self.ways if among is None else among)
+        if driver is None:
+            return None
+        x, y, _, _ = actor.rate()
+        driver.speed = max(0.0, x * math.cos(actor.spot[3]) + y * math.sin(actor.spot[3]))
+        driver.returns = to_middle
+        way = next(number for number, lane in enumerate(self.ways) if lane is driver.lane)
+        return dataclasses.replace(actor, motion=motion, drive=_drive(driver, way), goal=None)
+
+    def check(self, state: WorldState) -> None:
+        """Raises `LayoutError` where a state has drivers on other ways than there are."""
+        for name, actor in state.actors.items():
+            fits = isinstance(actor.motion, AlongLane) == (actor.drive is not None)
+            if not fits or (actor.drive is not None and not 0 <= actor.drive.way < len(self.ways)):
+                raise LayoutError(f"the state has {name!r} on no lane of its layout that it could drive along")
 
     def stepped(self, state: WorldState, seconds: float, count: int, policy: str) -> WorldState:
         """The state `seconds` later, in `count` steps; those with a goal are there in the last."""
@@ -183,13 +196,13 @@ class Stepping:
     def _remembered(self, before: Actor, after: Actor, begin: float, end: float) -> Actor:
         """With its past up to now, as far back as scans need it."""
         past = (*(before.past or ((begin, *before.spot),)), (end, *after.spot))
-        first = max((k for k, row in enumerate(past) if row[0] <= end - self._span), default=0)
+        first = max((k for k, row in enumerate(past) if row[0] <= end - self.span), default=0)
         past = past[first:]
         moves = any(row[1:] != past[0][1:] for row in past)
         return dataclasses.replace(after, past=past if moves else ())
 
     def met(self, state: WorldState, names: Iterable[str], policy: str) -> WorldState:
-        """The state in which things of these names were placed: with the collisions of that, unless they are refused."""
+        """The state in which these were placed: with the collisions of that, unless they are refused."""
         _, events = self._run_into(state, {name: state.actors[name] for name in names}, state.time, policy, placed=True)
         return dataclasses.replace(state, collisions=state.collisions + events)
 

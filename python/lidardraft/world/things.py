@@ -90,27 +90,23 @@ EGO_THING = Thing(
 )
 
 
+Origin = tuple[float, float, float]
+
+
 def built(
-    layout: Layout,
-    seed: int,
-    wetness: float,
-    base: Layout | None = None,
-    origin: tuple[float, float, float] | None = None,
+    layout: Layout, seed: int, wetness: float, base: Layout | None = None, origin: Origin | None = None
 ) -> dict[str, Thing]:
     """The things of a layout, by their names; of one that is added to a `base`, on the roads of that. All are compiled
-    around `origin`, by default the middle of them."""
+    around `origin` [m], by default the middle of them."""
     scene = detail(layout, seed=seed, around=base)
     whole = Bodies.compiled(scene.primitives, wetness)
-    given: dict[str, list[Primitive]] = {}
+    given, own = dict[str, list[Primitive]](), dict[str, list[int]]()
     for part in layout:
         given.setdefault(object_of(part), []).append(part)
-    own: dict[str, list[int]] = {}
     for number, part in enumerate(scene):
         own.setdefault(object_of(part), []).append(number)
-    return {
-        name: _thing(name, parts, whole.some(own.get(name, []), origin or whole.origin))
-        for name, parts in given.items()
-    }
+    around = origin or whole.origin
+    return {name: _thing(name, parts, whole.some(own.get(name, []), around)) for name, parts in given.items()}
 
 
 def _thing(name: str, parts: Sequence[Primitive], bodies: Bodies) -> Thing:

@@ -9,7 +9,7 @@ import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fnmatch import fnmatchcase
-from typing import Any, overload
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from lidardraft.errors import (
     LidarDraftError,
     UnknownNameError,
     check_choice,
+    check_seed,
     check_that,
     check_type,
     did_you_mean,
@@ -118,7 +119,7 @@ class World:
     box is half a `sweep_time` of its velocity behind that of `boxes`.
 
     All but sensor, model and weather is in `state()`: from the same state the same bytes follow, in scans and steps. A
-    `WorldState` in place of the layout goes on from there, with its own seed. What runs into each other is listed in
+    `WorldState` in place of the layout goes on from there. What runs into each other is listed in
     `collisions`; with "stop" it stands there, and with "refuse" the call raises `LayoutError`. `model`, `weather` and
     `threads` are those of `Simulator`. A call that raises leaves the world as it was; one thread may use it at a time.
     """
@@ -128,7 +129,7 @@ class World:
         layout: Layout | str | Sequence[Box] | WorldState,
         sensor: Sensor,
         *,
-        seed: int | None = None,
+        seed: int = 0,
         collisions: str = "allow",
         model: SensorModel | None = None,
         weather: Weather | None = None,
@@ -138,61 +139,62 @@ class World:
         check_choice("collisions", collisions, _POLICIES)
         self.sensor, self._policy, self._lock = sensor, collisions, threading.Lock()
         self._built: dict[int, tuple[Layout, dict[str, Thing]]] = {}
+        self._roads: tuple[Layout, list[Primitive], Layout, Stepping] | None = None
+        self._assumed: tuple[str, ...] = ()
         if isinstance(layout, WorldState):
-            check_that(seed is None, "seed", seed, f"left out: the state has {layout.seed}")
-            base, state, self._assumed = layout.layouts[0], layout, ()
+            check_that(check_seed(seed) in (0, layout.seed), "seed", seed, f"{layout.seed}, that of the state")
+            base = layout.layouts[0]
         else:
             given = layout if isinstance(layout, Layout | str) else layout_from_boxes(layout)
-            base, _, self._assumed = prepared(given, seed or 0, False)
-            state = WorldState(seed or 0, (0.0, 0.0, 0.0), 0.0, 0, {0: base}, {})
+            base, _, self._assumed = prepared(given, seed, False)
         self._sweeper = Sweeper.of(sensor, model, weather or weather_of(base.intent.weather), threads)
-        self._span = max(sensor.sweep_time, FLASH)
-        self._adopt(state)
-        if not isinstance(layout, WorldState):
-            self._begin()
+        if isinstance(layout, WorldState):
+            self._adopt(layout)
+        else:
+            self._begin(base, check_seed(seed))
 
-    def _begin(self) -> None:
+    def _begin(self, base: Layout, seed: int) -> None:
         """Give everything its place, and let it move."""
-        things = self._built[0][1]
+        things = built(base, seed, self._sweeper.weather.wetness)
         if EGO_NAME in things:
             raise LayoutError("an object of the layout is called 'ego', as the ego vehicle is; rename it")
         _check_number(len(things))
+        self._built[0] = base, things
         actors = {name: Actor(0, thing.home) for name, thing in things.items()}
-        actors[EGO_NAME] = Actor(0, (0.0, 0.0, self._stepping.height(0.0, 0.0), 0.0))
-        state = self._state.but(actors, origin=next(iter(things.values())).bodies.origin if things else (0.0, 0.0, 0.0))
-        self._state = self._stepping.launched(
-            state, [name for name in actors if not self._thing(name, actors[name]).is_ground]
-        )
+        origin = next((thing.bodies.origin for thing in things.values()), (0.0, 0.0, 0.0))
+        actors[EGO_NAME] = Actor(0, EGO_THING.home)
+        self._adopt(WorldState(seed=seed, origin=origin, time=0.0, steps=0, layouts={0: base}, actors=actors))
+        ego = Actor(0, (0.0, 0.0, self._stepping.height(0.0, 0.0), 0.0))
+        self._state = self._stepping.launched(self._state.but({EGO_NAME: ego}), (*self.ids, EGO_NAME))
+
+    def _swept_by(
+        self, base: Layout, model: SensorModel | None, weather: Weather | None, threads: int | None
+    ) -> Sweeper:
+        return Sweeper.of(self.sensor, model, weather or weather_of(base.intent.weather), threads)
 
     def _adopt(self, state: WorldState) -> None:
-        """Take a state, and build those of its layouts that are new."""
-        kept, wetness = self._built, self._sweeper.weather.wetness
-        base, origin = state.layouts[0], state.origin if state.actors else None
-        made = {number: entry for number, entry in kept.items() if state.layouts.get(number) is entry[0]}
+        """Take a state, and build those of its layouts that are new; raises `LayoutError` where it contradicts
+        itself."""
+        base, before, wetness = state.layouts[0], self._built, self._sweeper.weather.wetness
+        made = {number: entry for number, entry in before.items() if state.layouts.get(number) is entry[0]}
         for number, layout in state.layouts.items():
             if number not in made:
-                made[number] = layout, built(layout, state.seed, wetness, base if number else None, origin)
+                made[number] = layout, built(layout, state.seed, wetness, base if number else None, state.origin)
+        things = dict[str, Thing]()
         for name, actor in state.actors.items():
-            if name != EGO_NAME and name not in made.get(actor.batch, (None, {}))[1]:
-                raise LayoutError(f"the state has {name!r} of its layout {actor.batch}, which has no such object")
-        known = with_known_roads(base) if not kept or kept[0][0] is not base else self._known
-        ground = tuple(
-            part
-            for name, actor in (
-                state.actors or {name: Actor(0, thing.home) for name, thing in made[0][1].items()}
-            ).items()
-            if name != EGO_NAME and made[actor.batch][1][name].is_ground
-            for part in made[actor.batch][1][name].parts
-            if part.label in GROUND
-        )
-        if not kept or kept[0][0] is not base or ground != self._ground:
-            self._stepping = Stepping(known, ground, self._thing, self._span)
-        for name, actor in state.actors.items():
-            if actor.drive is not None and not 0 <= actor.drive.way < len(self._stepping.ways):
-                raise LayoutError(
-                    f"the state has {name!r} on way {actor.drive.way}; there are {len(self._stepping.ways)}"
-                )
-        self._known, self._ground, self._built, self._state = known, ground, made, state
+            if name != EGO_NAME:
+                if name not in made.get(actor.batch, (base, {}))[1]:
+                    raise LayoutError(f"the state has {name!r} of its layout {actor.batch}, which has no such object")
+                things[name] = made[actor.batch][1][name]
+        ground = [part for thing in things.values() if thing.is_ground for part in thing.parts if part.label in GROUND]
+        if self._roads is None or self._roads[0] is not base or not _same(self._roads[1], ground):
+            known = with_known_roads(base)
+            stepping = Stepping(known, ground, self._thing, max(self.sensor.sweep_time, FLASH))
+        else:
+            _, _, known, stepping = self._roads
+        stepping.check(state)
+        self._roads = base, ground, known, stepping
+        self._known, self._stepping, self._built, self._state = known, stepping, made, state
         self._still: tuple[list[Actor], Bodies] | None = None
         self._table: tuple[list[Thing], Surfaces] | None = None
         self._scan: tuple[WorldState, Scan] | None = None
@@ -204,6 +206,7 @@ class World:
         try:
             yield
         finally:
+            self._built = {number: self._built[number] for number in self._state.layouts}
             self._lock.release()
 
     def _thing(self, name: str, actor: Actor) -> Thing:
@@ -259,85 +262,69 @@ class World:
         with self._alone():
             self._adopt(state)
 
-    @overload
-    def add(
-        self, what: str | Primitive, at: tuple[float, float] | None = ..., *, yaw: float | None = ...,
-        speed: float | None = ..., id: str | None = ...,
-    ) -> str: ...  # fmt: skip
-    @overload
-    def add(
-        self, what: Sequence[Primitive] | Layout, at: tuple[float, float] | None = ..., *, yaw: float | None = ...,
-        speed: float | None = ...,
-    ) -> tuple[str, ...]: ...  # fmt: skip
     def add(
         self,
         what: str | Primitive | Sequence[Primitive] | Layout,
         at: tuple[float, float] | None = None,
         *,
-        yaw: float | None = None,
+        yaw: float = 0.0,
         speed: float | None = None,
         id: str | None = None,
-    ) -> str | tuple[str, ...]:
-        """Put something in: a kind, as in "van" or "cyclist", a shape, or all shapes of a model; its id or ids.
+    ) -> str:
+        """Put an object in: a kind, as in "van" or "cyclist", or the shapes of one, as of a model; its id.
 
-        The middle of it stands `at` x, y [m], and without it where the shapes are, on the ground there; it is turned by
-        `yaw` [rad]. With a `speed` [m/s] it moves as `Handle.speed` does, else by itself. Raises `LayoutError` for an
-        unknown kind, a taken id, a place off the map and too many things.
+        The middle of it stands `at` x, y [m] on the ground, or shapes where they are; it is turned by `yaw` [rad]. With
+        a `speed` [m/s] it moves as `Handle.speed` says, else by itself. Raises `LayoutError` for an unknown kind,
+        several objects without an `id` for all, a taken id, a place off the map and too many things.
         """
         with self._alone():
             state = self._state
-            parts = self._parts_of(what, id)
-            if at is not None or yaw is not None or isinstance(what, str):
-                parts = self._placed(
-                    parts, _numbers("at", (0.0, 0.0) if at is None else at, 2), yaw or 0.0, at is not None
-                )
-            names = tuple(dict.fromkeys(map(object_of, parts)))
-            if taken := [name for name in names if name in state.actors]:
-                raise LayoutError(f"id is {taken[0]!r}, which another object has; give `id`, or remove that one first")
-            _check_number(len(state.actors) + len(names))
-            layout, number = Layout(self._counted(parts)), max(state.layouts) + 1
+            name, parts = self._parts_of(what, id)
+            if name in state.actors:
+                raise LayoutError(f"id is {name!r}, which another object has; give `id`, or remove that one first")
+            _check_number(len(state.actors) + 1)
+            at = (0.0, 0.0) if at is None and isinstance(what, str) else at
+            layout, number = Layout(self._counted(self._placed(name, parts, at, yaw))), max(state.layouts) + 1
             things = built(layout, state.seed, self._sweeper.weather.wetness, state.layouts[0], state.origin)
             self._built[number] = layout, things
-            actors = {name: Actor(number, thing.home) for name, thing in things.items()}
-            after = state.but(actors, layouts={**state.layouts, number: layout})
+            after = state.but({name: Actor(number, things[name].home)}, layouts={**state.layouts, number: layout})
             if speed is None:
-                after = self._stepping.launched(after, names)
+                after = self._stepping.launched(after, [name])
             else:
-                after = after.but({name: self._at_speed(name, actors[name], speed, True) for name in names})
-            self._state = self._stepping.met(after, names, self._policy)
-            return names[0] if isinstance(what, str | Primitive) else names
+                after = after.but({name: self._at_speed(name, after.actors[name], speed, True)})
+            self._state = self._stepping.met(after, [name], self._policy)
+            return name
 
-    def _parts_of(self, what: str | Primitive | Sequence[Primitive] | Layout, id: str | None) -> list[Primitive]:
-        """What is added: a kind in the origin, shapes where they are."""
+    def _parts_of(self, what: str | Primitive | Sequence[Primitive] | Layout, id: str | None) -> tuple[str, Any]:
+        """The name of what is added, and its shapes where they are, or of a kind in the origin."""
         if isinstance(what, str):
             names = {name for _, things in self._built.values() for name in things}
             name = id or next(one for k in itertools.count(1) if (one := f"{what}_{k}") not in names)
-            shapes = sampled_parts(what, self._state.seed, name)
-            return [
-                shape.placed((0.0, 0.0, 0.0), 0.0, f"{name}.{shape.name}" if shape.name else name, number)
-                for number, shape in enumerate(shapes, start=1)
-            ]
+            shapes = enumerate(sampled_parts(what, self._state.seed, name), start=1)
+            origin = (0.0, 0.0, 0.0)
+            return name, [s.placed(origin, 0.0, f"{name}.{s.name}" if s.name else name, k) for k, s in shapes]
         parts = [what] if isinstance(what, Primitive) else list(what)
         for part in parts:
             check_type("a shape", part, Primitive)
             check_that(
                 part.label not in GROUND, f"{part.id}: label", part.label, "that of an object, not of the ground"
             )
-        if not parts:
-            raise LayoutError("there is nothing to add; give a kind, shapes or a layout")
-        if id is not None and isinstance(what, Primitive):
-            return [dataclasses.replace(what, id=id)]
-        return parts
+        names = set(map(object_of, parts))
+        if (len(names) > 1 and id is None) or not parts:
+            raise LayoutError(f"what is added holds {len(names)} objects; add one, or give an `id` for all of them")
+        if id is not None:
+            parts = [dataclasses.replace(p, id=f"{id}.{k}" if k else id) for k, p in enumerate(parts)]
+        return object_of(parts[0]), parts
 
-    def _placed(self, parts: list[Primitive], at: tuple[float, ...], yaw: float, there: bool) -> list[Primitive]:
-        """The parts turned, and with their middle `at` a place on the ground, or where it is."""
-        yaw, box = _numbers("yaw", (yaw,), 1)[0], box_around(parts)
-        middle = box.center[:2]
-        x, y = at if there else middle
-        low = min(part.center[2] - part.size[2] / 2 for part in parts)
-        spot = self._stepping.on_ground(object_of(parts[0]), (*middle, low, 0.0), x, y, yaw)
-        rise = self._stepping.height(x, y) - low if there else spot[2] - low
-        return [moved_part(part, middle, (x - middle[0], y - middle[1], rise), yaw) for part in parts]
+    def _placed(self, name: str, parts: list[Primitive], at: Any, yaw: float) -> list[Primitive]:
+        """The parts turned, and with their middle `at` a place on the ground, if there is one."""
+        (yaw,), box = _numbers(f"{name}: yaw", (yaw,), 1), box_around(parts)
+        x, y = box.center[:2] if at is None else _numbers(f"{name}: at", at, 2)
+        bottom = box.center[2] - box.size[2] / 2
+        here = self._stepping.on_ground(name, (*box.center[:2], bottom, 0.0), x, y, yaw)
+        up = 0.0 if at is None else self._stepping.height(x, y) - bottom
+        middle, by = box.center[:2], (x - box.center[0], y - box.center[1], up)
+        return [moved_part(part, middle, by, here[3]) for part in parts] if any((*by, yaw)) else parts
 
     def _counted(self, parts: Sequence[Primitive]) -> tuple[Primitive, ...]:
         """The parts with instances that nothing has, one for each that they had among themselves."""
@@ -391,15 +378,9 @@ class World:
                     raise LayoutError("the layout has no roads that are known; nothing can follow a lane")
                 one = lane if isinstance(lane, Lane) else roads.lane(str(lane))
                 among, where = [way for way in ways if _leads_along(way, one)], f"lane {one.id}"
-            for turn in (None, "left", "right"):
-                with_turn = [way for way in among if way.turn == turn]
-                try:
-                    motion = AlongLane(gap=gap, turn=turn, overtakes=False)
-                    after = self._stepping.commanded(id, actor, motion, with_turn, to_middle=True)
-                except LayoutError as error:
-                    if "stands in no lane" not in str(error):
-                        raise
-                else:
+            for way in among:
+                after = self._stepping.along(id, actor, AlongLane(gap=gap, turn=way.turn), [way], to_middle=True)
+                if after is not None:
                     self._state = self._state.but({id: after})
                     return
             raise LayoutError(f"{id} does not stand in {where} and look along it; move it there first")
@@ -421,15 +402,11 @@ class World:
         check_that(
             is_number(speed) and abs(speed) <= FASTEST, f"{name}: speed", speed, f"-{FASTEST:g} to {FASTEST:g} m/s"
         )
-        if actor.drive is not None and isinstance(actor.motion, AlongLane) and speed >= 0.0:
-            after = dataclasses.replace(
-                actor, motion=dataclasses.replace(actor.motion, speed=speed, later=()), goal=None
-            )
+        if isinstance(actor.motion, AlongLane) and speed >= 0.0:
+            after = dataclasses.replace(actor, motion=dataclasses.replace(actor.motion, speed=speed, later=()))
         else:
-            try:
-                after = self._stepping.commanded(name, actor, AlongLane(speed) if speed > 0.0 else Straight(speed))
-            except LayoutError:
-                after = self._stepping.commanded(name, actor, Straight(speed))
+            along = self._stepping.along(name, actor, AlongLane(speed)) if speed > 0.0 else None
+            after = along or self._stepping.commanded(name, actor, Straight(speed))
         if after.drive is not None:
             after = dataclasses.replace(after, drive=dataclasses.replace(after.drive, speed=float(speed)))
         if not anew:
@@ -485,7 +462,7 @@ class World:
 
     def _swept(self, state: WorldState) -> dict[str, Any]:
         """Pose, speed, turn and heading of the sensor in the sweep that ends now, as a `Scan` has them."""
-        ends, half = state.time - self._span * np.array([1.0, 0.5, 0.0]), self.sensor.sweep_time / 2
+        ends, half = state.time - self._stepping.span * np.array([1.0, 0.5, 0.0]), self.sensor.sweep_time / 2
         actor = state.actors[EGO_NAME]
         if not actor.past:
             x, y, z, yaw = actor.spot
@@ -493,10 +470,10 @@ class World:
         track = actor.track()
         begin, _, end = track.at(ends)
         x, y, z, yaw = track.at(np.array([state.time - half]))[0].tolist()
-        velocity = (end - begin)[:3] / self._span
+        velocity = (end - begin)[:3] / self._stepping.span
         speed = float(np.linalg.norm(velocity))
         heading = {"heading": tuple((velocity / speed).tolist())} if speed else {}
-        turn = float(end[3] - begin[3]) / self._span
+        turn = float(end[3] - begin[3]) / self._stepping.span
         return {"pose": upright((x, y, z + self.sensor.mount_height), yaw), "speed": speed, "turn": turn, **heading}
 
     def _cast(self, state: WorldState, swept: dict[str, Any]) -> tuple[RangeImage, Surfaces]:
@@ -529,14 +506,14 @@ class World:
         swept, half = self._swept(state), self.sensor.sweep_time / 2
         clean, table = self._cast(state, swept)
         seed = (state.seed + state.steps) % 2**63
-        ends = np.array([state.time - self._span, state.time - half, state.time])
+        ends = np.array([state.time - self._stepping.span, state.time - half, state.time])
         spots: dict[str, Any] = {name: actor.spot for name, actor in state.actors.items()}
         velocities = {}
         for name, actor in state.actors.items():
             if actor.past and name != EGO_NAME:
                 begin, middle, end = actor.track().at(ends)
                 spots[name] = tuple(middle.tolist())
-                velocities[name] = tuple(((end - begin)[:3] / self._span).tolist())
+                velocities[name] = tuple(((end - begin)[:3] / self._stepping.span).tolist())
         return Scan(
             image=self._sweeper.observe(clean, table, seed),
             layout=self._layout(spots),
