@@ -33,7 +33,7 @@ from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout, Primitive, box_around, object_of
 from lidardraft.scene.pose import Place, upright
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.scenario import FASTEST, AlongLane, Motion, Straight
+from lidardraft.scene.scenario import FASTEST, AlongLane, Motion, Straight, Walk, Waypoints
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
@@ -155,10 +155,11 @@ class World:
 
     def _begin(self, base: Layout, seed: int) -> None:
         """Give everything its place, and let it move."""
-        things = built(base, seed, self._sweeper.weather.wetness)
-        if EGO_NAME in things:
+        names = set(map(object_of, base))
+        if EGO_NAME in names:
             raise LayoutError("an object of the layout is called 'ego', as the ego vehicle is; rename it")
-        _check_number(len(things))
+        _check_number(len(names))
+        things = built(base, seed, self._sweeper.weather.wetness)
         self._built[0] = base, things
         actors = {name: Actor(0, thing.home) for name, thing in things.items()}
         origin = next((thing.bodies.origin for thing in things.values()), (0.0, 0.0, 0.0))
@@ -417,7 +418,7 @@ class World:
     def _set_motion(self, id: str, motion: Motion | None) -> None:
         with self._alone():
             if motion is not None:
-                check_type("motion", motion, Motion)
+                check_type("motion", motion, Straight, AlongLane, Walk, Waypoints)
             self._state = self._state.but({id: self._stepping.commanded(id, self._movable(id), motion)})
 
     def step(self, seconds: float) -> None:
