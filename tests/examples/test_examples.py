@@ -47,6 +47,14 @@ def test_demo(run: Callable[..., str], tmp_path: Path) -> None:
     assert max(box["num_points"] for box in boxes["boxes"]) > 50
 
 
+def test_planner(run: Callable[..., str]) -> None:
+    said = run("planner.py")
+    gap, speed = (float(said.split(word)[0].rsplit(maxsplit=1)[-1]) for word in (" m between", " m/s"))
+    assert 5.5 < gap < 9.0  # of two cars that stand, one behind the other
+    assert speed == 0.0
+    assert said.strip().endswith("collisions: ()")
+
+
 @pytest.mark.skipif(
     not Path(DATA, "kitti/odometry_00").is_dir() or not DATA, reason="LIDARDRAFT_DATA has no recordings"
 )

@@ -5,6 +5,7 @@ import itertools
 import math
 import random
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -296,3 +297,23 @@ def test_points_boxes_and_ids() -> None:
     assert len(ids) == len(scan.boxes())
     for one, two in itertools.pairwise(sorted(box.instance for box in world.boxes())):
         assert one < two
+
+
+def test_the_page_of_docs_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its code runs, and ends as it says."""
+    page = (Path(__file__).parents[2] / "docs" / "world.md").read_text()
+    first, states = (block.split("```")[0] for block in page.split("```python\n")[1:])
+    monkeypatch.chdir(tmp_path)
+    names: dict[str, Any] = {}
+    exec(first, names)
+    world, scan = names["world"], names["scan"]
+    assert world.time == pytest.approx(2.0)
+    assert world.ego.pose[0] > 15.0
+    assert world["person_3"].pose == pytest.approx((9.0, 2.0, world["person_3"].pose[2]))
+    assert not [id for id in world.ids if id.startswith("around/tree_")]
+    assert scan.time == pytest.approx(1.95)
+    assert scan.speed == pytest.approx(8.0)
+    assert len(names["boxes"]) == len(scan.boxes())
+    exec(states, names)
+    assert names["again"].sensor.name == "os1-128"
+    assert world.state().time == pytest.approx(3.0)

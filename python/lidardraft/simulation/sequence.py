@@ -77,7 +77,8 @@ class SequenceSimulator:
         layout, scene, self._assumed = prepared(layout, seed, detail)
         self.layout = with_known_roads(layout)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
-        self._sweeper = Sweeper.of(sensor, model, weather or weather_of(self.layout.intent.weather), threads)
+        weather = weather or weather_of(self.layout.intent.weather)
+        self._sweeper = Sweeper.of(sensor, model, weather, threads, apart=True)
         still = list[int]()
         parts: dict[str, list[int]] = {name: [] for name in self.tracks.actors}
         for number, primitive in enumerate(scene):

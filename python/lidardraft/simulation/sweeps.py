@@ -45,31 +45,41 @@ class Mover:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sector:
-    """Some columns of a sweep: the `rays` of them, the number of the `first`, and where they look [rad]: the `middle`,
-    and how far to either side at most."""
+    """Some columns of a sweep, from `first` to before `end`, and where they look [rad]: the `middle`, and how far to
+    either side at most."""
 
-    rays: Sensor
     first: int
+    end: int
     middle: float
     half: float
 
 
 @dataclass(frozen=True, eq=False)
 class Sweeper:
-    """A unit of a sensor in a weather. `threads` is how many threads a scan may use; scans are the same for any."""
+    """A unit of a sensor in a weather. `threads` is how many threads a scan may use; scans are the same for any.
+
+    Sectors in which a body may be seen are cast together, or, as sequences have always had it, `apart`: the last bits
+    of ranges depend on that.
+    """
 
     sensor: Sensor
     model: SensorModel
     weather: Weather
     threads: int | None = None
+    apart: bool = False
 
     @classmethod
     def of(
-        cls, sensor: Sensor, model: SensorModel | None, weather: Weather | None, threads: int | None = None
+        cls,
+        sensor: Sensor,
+        model: SensorModel | None,
+        weather: Weather | None,
+        threads: int | None = None,
+        apart: bool = False,
     ) -> Sweeper:
         """With a model, by default `sensor.assumed_model`, and a weather, by default a clear and dry day."""
         check_type("weather", weather := Weather() if weather is None else weather, Weather)
-        return cls(sensor, model or sensor.assumed_model, weather, threads)
+        return cls(sensor, model or sensor.assumed_model, weather, threads, apart)
 
     @cached_property
     def rays(self) -> Sensor:
@@ -83,10 +93,22 @@ class Sweeper:
         ends = np.linspace(0, rays.columns, min(_SECTORS, rays.columns) + 1).astype(int).tolist()
         found = []
         for first, end in itertools.pairwise(ends):
-            start, span = rays.azimuth_start - first * step, (end - first) * step
-            some = dataclasses.replace(rays, columns=end - first, azimuth_start=start, azimuth_span=span)
-            found.append(_Sector(some, first, start - span / 2, span / 2 + aside + step))
+            span = (end - first) * step
+            found.append(_Sector(first, end, rays.azimuth_start - first * step - span / 2, span / 2 + aside + step))
         return found
+
+    @cached_property
+    def _columns(self) -> dict[tuple[int, int], Sensor]:
+        return {(0, self.rays.columns): self.rays}
+
+    def _between(self, first: int, end: int) -> Sensor:
+        """The sensor of these columns."""
+        if (first, end) not in self._columns:
+            step = self.rays.azimuth_span / self.rays.columns
+            start, span = self.rays.azimuth_start - first * step, (end - first) * step
+            some = dataclasses.replace(self.rays, columns=end - first, azimuth_start=start, azimuth_span=span)
+            self._columns[first, end] = some
+        return self._columns[first, end]
 
     def cast(self, still: Bodies, movers: Iterable[Mover], poses: np.ndarray, seed: int) -> RangeImage:
         """The clean returns of all sub-rays from world_from_sensor `poses`: one [4, 4], or one for each column
@@ -115,19 +137,27 @@ class Sweeper:
             return
         half = math.pi if distance <= reach else math.asin(reach / distance)
         bearing = math.atan2(off[1], off[0]) - looks[middle]
-        for sector in self._sectors:
-            if abs(math.remainder(sector.middle - bearing, math.tau)) > half + sector.half + turned:
-                continue
-            columns = slice(sector.first, sector.first + sector.rays.columns)
-            seen = _in_frame(mover.home, mover.places[columns], poses[columns])
-            cast = mover.bodies.scan(sector.rays, seen, seed, self.threads)
-            assert cast.primitive is not None
-            before = clean.depth[:, columns]
-            nearer = (cast.depth > 0) & ((before == 0) | (cast.depth < before))
-            if nearer.any():
-                cast.primitive[...] += mover.first
-                for name, whole in images_of(clean).items():
-                    np.copyto(whole[:, columns], getattr(cast, name), where=nearer)
+        reached = half + turned
+
+        def may_see(sector: _Sector) -> int:
+            seen = abs(math.remainder(sector.middle - bearing, math.tau)) <= reached + sector.half
+            return seen * (sector.end if self.apart else 1)
+
+        for seen, some in itertools.groupby(self._sectors, may_see):
+            if seen:
+                sectors = list(some)
+                self._add_columns(clean, mover, poses, seed, slice(sectors[0].first, sectors[-1].end))
+
+    def _add_columns(self, clean: RangeImage, mover: Mover, poses: np.ndarray, seed: int, columns: slice) -> None:
+        seen = _in_frame(mover.home, mover.places[columns], poses[columns])
+        cast = mover.bodies.scan(self._between(columns.start, columns.stop), seen, seed, self.threads)
+        assert cast.primitive is not None
+        before = clean.depth[:, columns]
+        nearer = (cast.depth > 0) & ((before == 0) | (cast.depth < before))
+        if nearer.any():
+            cast.primitive[...] += mover.first
+            for name, whole in images_of(clean).items():
+                np.copyto(whole[:, columns], getattr(cast, name), where=nearer)
 
 
 def radius_of(size: tuple[float, float, float]) -> float:

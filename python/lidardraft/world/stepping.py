@@ -157,7 +157,8 @@ class Stepping:
         for name, actor in actors.items():
             if name in changes or actor.past:
                 changes[name] = self._remembered(actor, changes.get(name, actor), state.time, time)
-        return state.but(changes, time=time, collisions=state.collisions + events)
+        news = {name: after for name, after in changes.items() if after != actors[name]}
+        return state.but(news, time=time, collisions=state.collisions + events)
 
     def _movers(self, state: WorldState) -> tuple[dict[str, Driver], list[str]]:
         """Those who drive, each knowing where it is barred by what stands, and the names of others that move."""
