@@ -56,8 +56,8 @@ class Actor:
     goal: Place | None = None
 
     def track(self) -> Track:
-        """Its past."""
-        rows = np.array(self.past)
+        """Its past; where it has none, it has always been there."""
+        rows = np.array(self.past or ((0.0, *self.spot),))
         return Track(rows[:, 0], rows[:, 1:])
 
     def rate(self) -> Spot:

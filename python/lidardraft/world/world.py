@@ -43,7 +43,7 @@ from lidardraft.simulation.driving import STEP
 from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
 from lidardraft.simulation.solid_object import sampled_parts
-from lidardraft.simulation.sweeps import FLASH, Mover, Sweeper, radius_of
+from lidardraft.simulation.sweeps import FLASH, Mover, Spot, Sweeper, radius_of
 from lidardraft.world.state import EGO_NAME, Actor, Collision, WorldState
 from lidardraft.world.stepping import Stepping
 from lidardraft.world.things import EGO_THING, Thing, built
@@ -140,13 +140,13 @@ class World:
         self.sensor, self._policy, self._lock = sensor, collisions, threading.Lock()
         self._built: dict[int, tuple[Layout, dict[str, Thing]]] = {}
         self._roads: tuple[Layout, list[Primitive], Layout, Stepping] | None = None
-        self._assumed: tuple[str, ...] = ()
+        given: Any = layout
         if isinstance(layout, WorldState):
             check_that(check_seed(seed) in (0, layout.seed), "seed", seed, f"{layout.seed}, that of the state")
-            base = layout.layouts[0]
-        else:
-            given = layout if isinstance(layout, Layout | str) else layout_from_boxes(layout)
-            base, _, self._assumed = prepared(given, seed, False)
+            given = layout.layouts[0]
+        elif not isinstance(layout, Layout | str):
+            given = layout_from_boxes(layout)
+        base, _, self._assumed = prepared(given, seed, False)
         self._sweeper = Sweeper.of(sensor, model, weather or weather_of(base.intent.weather), threads)
         if isinstance(layout, WorldState):
             self._adopt(layout)
@@ -167,11 +167,6 @@ class World:
         self._adopt(WorldState(seed=seed, origin=origin, time=0.0, steps=0, layouts={0: base}, actors=actors))
         ego = Actor(0, (0.0, 0.0, self._stepping.height(0.0, 0.0), 0.0))
         self._state = self._stepping.launched(self._state.but({EGO_NAME: ego}), (*self.ids, EGO_NAME))
-
-    def _swept_by(
-        self, base: Layout, model: SensorModel | None, weather: Weather | None, threads: int | None
-    ) -> Sweeper:
-        return Sweeper.of(self.sensor, model, weather or weather_of(base.intent.weather), threads)
 
     def _adopt(self, state: WorldState) -> None:
         """Take a state, and build those of its layouts that are new; raises `LayoutError` where it contradicts
@@ -307,9 +302,8 @@ class World:
         parts = [what] if isinstance(what, Primitive) else list(what)
         for part in parts:
             check_type("a shape", part, Primitive)
-            check_that(
-                part.label not in GROUND, f"{part.id}: label", part.label, "that of an object, not of the ground"
-            )
+            said = f"{part.id}: label"
+            check_that(part.label not in GROUND, said, part.label, "that of an object, not of the ground")
         names = set(map(object_of, parts))
         if (len(names) > 1 and id is None) or not parts:
             raise LayoutError(f"what is added holds {len(names)} objects; add one, or give an `id` for all of them")
@@ -400,9 +394,8 @@ class World:
 
     def _at_speed(self, name: str, actor: Actor, speed: float, anew: bool) -> Actor:
         """The actor with a speed, along its lane where it is in one; `anew` as if it had come so."""
-        check_that(
-            is_number(speed) and abs(speed) <= FASTEST, f"{name}: speed", speed, f"-{FASTEST:g} to {FASTEST:g} m/s"
-        )
+        fits = is_number(speed) and abs(speed) <= FASTEST
+        check_that(fits, f"{name}: speed", speed, f"-{FASTEST:g} to {FASTEST:g} m/s")
         if isinstance(actor.motion, AlongLane) and speed >= 0.0:
             after = dataclasses.replace(actor, motion=dataclasses.replace(actor.motion, speed=speed, later=()))
         else:
@@ -448,34 +441,33 @@ class World:
 
     def boxes(self) -> list[Box]:
         """The boxes of all that is counted, now and in the world, with their velocities [m/s]."""
-        state = self._state
-        named = ((name, actor) for name, actor in state.actors.items() if name != EGO_NAME)
-        return [box for n, actor in named for box in self._thing(n, actor).boxes_at(actor.spot, actor.rate()[:3])]
+        with self._alone():
+            things = ((self._thing(name, one), one) for name, one in self._state.actors.items() if name != EGO_NAME)
+            return [box for thing, one in things for box in thing.boxes_at(one.spot, one.rate()[:3])]
 
     def layout(self) -> Layout:
         """The layout as it is now."""
-        return self._layout({name: actor.spot for name, actor in self._state.actors.items()})
+        with self._alone():
+            return self._layout({name: actor.spot for name, actor in self._state.actors.items()})
 
-    def _layout(self, spots: dict[str, Any]) -> Layout:
+    def _layout(self, spots: dict[str, Spot]) -> Layout:
         actors = ((name, actor) for name, actor in self._state.actors.items() if name != EGO_NAME)
         parts = tuple(part for name, actor in actors for part in self._thing(name, actor).parts_at(spots[name]))
         return dataclasses.replace(self._known, primitives=parts)
 
     def _swept(self, state: WorldState) -> dict[str, Any]:
         """Pose, speed, turn and heading of the sensor in the sweep that ends now, as a `Scan` has them."""
-        ends, half = state.time - self._stepping.span * np.array([1.0, 0.5, 0.0]), self.sensor.sweep_time / 2
-        actor = state.actors[EGO_NAME]
-        if not actor.past:
-            x, y, z, yaw = actor.spot
-            return {"pose": upright((x, y, z + self.sensor.mount_height), yaw), "speed": 0.0, "turn": 0.0}
-        track = actor.track()
-        begin, _, end = track.at(ends)
-        x, y, z, yaw = track.at(np.array([state.time - half]))[0].tolist()
-        velocity = (end - begin)[:3] / self._stepping.span
-        speed = float(np.linalg.norm(velocity))
-        heading = {"heading": tuple((velocity / speed).tolist())} if speed else {}
-        turn = float(end[3] - begin[3]) / self._stepping.span
-        return {"pose": upright((x, y, z + self.sensor.mount_height), yaw), "speed": speed, "turn": turn, **heading}
+        (x, y, z, yaw), rate = self._in_sweep(state, state.actors[EGO_NAME])
+        speed = math.hypot(*rate[:3])
+        heading = {"heading": (rate[0] / speed, rate[1] / speed, rate[2] / speed)} if speed else {}
+        return {"pose": upright((x, y, z + self.sensor.mount_height), yaw), "speed": speed, "turn": rate[3], **heading}
+
+    def _in_sweep(self, state: WorldState, actor: Actor) -> tuple[Spot, Spot]:
+        """Where an actor is in the middle of the sweep that ends now, and its mean velocities in it."""
+        span, track = self._stepping.span, actor.track()
+        ends = state.time - np.array([span, self.sensor.sweep_time / 2, 0.0])
+        begin, middle, end = track.at(ends)
+        return tuple(middle.tolist()), tuple(((end - begin) / span).tolist())
 
     def _cast(self, state: WorldState, swept: dict[str, Any]) -> tuple[RangeImage, Surfaces]:
         """The clean returns, and the surfaces that they are of."""
@@ -492,11 +484,8 @@ class World:
             self._still = actors, Bodies.joined(parts, table, state.origin)
         velocity = swept["speed"] * np.array(swept.get("heading", (0.0, 0.0, 0.0)))
         poses = sensor.poses_in_motion(swept["pose"], velocity, (0.0, 0.0, swept["turn"]))
-        times, first, movers = (
-            state.time - sensor.sweep_time + sensor.column_times(),
-            len(self._still[1].primitives),
-            [],
-        )
+        times = state.time - sensor.sweep_time + sensor.column_times()
+        first, movers = len(self._still[1].primitives), list[Mover]()
         for thing, actor in moving:
             places = actor.track().at(times)
             movers.append(Mover(thing.bodies, first, thing.home, radius_of(thing.body.size), places))
@@ -504,23 +493,17 @@ class World:
         return self._sweeper.cast(self._still[1], movers, poses, state.seed), table
 
     def _scanned(self, state: WorldState) -> Scan:
-        swept, half = self._swept(state), self.sensor.sweep_time / 2
+        swept = self._swept(state)
         clean, table = self._cast(state, swept)
         seed = (state.seed + state.steps) % 2**63
-        ends = np.array([state.time - self._stepping.span, state.time - half, state.time])
-        spots: dict[str, Any] = {name: actor.spot for name, actor in state.actors.items()}
-        velocities = {}
-        for name, actor in state.actors.items():
-            if actor.past and name != EGO_NAME:
-                begin, middle, end = actor.track().at(ends)
-                spots[name] = tuple(middle.tolist())
-                velocities[name] = tuple(((end - begin)[:3] / self._stepping.span).tolist())
+        moved = {name: self._in_sweep(state, actor) for name, actor in state.actors.items() if actor.past}
+        spots = {name: moved[name][0] if name in moved else actor.spot for name, actor in state.actors.items()}
         return Scan(
             image=self._sweeper.observe(clean, table, seed),
             layout=self._layout(spots),
             seed=seed,
-            time=state.time - half,
-            velocities=velocities,
+            time=state.time - self.sensor.sweep_time / 2,
+            velocities={name: rate[:3] for name, (_, rate) in moved.items() if name != EGO_NAME},
             assumed=self._assumed,
             **swept,
         )
