@@ -9,7 +9,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -114,8 +114,14 @@ class Sweeper:
         """The clean returns of all sub-rays from world_from_sensor `poses`: one [4, 4], or one for each column
         [W, 4, 4], which movers need."""
         clean = still.scan(self.rays, poses, seed, self.threads)
+        if not (movers := tuple(movers)):
+            return clean
+        looks, middle = np.unwrap(np.arctan2(poses[:, 1, 0], poses[:, 0, 0])), len(poses) // 2
+        turned = float(np.abs(looks - looks[middle]).max())
+        strayed = float(np.hypot(*(poses[:, :2, 3] - poses[middle, :2, 3]).T).max())
         for mover in movers:
-            self._add(clean, mover, poses, seed)
+            for columns in self._seen(mover, poses[middle], float(looks[middle]), turned, strayed):
+                self._add(clean, mover, poses, seed, columns)
         return clean
 
     def observe(self, clean: RangeImage, surfaces: Surfaces, seed: int) -> RangeImage:
@@ -124,20 +130,16 @@ class Sweeper:
             clean, surfaces, seed=seed, sensor=self.sensor, model=self.model, weather=self.weather, threads=self.threads
         )
 
-    def _add(self, clean: RangeImage, mover: Mover, poses: np.ndarray, seed: int) -> None:
-        """Add a body to the cast of what stands, where it is nearer."""
-        middle = len(poses) // 2
-        pose, place = poses[middle], mover.places[middle]
-        looks = np.unwrap(np.arctan2(poses[:, 1, 0], poses[:, 0, 0]))
-        turned = float(np.abs(looks - looks[middle]).max())
+    def _seen(self, mover: Mover, pose: np.ndarray, looks: float, turned: float, strayed: float) -> Iterator[slice]:
+        """The columns in which a body may be seen from a sensor that is at `pose` in the middle of the sweep, turns by
+        `turned` [rad] from how it `looks` there, and is up to `strayed` [m] away from there."""
+        place = mover.places[len(mover.places) // 2]
         off = place[:2] - pose[:2, 3]
-        strayed = np.hypot(*(poses[:, :2, 3] - pose[:2, 3]).T).max() + np.hypot(*(mover.places - place)[:, :2].T).max()
-        reach, distance = mover.radius + float(strayed), math.hypot(*off)
+        reach, distance = mover.radius + strayed + np.hypot(*(mover.places - place)[:, :2].T).max(), math.hypot(*off)
         if distance - reach > self.sensor.max_range:
             return
-        half = math.pi if distance <= reach else math.asin(reach / distance)
-        bearing = math.atan2(off[1], off[0]) - looks[middle]
-        reached = half + turned
+        reached = turned + (math.pi if distance <= reach else math.asin(reach / distance))
+        bearing = math.atan2(off[1], off[0]) - looks
 
         def may_see(sector: _Sector) -> int:
             seen = abs(math.remainder(sector.middle - bearing, math.tau)) <= reached + sector.half
@@ -146,9 +148,10 @@ class Sweeper:
         for seen, some in itertools.groupby(self._sectors, may_see):
             if seen:
                 sectors = list(some)
-                self._add_columns(clean, mover, poses, seed, slice(sectors[0].first, sectors[-1].end))
+                yield slice(sectors[0].first, sectors[-1].end)
 
-    def _add_columns(self, clean: RangeImage, mover: Mover, poses: np.ndarray, seed: int, columns: slice) -> None:
+    def _add(self, clean: RangeImage, mover: Mover, poses: np.ndarray, seed: int, columns: slice) -> None:
+        """Add a body to the cast of what stands, where it is nearer."""
         seen = _in_frame(mover.home, mover.places[columns], poses[columns])
         cast = mover.bodies.scan(self._between(columns.start, columns.stop), seen, seed, self.threads)
         assert cast.primitive is not None
