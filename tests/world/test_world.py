@@ -265,6 +265,10 @@ def test_collisions() -> None:
         world.add("van", at=(20.0, 0.0))
     assert world.state() is now
     assert "van_1" not in world
+    dragged = World(layout, SMALL)
+    for x in (37.0, 38.0, 39.0, 30.0, 38.0):
+        dragged.move("car_1", (x, 0.0))
+    assert [event.one for event in dragged.collisions] == ["car_1"] * 2  # once each time that they meet
     replayed = World(layout, SMALL)
     replayed["car_1"].motion = Waypoints(((0.0, 20.0, 0.0), (2.0, 30.0, 0.0), (4.0, 40.0, 0.0)))
     for _ in range(50):

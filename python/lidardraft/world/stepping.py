@@ -45,7 +45,7 @@ class Stepping:
         (there, here), label = self._ground.at(np.array([(x, y), spot[:2]]))
         if not label[0]:
             raise LayoutError(f"{name}: x {x:.1f}, y {y:.1f} m is off the map; there is no ground")
-        return x, y, spot[2] + float(there - here) if label[1] else float(there), yaw
+        return x, y, spot[2] + float(there - here), yaw
 
     def height(self, x: float, y: float) -> float:
         """Of the ground [m]; 0 where there is none."""
@@ -202,18 +202,19 @@ class Stepping:
         moves = any(row[1:] != past[0][1:] for row in past)
         return dataclasses.replace(after, past=past if moves else ())
 
-    def met(self, state: WorldState, names: Iterable[str], policy: str) -> WorldState:
-        """The state in which these were placed: with the collisions of that, unless they are refused."""
-        _, events = self._run_into(state, {name: state.actors[name] for name in names}, state.time, policy, placed=True)
-        return dataclasses.replace(state, collisions=state.collisions + events)
+    def met(self, before: WorldState, after: WorldState, names: Iterable[str], policy: str) -> WorldState:
+        """The state `after` things of these names were placed, with the collisions of that, unless they are refused."""
+        self._movers(before)
+        _, events = self._run_into(before, {name: after.actors[name] for name in names}, after.time, policy)
+        return dataclasses.replace(after, collisions=after.collisions + events)
 
     def _run_into(
-        self, state: WorldState, changes: dict[str, Actor], time: float, policy: str, *, placed: bool = False
+        self, state: WorldState, changes: dict[str, Actor], time: float, policy: str
     ) -> tuple[dict[str, Actor], tuple[Collision, ...]]:
         """The changes, and who runs into whom by them; with the policy "stop" they are not moved, and stand."""
-        self._movers(state)
         assert self._standing is not None
-        moved = [n for n, after in changes.items() if placed or after.spot != state.actors[n].spot]
+        actors = state.actors
+        moved = [name for name, after in changes.items() if name not in actors or after.spot != actors[name].spot]
         if not moved:
             return changes, ()
         live = {name: actor for name, actor in state.actors.items() if name not in self._standing.names} | changes
@@ -229,15 +230,17 @@ class Stepping:
                     if other != name and other not in seen and other not in met and _touch(own, solid):
                         met[other] = None
             seen.add(name)
-            found += [Collision(time, name, other) for other in met if placed or not self._touched(state, name, other)]
+            found += [Collision(time, name, other) for other in met if not self._touched(state, name, other)]
         if found and policy == "refuse":
             raise LayoutError(f"{found[0].one} runs into {found[0].other} at {time:.2f} s; nothing was changed")
-        if policy == "stop" and not placed:
-            for name in {name for event in found for name in (event.one, event.other) if name in changes}:
-                changes[name] = dataclasses.replace(state.actors[name], motion=None, drive=None, goal=None)
+        if policy == "stop":
+            for name in {name for event in found for name in (event.one, event.other)} & set(changes) & set(actors):
+                changes[name] = dataclasses.replace(actors[name], motion=None, drive=None, goal=None)
         return changes, tuple(found)
 
     def _touched(self, state: WorldState, *names: str) -> bool:
+        if not set(names) <= set(state.actors):
+            return False
         bodies = [self._thing_of(name, state.actors[name]).body_at(state.actors[name].spot) for name in names]
         return any(_touch(a, b) for a in bodies[0].solids for b in bodies[1].solids)
 

@@ -288,7 +288,7 @@ class World:
                 after = self._stepping.launched(after, [name])
             else:
                 after = after.but({name: self._at_speed(name, after.actors[name], speed, True)})
-            self._state = self._stepping.met(after, [name], self._policy)
+            self._state = self._stepping.met(state, after, [name], self._policy)
             return name
 
     def _parts_of(self, what: str | Primitive | Sequence[Primitive] | Layout, id: str | None) -> tuple[str, Any]:
@@ -343,7 +343,7 @@ class World:
             turned = actor.spot[3] if yaw is None else _numbers("yaw", (yaw,), 1)[0]
             spot = self._stepping.on_ground(id, actor.spot, x, y, turned)
             after = self._at_speed(id, Actor(actor.batch, spot), speed, True)
-            self._state = self._stepping.met(self._state.but({id: after}), [id], self._policy)
+            self._state = self._stepping.met(self._state, self._state.but({id: after}), [id], self._policy)
 
     def remove(self, pattern: str) -> None:
         """Take out all objects whose ids match, as in "around/tree_*"; raises `LayoutError` where none does."""
