@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from lidardraft import Layout, Primitive, Scan, Sensor, SequenceSimulator, Simulator, layout_from_text, surround
+from lidardraft.errors import LayoutError
 from lidardraft.scene.range_image import images_of
-from lidardraft.scene.scenario import AlongLane, Scenario, Straight, Waypoints
+from lidardraft.scene.scenario import AlongLane, Scenario, Straight, Walk, Waypoints
 from lidardraft.world.state import WorldState
 from lidardraft.world.world import World
 
@@ -48,43 +49,70 @@ def same(one: Scan, two: Scan) -> bool:
 
 
 def changed(world: World, chance: random.Random) -> None:
-    """One random change."""
-    name, x, y = chance.choice(world.ids), chance.uniform(-30, 30), chance.uniform(-4, 4)
-    match chance.randrange(8):
+    """One random change, some of which a world refuses."""
+    name, x, y = chance.choice([*world.ids, "ego"]), chance.uniform(-30, 30), chance.uniform(-4, 4)
+    number, speed = chance.randrange(10**6), chance.choice([0.0, 2.0, 7.0, -1.0])
+    match chance.randrange(12):
         case 0:
             world.add(chance.choice(["van", "cyclist", "person", "tree", "bus"]), at=(x, y), yaw=chance.uniform(-3, 3))
         case 1:
-            world.add("car", at=(x, y), speed=chance.uniform(-3, 9))
+            world.add("car", at=(x, y), speed=speed)
         case 2:
-            world.move(name, (x, y), yaw=chance.uniform(-3, 3), speed=chance.choice([0.0, 5.0]))
+            world.add(dataclasses.replace(car(x, y), id=f"mine_{number}.body"), yaw=chance.uniform(-3, 3))
         case 3:
-            world.remove(name)
+            world.move(name, (x, y), yaw=chance.uniform(-3, 3), speed=speed)
         case 4:
-            world[name].pose = (x, y, chance.uniform(-3, 3))
+            world.remove(chance.choice([name, "tree_*", "sidewalk*", "car_[12]"]))
         case 5:
-            world[name].speed = chance.uniform(0, 9)
+            world[name].pose = (x, y, chance.uniform(-3, 3))
         case 6:
-            world.ego.pose = (x, y, chance.uniform(-1, 1))
+            world[name].speed = speed
+        case 7:
+            world[name].motion = Walk((x, y), 2.0)
+        case 8:
+            world[name].motion = Waypoints(((world.time, x, y), (world.time + 1.0, x + 4.0, y + 1.0)))
+        case 9:
+            world.follow(name, behind=chance.choice(["ego", *world.ids]), gap=3.0)
+        case 10:
+            world.ego.motion = AlongLane(speed=abs(speed))
         case _:
-            world.ego.speed = chance.uniform(0, 9)
+            world.ego.pose = (x, y, chance.uniform(-1, 1))
 
 
 @pytest.mark.parametrize("sensor", SENSORS.values(), ids=SENSORS)
-def test_a_scan_is_that_of_a_fresh_world_in_the_same_state(sensor: Sensor) -> None:
-    chance = random.Random(sensor.columns)
-    world = World(CROSSROADS, sensor, seed=7)
-    for _ in range(12):
-        for _ in range(chance.randrange(3)):
-            changed(world, chance)
-        world.step(chance.choice([0.1, 0.05, 0.017, 0.23]))
-        fresh = World(WorldState.from_json(world.state().to_json()), sensor)
-        assert same(world.scan(), fresh.scan())
-        assert world.boxes() == fresh.boxes()
-        fresh.step(0.1)
-        branch, now = World(world.state(), sensor), world.state()
-        branch.step(0.1)
-        assert same(fresh.scan(), branch.scan())
-        assert world.state() is now
+@pytest.mark.parametrize("policy", ["allow", "stop", "refuse"])
+def test_a_scan_is_that_of_a_fresh_world_in_the_same_state(sensor: Sensor, policy: str) -> None:
+    chance = random.Random(f"{sensor.columns} {policy}")
+    world = World(CROSSROADS, sensor, seed=7, collisions=policy)
+    states, refused, scanned = [world.state()], 0, 0
+    for _ in range(16):
+        before = world.state()
+        try:
+            for _ in range(chance.randrange(3)):
+                before = world.state()
+                changed(world, chance)
+            before = world.state()
+            world.step(chance.choice([0.1, 0.05, 0.017, 0.23]))
+        except LayoutError:
+            assert world.state() is before
+            refused += 1
+        if chance.random() < 0.1:
+            world.restore(chance.choice(states))
+        states.append(world.state())
+        if chance.random() < 0.5:
+            scanned += 1
+            fresh = World(WorldState.from_json(world.state().to_json()), sensor, collisions=policy)
+            assert same(world.scan(), fresh.scan())
+            assert world.boxes() == fresh.boxes()
+            assert world.state().to_json() == fresh.state().to_json()
+    assert refused < 16
+    assert scanned
+    world.restore(chance.choice(states))
+    fresh = World(WorldState.from_json(world.state().to_json()), sensor)
+    world = World(world.state(), sensor)
+    for branch in (world, fresh):
+        branch.step(0.3)
+    assert same(fresh.scan(), world.scan())
 
 
 def test_a_world_at_rest_is_what_simulate_scans() -> None:

@@ -58,7 +58,8 @@ class Bodies:
     @property
     def origin(self) -> tuple[float, float, float]:
         """The point around which they are most precise [m]."""
-        return self.scene.origin
+        x, y, z = self.scene.origin
+        return x, y, z
 
     def moved(self, by: np.ndarray) -> Bodies:
         """All of them moved by a rigid motion [4, 4] from where they were given."""

@@ -139,6 +139,7 @@ class World:
         check_choice("collisions", collisions, _POLICIES)
         self.sensor, self._policy, self._lock = sensor, collisions, threading.Lock()
         self._built: dict[int, tuple[Layout, dict[str, Thing]]] = {}
+        self._state: WorldState
         self._roads: tuple[Layout, list[Primitive], Layout, Stepping] | None = None
         given: Any = layout
         if isinstance(layout, WorldState):
