@@ -55,6 +55,14 @@ def test_planner(run: Callable[..., str]) -> None:
     assert said.strip().endswith("collisions: ()")
 
 
+def test_own_renderer(run: Callable[..., str]) -> None:
+    lines = run("own_renderer.py", "--seconds", "0.5").splitlines()
+    assert [line.split(":")[0] for line in lines] == [f"0.{k} s" for k in range(1, 6)]
+    for line in lines:
+        assert line.endswith("100% within")
+        assert "'car_1': 1" in line  # more than a hundred
+
+
 @pytest.mark.skipif(
     not Path(DATA, "kitti/odometry_00").is_dir() or not DATA, reason="LIDARDRAFT_DATA has no recordings"
 )

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from zlib import crc32
 
 import numpy as np
 
 from lidardraft import _core
-from lidardraft.scene.layout import Primitive
+from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.pose import upright
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.raycast import cast_scans, columns_of
+from lidardraft.scene.raycast import cast_scans, compiled
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.surfaces import Surfaces
 
@@ -29,16 +28,10 @@ class Bodies:
     surfaces: Surfaces
 
     @classmethod
-    def compiled(cls, primitives: Sequence[Primitive], wetness: float = 0.0) -> Bodies:
-        """Of shapes with distinct ids, on ground as wet as that."""
-        primitives = tuple(primitives)
-        scene = _core.Scene(
-            **columns_of(primitives),
-            meshes=[(p.mesh.vertices, p.mesh.faces) for p in primitives if p.mesh is not None],
-            extinctions=np.array([p.extinction or 0.0 for p in primitives], dtype=np.float64),
-            media=np.array([crc32(p.id.encode()) for p in primitives], dtype=np.uint32),
-        )
-        return cls(primitives, scene, Surfaces.from_primitives(primitives, wetness=wetness, by_id=True))
+    def of(cls, layout: Layout, wetness: float = 0.0) -> Bodies:
+        """The shapes of a layout, on ground as wet as that."""
+        surfaces = Surfaces.from_layout(layout, wetness=wetness, by_id=True)
+        return cls(layout.primitives, compiled(layout.primitives, by_id=True), surfaces)
 
     @classmethod
     def joined(cls, parts: Sequence[Bodies], surfaces: Surfaces, origin: tuple[float, float, float]) -> Bodies:

@@ -52,13 +52,7 @@ class Surfaces:
         with `by_id`, from its id: then one that is moved looks as before.
         Raises `SensorError` where `wetness` is not 0 to 1.
         """
-        return cls.from_primitives(layout.primitives, wetness=wetness, variation=variation, by_id=by_id)
-
-    @classmethod
-    def from_primitives(
-        cls, primitives: tuple[Primitive, ...], *, wetness: float = 0.0, variation: bool = True, by_id: bool = False
-    ) -> Surfaces:
-        """As `from_layout`, of the primitives of one."""
+        primitives = layout.primitives
         names = [p.material or CLASS_MATERIALS[BY_NAME[p.label].id].name for p in primitives]
         index = np.array([_INDEX[name] for name in names], dtype=np.intp)
         media = np.array([p.extinction is not None for p in primitives], dtype=bool)
@@ -68,7 +62,7 @@ class Surfaces:
     @classmethod
     def joined(cls, parts: Sequence[Surfaces]) -> Surfaces:
         """Those of several, one after the other."""
-        first = [cls.from_primitives(()), *parts]  # the row of no return is that of the first
+        first = [cls.from_layout(Layout()), *parts]  # the row of no return is that of the first
         columns = [[getattr(part, field.name) for part in first] for field in fields(cls)]
         return cls(*(np.concatenate([one[0], *(more[1:] for more in one[1:])]) for one in columns))
 

@@ -84,7 +84,7 @@ class SequenceSimulator:
         for number, primitive in enumerate(scene):
             parts.get(object_of(primitive), still).append(number)
         # those that stand come first, so that their casts name them by their numbers in the whole
-        whole = Bodies.compiled(scene.primitives, self._sweeper.weather.wetness)
+        whole = Bodies.of(scene, self._sweeper.weather.wetness)
         self._still, self._actors = whole.some(still), list[_Actor]()
         given, first = objects(self.layout), len(still)
         for name, some in parts.items():

@@ -50,7 +50,7 @@ class Simulator:
         check_type("sensor", sensor, Sensor)
         self.layout, self.scene, self._assumed = prepared(layout, seed, detail)
         self._sweeper = Sweeper.of(sensor, model, weather or weather_of(self.layout.intent.weather), threads)
-        self._bodies = Bodies.compiled(self.scene.primitives, self._sweeper.weather.wetness)
+        self._bodies = Bodies.of(self.scene, self._sweeper.weather.wetness)
 
     def scan(self, pose: np.ndarray | None = None, *, speed: float = 0.0, seed: int = 0) -> Scan:
         """What the sensor reports from world_from_sensor `pose` [4, 4], by default on its mount over the origin.

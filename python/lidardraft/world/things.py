@@ -84,7 +84,7 @@ class Thing:
 
 EGO_THING = Thing(
     (EGO,),
-    Bodies.compiled(()),
+    Bodies.of(Layout()),
     dataclasses.replace(body_of("ego", [EGO]), place=(0.0, 0.0, 0.0, 0.0), size=EGO_SIZE),
     False,
 )
@@ -99,7 +99,7 @@ def built(
     """The things of a layout, by their names; of one that is added to a `base`, on the roads of that. All are compiled
     around `origin` [m], by default the middle of them."""
     scene = detail(layout, seed=seed, around=base)
-    whole = Bodies.compiled(scene.primitives, wetness)
+    whole = Bodies.of(scene, wetness)
     given, own = dict[str, list[Primitive]](), dict[str, list[int]]()
     for part in layout:
         given.setdefault(object_of(part), []).append(part)
