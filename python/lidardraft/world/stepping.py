@@ -22,6 +22,7 @@ from lidardraft.world.state import Actor, Collision, Drive, WorldState
 from lidardraft.world.things import Thing
 
 _FORESEEN = 60.0  # s of a walk whose way is looked at
+_KEPT = ("along", "left", "yaw", "start", "speed", "beside", "returns")  # what a state keeps of a driver
 ThingOf = Callable[[str, Actor], Thing]
 
 
@@ -61,26 +62,24 @@ class Stepping:
         given: dict[str, Motion] = {name: Straight(0.0) for name in set(bodies) - set(names)}
         motions = usual_motions(self.intent, bodies, given, self.ways, self._ground or Ground(Layout()), _FORESEEN)
         actors = {name: self.commanded(name, state.actors[name], motion) for name, motion in motions.items()}
-        return self.begun(state.but(actors), actors)
-
-    def begun(self, state: WorldState, names: Iterable[str]) -> WorldState:
-        """The state in which drivers of these names are as fast as they like, and have been for a sweep."""
+        state = state.but(actors)
         drivers, others = self._movers(state)
         rows = np.array([_row(state.actors[name], state.actors[name].rate()) for name in others]).reshape(-1, 5)
-        bodies = [self._thing_of(name, state.actors[name]).body for name in others]
-        starting = [drivers[name] for name in names if name in drivers]
-        Traffic(list(drivers.values()), bodies).begin(starting, rows, state.time)
-        actors = dict[str, Actor | None]()
-        for name in names:
-            actor = state.actors[name]
-            speed = drivers[name].speed if name in drivers else _speed_of(actor.motion, state.time)
-            if actor.drive is not None:
-                actor = dataclasses.replace(actor, drive=dataclasses.replace(actor.drive, speed=speed))
-            heading = actor.spot[3]
-            if isinstance(actor.motion, Walk):
-                heading = math.atan2(actor.motion.to[1] - actor.spot[1], actor.motion.to[0] - actor.spot[0])
-            actors[name] = self.with_past(actor, state.time, speed * math.cos(heading), speed * math.sin(heading))
-        return state.but(actors)
+        among = [self._thing_of(name, state.actors[name]).body for name in others]
+        starting = [drivers[name] for name in actors if name in drivers]
+        Traffic(list(drivers.values()), among).begin(starting, rows, state.time)
+        return state.but({name: self._begun(actor, drivers.get(name), state.time) for name, actor in actors.items()})
+
+    def _begun(self, actor: Actor, driver: Driver | None, time: float) -> Actor:
+        """Who has come with the speed that it has by itself."""
+        speed, heading = 0.0, actor.spot[3]
+        if driver is not None and actor.drive is not None:
+            speed, actor = driver.speed, dataclasses.replace(actor, drive=_drive(driver, actor.drive.way))
+        elif isinstance(actor.motion, Walk | Straight):
+            speed = actor.motion.speed
+        if isinstance(actor.motion, Walk):
+            heading = math.atan2(actor.motion.to[1] - actor.spot[1], actor.motion.to[0] - actor.spot[0])
+        return self.with_past(actor, time, speed * math.cos(heading), speed * math.sin(heading))
 
     def with_past(self, actor: Actor, time: float, x: float, y: float) -> Actor:
         """The actor as if it had come with that velocity [m/s]."""
@@ -100,17 +99,11 @@ class Stepping:
         return dataclasses.replace(actor, motion=None if stands else motion, drive=None, goal=None)
 
     def along(
-        self,
-        name: str,
-        actor: Actor,
-        motion: AlongLane,
-        among: Sequence[Lane] | None = None,
-        *,
-        to_middle: bool = False,
+        self, name: str, actor: Actor, motion: AlongLane, among: Sequence[Lane], *, to_middle: bool = False
     ) -> Actor | None:
         """The actor driving along one of the ways `among`, also to its middle; None where it is in none."""
         body = self._thing_of(name, actor).body_at(actor.spot)
-        driver = driver_of(body, motion, self.ways if among is None else among)
+        driver = driver_of(body, motion, among)
         if driver is None:
             return None
         x, y, _, _ = actor.rate()
@@ -175,8 +168,7 @@ class Stepping:
                 continue
             assert isinstance(actor.motion, AlongLane)
             body, lane = self._thing_of(name, actor).body, self.ways[drive.way]
-            driver = Driver(body, actor.motion, lane, drive.along, drive.left, drive.yaw, drive.start, drive.speed)
-            driver.beside, driver.returns = drive.beside, drive.returns
+            driver = Driver(body, actor.motion, lane, **{name: getattr(drive, name) for name in _KEPT})
             driver.barred = bar_of(driver, self._standing.extents(lane))
             drivers[name] = driver
         return drivers, others
@@ -278,26 +270,11 @@ def _touch(one: Solid, other: Solid) -> bool:
 
 
 def _drive(driver: Driver, way: int) -> Drive:
-    return Drive(
-        way,
-        driver.along,
-        driver.left,
-        driver.yaw,
-        driver.start,
-        driver.speed,
-        bool(driver.beside),
-        bool(driver.returns),
-    )
+    return Drive(way, *(getattr(driver, name) for name in _KEPT))
 
 
 def _row(actor: Actor, rate: Sequence[float]) -> tuple[float, ...]:
     return *actor.spot[:2], actor.spot[3], rate[0], rate[1]
-
-
-def _speed_of(motion: Motion | None, time: float) -> float:
-    if isinstance(motion, Walk):
-        return motion.speed if time >= motion.start else 0.0
-    return motion.speed if isinstance(motion, Straight) else 0.0
 
 
 def _gone(actor: Actor, begin: float, end: float, left: int) -> Actor:

@@ -400,7 +400,7 @@ class World:
         if isinstance(actor.motion, AlongLane) and speed >= 0.0:
             after = dataclasses.replace(actor, motion=dataclasses.replace(actor.motion, speed=speed, later=()))
         else:
-            along = self._stepping.along(name, actor, AlongLane(speed)) if speed > 0.0 else None
+            along = self._stepping.along(name, actor, AlongLane(speed), self._stepping.ways) if speed > 0.0 else None
             after = along or self._stepping.commanded(name, actor, Straight(speed))
         if after.drive is not None:
             after = dataclasses.replace(after, drive=dataclasses.replace(after.drive, speed=float(speed)))
