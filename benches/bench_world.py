@@ -46,7 +46,7 @@ def of_sensor(layout: lidardraft.Layout, name: str, threads: int | None) -> None
     scan = world.scan()
     still = world._still
     assert still is not None
-    sweeper, table, poses = world._sweeper, world._table, scan.poses()
+    sweeper, table, poses = world._sweepers[name], world._table, scan.poses()
     assert table is not None
     clean = sweeper.cast(still[1], (), poses, 7)
     cast = milliseconds(lambda: sweeper.cast(still[1], (), poses, 7))

@@ -29,6 +29,7 @@ from lidardraft import (
     Layout,
     Line,
     Motion,
+    Mount,
     Move,
     ObjectSampling,
     PavedArea,
@@ -41,6 +42,7 @@ from lidardraft import (
     RecordedScan,
     Remove,
     Replace,
+    Rig,
     Road,
     RoadNetwork,
     Scan,
@@ -180,7 +182,8 @@ def in_a_world(layout: Layout, sensor: Sensor, file: str) -> Iterator[Scan]:
     assert drive is None or drive.speed >= 0.0
     state.save(file)
     assert events, boxes
-    yield World(WorldState.load(file), sensor).scan()
+    rig = Rig({"top": Mount(sensor, (0.0, 0.0, 1.8, 0.0))})
+    yield from World(WorldState.load(file), rig).scans().values()
 
 
 def casts(layout: Layout, sensor: Sensor, points: np.ndarray) -> tuple[RangeImage, RangeImageBatch, Hits]:

@@ -347,5 +347,5 @@ def test_the_page_of_docs_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert scan.speed == pytest.approx(8.0)
     assert len(names["boxes"]) == len(scan.boxes())
     exec(states, names)
-    assert names["again"].sensor.name == "os1-128"
+    assert list(names["again"].rig.mounts) == ["os1-128"]
     assert world.state().time == pytest.approx(3.0)

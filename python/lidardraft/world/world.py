@@ -23,6 +23,7 @@ from lidardraft.errors import (
     check_that,
     check_type,
     did_you_mean,
+    one_of,
 )
 from lidardraft.json_fields import are_numbers, is_number
 from lidardraft.scan import Scan
@@ -44,6 +45,7 @@ from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
 from lidardraft.simulation.solid_object import sampled_parts
 from lidardraft.simulation.sweeps import FLASH, Mover, Spot, Sweeper, radius_of
+from lidardraft.world.rig import Mount, Rig
 from lidardraft.world.state import EGO_NAME, Actor, Collision, WorldState
 from lidardraft.world.stepping import Stepping
 from lidardraft.world.things import EGO_THING, Thing, built
@@ -118,6 +120,8 @@ class World:
     its points lie, as in sequences: frame k of a `SequenceSimulator` is the scan after k + 1 steps of 1 / hz, and a
     box is half a `sweep_time` of its velocity behind that of `boxes`.
 
+    With a `Rig`, several sensors on the ego vehicle scan one moment: `scan(channel)`, `scans()`.
+
     All but sensor, model and weather is in `state()`: from the same state the same bytes follow, in scans and steps. A
     `WorldState` in place of the layout goes on from there. What runs into each other is listed in
     `collisions`; with "stop" it stands there, and with "refuse" the call raises `LayoutError`. `model`, `weather` and
@@ -127,7 +131,7 @@ class World:
     def __init__(
         self,
         layout: Layout | str | Sequence[Box] | WorldState,
-        sensor: Sensor,
+        sensor: Sensor | Rig,
         *,
         seed: int = 0,
         collisions: str = "allow",
@@ -135,9 +139,14 @@ class World:
         weather: Weather | None = None,
         threads: int | None = None,
     ) -> None:
-        check_type("sensor", sensor, Sensor)
+        check_type("sensor", sensor, Sensor, Rig)
         check_choice("collisions", collisions, _POLICIES)
-        self.sensor, self._policy, self._lock = sensor, collisions, threading.Lock()
+        self._policy, self._lock = collisions, threading.Lock()
+        if isinstance(sensor, Rig):
+            check_that(model is None, "model", model, "left out: each sensor of a rig has its own")
+            self.rig = sensor
+        else:
+            self.rig = Rig({sensor.name: Mount(sensor, (0.0, 0.0, sensor.mount_height, 0.0))})
         self._built: dict[int, tuple[Layout, dict[str, Thing]]] = {}
         self._state: WorldState
         self._roads: tuple[Layout, list[Primitive], Layout, Stepping] | None = None
@@ -148,7 +157,10 @@ class World:
         elif not isinstance(layout, Layout | str):
             given = layout_from_boxes(layout)
         base, _, self._assumed = prepared(given, seed, False)
-        self._sweeper = Sweeper.of(sensor, model, weather or weather_of(base.intent.weather), threads)
+        self._weather = weather or weather_of(base.intent.weather) or Weather()
+        self._sweepers = {
+            name: Sweeper.of(mount.sensor, model, self._weather, threads) for name, mount in self.rig.mounts.items()
+        }
         if isinstance(layout, WorldState):
             self._adopt(layout)
         else:
@@ -160,7 +172,7 @@ class World:
         if EGO_NAME in names:
             raise LayoutError("an object of the layout is called 'ego', as the ego vehicle is; rename it")
         _check_number(len(names))
-        things = built(base, seed, self._sweeper.weather.wetness)
+        things = built(base, seed, self._weather.wetness)
         self._built[0] = base, things
         actors = {name: Actor(0, thing.home) for name, thing in things.items()}
         origin = next((thing.bodies.origin for thing in things.values()), (0.0, 0.0, 0.0))
@@ -172,7 +184,7 @@ class World:
     def _adopt(self, state: WorldState) -> None:
         """Take a state, and build those of its layouts that are new; raises `LayoutError` where it contradicts
         itself."""
-        base, before, wetness = state.layouts[0], self._built, self._sweeper.weather.wetness
+        base, before, wetness = state.layouts[0], self._built, self._weather.wetness
         made = {number: entry for number, entry in before.items() if state.layouts.get(number) is entry[0]}
         for number, layout in state.layouts.items():
             if number not in made:
@@ -186,7 +198,9 @@ class World:
         ground = [part for thing in things.values() if thing.is_ground for part in thing.parts if part.label in GROUND]
         if self._roads is None or self._roads[0] is not base or not _same(self._roads[1], ground):
             known = with_known_roads(base)
-            stepping = Stepping(known, ground, self._thing, max(self.sensor.sweep_time, FLASH))
+            stepping = Stepping(
+                known, ground, self._thing, max(FLASH, *(m.sensor.sweep_time for m in self.rig.mounts.values()))
+            )
         else:
             _, _, known, stepping = self._roads
         stepping.check(state)
@@ -194,7 +208,7 @@ class World:
         self._known, self._stepping, self._built, self._state = known, stepping, made, state
         self._still: tuple[list[Actor], Bodies] | None = None
         self._table: tuple[list[Thing], Surfaces] | None = None
-        self._scan: tuple[WorldState, Scan] | None = None
+        self._scans: tuple[WorldState, dict[str, Scan]] | None = None
 
     @contextmanager
     def _alone(self) -> Iterator[None]:
@@ -282,7 +296,7 @@ class World:
             _check_number(len(state.actors) + 1)
             at = (0.0, 0.0) if at is None and isinstance(what, str) else at
             layout, number = Layout(self._counted(self._placed(name, parts, at, yaw))), max(state.layouts) + 1
-            things = built(layout, state.seed, self._sweeper.weather.wetness, state.layouts[0], state.origin)
+            things = built(layout, state.seed, self._weather.wetness, state.layouts[0], state.origin)
             self._built[number] = layout, things
             after = state.but({name: Actor(number, things[name].home)}, layouts={**state.layouts, number: layout})
             if speed is None:
@@ -424,21 +438,36 @@ class World:
             after = self._stepping.stepped(self._state, float(seconds), count, self._policy)
             self._state = dataclasses.replace(after, steps=after.steps + 1)
 
-    def scan(self) -> Scan:
-        """What the sensor reports of the sweep that ends now; noise and drop are drawn anew after each step."""
+    def scan(self, channel: str | None = None) -> Scan:
+        """What a sensor of the rig, by default the first, reports of the sweep that ends now; noise and drop are drawn
+        anew after each step. Raises `UnknownNameError` for another channel."""
         with self._alone():
-            if self._scan is None or self._scan[0] is not self._state:
-                self._scan = self._state, self._scanned(self._state)
-            return self._scan[1]
+            if self._scans is None or self._scans[0] is not self._state:
+                self._scans = self._state, {}
+            channel, kept = self._channel(channel), self._scans[1]
+            if channel not in kept:
+                kept[channel] = self._scanned(self._state, channel)
+            return kept[channel]
 
-    def cast(self) -> RangeImage:
-        """The clean returns of all sub-rays in the sweep that ends now (`Scanner.cast`)."""
+    def scans(self) -> dict[str, Scan]:
+        """The scans of all sensors of the rig, by their channels."""
+        return {channel: self.scan(channel) for channel in self.rig.mounts}
+
+    def cast(self, channel: str | None = None) -> RangeImage:
+        """The clean returns of all sub-rays of a sensor in the sweep that ends now (`Scanner.cast`)."""
         with self._alone():
-            return self._cast(self._state, self._swept(self._state))[0]
+            channel = self._channel(channel)
+            return self._cast(self._state, channel, self._swept(self._state, channel))[0]
 
-    def points(self) -> np.ndarray:
-        """`scan().points()`: float32 [N, 3], in the sensor's frame in the middle of the sweep [m]."""
-        return self.scan().points()
+    def points(self, channel: str | None = None) -> np.ndarray:
+        """`scan(channel).points()`: float32 [N, 3], in the sensor's frame in the middle of the sweep [m]."""
+        return self.scan(channel).points()
+
+    def _channel(self, channel: str | None) -> str:
+        names = self.rig.mounts
+        if channel is not None and channel not in names:
+            raise UnknownNameError(f"channel is {channel!r}; it must be {one_of(names, channel)}")
+        return next(iter(names)) if channel is None else channel
 
     def boxes(self) -> list[Box]:
         """The boxes of all that is counted, now and in the world, with their velocities [m/s]."""
@@ -456,23 +485,25 @@ class World:
         parts = tuple(part for name, actor in actors for part in self._thing(name, actor).parts_at(spots[name]))
         return dataclasses.replace(self._known, primitives=parts)
 
-    def _swept(self, state: WorldState) -> dict[str, Any]:
-        """Pose, speed, turn and heading of the sensor in the sweep that ends now, as a `Scan` has them."""
-        (x, y, z, yaw), rate = self._in_sweep(state, state.actors[EGO_NAME])
-        speed = math.hypot(*rate[:3])
+    def _swept(self, state: WorldState, channel: str) -> dict[str, Any]:
+        """Pose, speed, turn and heading of a sensor in the sweep that ends now, as a `Scan` has them."""
+        mount, ego = self.rig.mounts[channel], state.actors[EGO_NAME].track()
+        sweep = max(mount.sensor.sweep_time, FLASH)
+        places = ego.at(state.time - np.array([sweep, mount.sensor.sweep_time / 2, 0.0])).tolist()
+        on = upright(mount.spot[:3], mount.spot[3])
+        begin, pose, end = (upright((x, y, z), yaw) @ on for x, y, z, yaw in places)
+        rate = ((end - begin)[:3, 3] / sweep).tolist()
+        speed = math.hypot(*rate)
         heading = {"heading": (rate[0] / speed, rate[1] / speed, rate[2] / speed)} if speed else {}
-        return {"pose": upright((x, y, z + self.sensor.mount_height), yaw), "speed": speed, "turn": rate[3], **heading}
+        return {"pose": pose, "speed": speed, "turn": (places[2][3] - places[0][3]) / sweep, **heading}
 
-    def _in_sweep(self, state: WorldState, actor: Actor) -> tuple[Spot, Spot]:
-        """Where an actor is in the middle of the sweep that ends now, and its mean velocities in it."""
-        span, track = self._stepping.span, actor.track()
-        ends = state.time - np.array([span, self.sensor.sweep_time / 2, 0.0])
-        begin, middle, end = track.at(ends)
-        return tuple(middle.tolist()), tuple(((end - begin) / span).tolist())
-
-    def _cast(self, state: WorldState, swept: dict[str, Any]) -> tuple[RangeImage, Surfaces]:
+    def _cast(self, state: WorldState, channel: str, swept: dict[str, Any]) -> tuple[RangeImage, Surfaces]:
         """The clean returns, and the surfaces that they are of."""
-        sensor, still, moving = self.sensor, list[tuple[Thing, Actor]](), list[tuple[Thing, Actor]]()
+        sensor, still, moving = (
+            self.rig.mounts[channel].sensor,
+            list[tuple[Thing, Actor]](),
+            list[tuple[Thing, Actor]](),
+        )
         for name, actor in state.actors.items():
             if name != EGO_NAME:
                 (moving if actor.past else still).append((self._thing(name, actor), actor))
@@ -491,20 +522,25 @@ class World:
             places = actor.track().at(times)
             movers.append(Mover(thing.bodies, first, thing.home, radius_of(thing.body.size), places))
             first += len(thing.bodies.primitives)
-        return self._sweeper.cast(self._still[1], movers, poses, state.seed), table
+        return self._sweepers[channel].cast(self._still[1], movers, poses, state.seed), table
 
-    def _scanned(self, state: WorldState) -> Scan:
-        swept = self._swept(state)
-        clean, table = self._cast(state, swept)
-        seed = (state.seed + state.steps) % 2**63
-        moved = {name: self._in_sweep(state, actor) for name, actor in state.actors.items() if actor.past}
-        spots = {name: moved[name][0] if name in moved else actor.spot for name, actor in state.actors.items()}
+    def _scanned(self, state: WorldState, channel: str) -> Scan:
+        swept, sweep = self._swept(state, channel), self.rig.mounts[channel].sensor.sweep_time
+        clean, table = self._cast(state, channel, swept)
+        seed = (state.seed + state.steps + (list(self.rig.mounts).index(channel) << 40)) % 2**63
+        spots, velocities = {name: actor.spot for name, actor in state.actors.items()}, {}
+        for name, actor in state.actors.items():
+            if actor.past and name != EGO_NAME:
+                span = max(sweep, FLASH)
+                begin, middle, end = actor.track().at(state.time - np.array([span, sweep / 2, 0.0]))
+                spots[name] = tuple(middle.tolist())
+                velocities[name] = tuple(((end - begin)[:3] / span).tolist())
         return Scan(
-            image=self._sweeper.observe(clean, table, seed),
+            image=self._sweepers[channel].observe(clean, table, seed),
             layout=self._layout(spots),
             seed=seed,
-            time=state.time - self.sensor.sweep_time / 2,
-            velocities={name: rate[:3] for name, (_, rate) in moved.items() if name != EGO_NAME},
+            time=state.time - sweep / 2,
+            velocities=velocities,
             assumed=self._assumed,
             **swept,
         )
