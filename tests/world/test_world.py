@@ -251,6 +251,25 @@ def test_a_stopped_car_holds_up_those_behind_it() -> None:
     assert not world.collisions
 
 
+def test_speeds_are_what_they_are_set_to() -> None:
+    world = World(Layout((ROAD, car(12, 4))), SMALL)
+    world["car_1"].speed = 3.0
+    assert world["car_1"].speed == 3.0
+    person = world.add("person", at=(10.0, 0.0), yaw=0.2)
+    world[person].motion = Walk((15.0, 5.0), 1.0)
+    world[person].speed = 2.0
+    assert world[person].speed == 2.0
+    world.step(0.5)
+    assert math.dist(world[person].pose[:2], (10.0, 0.0)) == pytest.approx(1.0)
+    assert world["car_1"].velocity == pytest.approx((3, 0, 0))
+    layout = layout_from_text("a straight road", seed=0)
+    world = World(layout, SMALL, seed=0)
+    person = world.add("person", at=(15.0, 0.3), speed=1.5)  # who is no vehicle does not drive
+    assert world[person].motion == Straight(1.5)
+    van = world.add("van", at=(25.0, 0.3), speed=1.5)
+    assert world[van].motion == AlongLane(1.5)
+
+
 def test_following() -> None:
     layout = layout_from_text("an empty straight road with two lanes each way", seed=0)
     world = World(layout, SMALL, seed=0)

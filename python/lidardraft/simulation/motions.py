@@ -21,7 +21,7 @@ from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME, GROUND
 from lidardraft.simulation.driving import Body, Driver, driver_of
 
-_DRIVES = frozenset({*VEHICLE_LABELS, "rider"})
+DRIVES = frozenset({*VEHICLE_LABELS, "rider"})  # classes of what drives along lanes
 _WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around who walks; m between places that are looked at
 _SHORTEST_WALK = 2.0  # m; who has less room stands
 _BESIDE_ROAD = 1.0  # m, how far who crosses a road goes on beside it
@@ -63,7 +63,7 @@ def usual_motions(
         if name in given or asked.heading == "parked" or asked.speed == 0.0:
             continue
         motion: Motion | None = None
-        if body.labels & _DRIVES:
+        if body.labels & DRIVES:
             motion = _along_lane(body, asked, lanes)
         elif "person" in body.labels:
             together = crossing if name in crossing else {name}

@@ -41,6 +41,7 @@ from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather, weather_of
 from lidardraft.semantics import BY_NAME, GROUND
 from lidardraft.simulation.driving import STEP
+from lidardraft.simulation.motions import DRIVES
 from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
 from lidardraft.simulation.solid_object import sampled_parts
@@ -83,11 +84,13 @@ class Handle:
 
     @property
     def speed(self) -> float:
-        """Ahead [m/s]. Set it, and it is that at once: who drives along a lane goes on there, but stops behind others;
-        all else goes straight on."""
+        """Ahead [m/s]. Set it, and it is that at once: along the lane or the walk that it is on, where drivers still stop
+        behind others, or else straight on."""
         actor = self._world._actor(self.id)
         if actor.drive is not None:
             return actor.drive.speed
+        if isinstance(actor.motion, Straight | Walk):
+            return actor.motion.speed
         return self.velocity[0] * math.cos(actor.spot[3]) + self.velocity[1] * math.sin(actor.spot[3])
 
     @speed.setter
@@ -411,10 +414,13 @@ class World:
         """The actor with a speed, along its lane where it is in one; `anew` as if it had come so."""
         fits = is_number(speed) and abs(speed) <= FASTEST
         check_that(fits, f"{name}: speed", speed, f"-{FASTEST:g} to {FASTEST:g} m/s")
-        if isinstance(actor.motion, AlongLane) and speed >= 0.0:
+        if isinstance(actor.motion, Walk) and speed > 0.0:
+            after = dataclasses.replace(actor, motion=dataclasses.replace(actor.motion, speed=speed))
+        elif isinstance(actor.motion, AlongLane) and speed >= 0.0:
             after = dataclasses.replace(actor, motion=dataclasses.replace(actor.motion, speed=speed, later=()))
         else:
-            along = self._stepping.along(name, actor, AlongLane(speed), self._stepping.ways) if speed > 0.0 else None
+            drives = speed > 0.0 and self._thing(name, actor).body.labels & DRIVES
+            along = self._stepping.along(name, actor, AlongLane(speed), self._stepping.ways) if drives else None
             after = along or self._stepping.commanded(name, actor, Straight(speed))
         if after.drive is not None:
             after = dataclasses.replace(after, drive=dataclasses.replace(after.drive, speed=float(speed)))
