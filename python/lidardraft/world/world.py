@@ -84,8 +84,8 @@ class Handle:
 
     @property
     def speed(self) -> float:
-        """Ahead [m/s]. Set it, and it is that at once: along the lane or the walk that it is on, where drivers still stop
-        behind others, or else straight on."""
+        """Ahead [m/s]. Set it, and it is that at once, along the lane or the walk that it is on, or straight on; who
+        drives along a lane still stops behind others."""
         actor = self._world._actor(self.id)
         if actor.drive is not None:
             return actor.drive.speed
