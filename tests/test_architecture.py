@@ -31,6 +31,7 @@ ALLOWED = {
     "metrics": BASE | {"scene"},
     "perception": BASE | {"scene", "formats", "metrics", "networks"},
     "simulation": BASE | {"scene", "drafting", "objects", "arranging", "formats", "scan"},
+    "world": BASE | {"scene", "drafting", "scan", "simulation"},
     "training": BASE
     | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"}
     | {"simulation"},

@@ -22,7 +22,7 @@ from lidardraft.cli.main import main
 SCRIPT = Path(__file__).with_name("typed_script.py")
 PACKAGE = Path(lidardraft.__file__).parent
 NETWORKS = ("lidardraft.diffusion", "lidardraft.networks")  # rooms whose own signatures name layers and their configs
-RECORDS = {"Scan", "streets.Street"}  # of the seed that something was made with
+RECORDS = {"Scan", "WorldState", "streets.Street"}  # of the seed that something was made with
 SENSOR = Sensor(name="few", elevations=(0.05, -0.1, -0.2), columns=64)
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(90, 90, 0), label="road", id="road")
 BOX = Primitive(shape="box", center=(9, 0, 1), size=(4, 2, 2), label="car", id="car_1", instance=1)
@@ -117,6 +117,7 @@ def seeded() -> dict[str, Callable[[Any], object]]:
         "SequenceSimulator": lambda seed: lidardraft.SequenceSimulator(STREET, SENSOR, frames=1, seed=seed),
         "Simulator": lambda seed: lidardraft.Simulator(STREET, SENSOR, detail=False, seed=seed),
         "Simulator.scan": lambda seed: simulator.scan(seed=seed),
+        "World": lambda seed: lidardraft.World(STREET, SENSOR, seed=seed),
         "detail": lambda seed: lidardraft.detail(STREET, seed=seed),
         "edit_scan": lambda seed: lidardraft.edit_scan(recorded, [], seed=seed),
         "layout_from_llm": lambda seed: lidardraft.layout_from_llm("a car", url="http://localhost:1", seed=seed),

@@ -7,15 +7,19 @@ import numpy as np
 import lidardraft
 from lidardraft import (
     CLASSES,
+    Actor,
     AlongLane,
     Annotation,
     Asked,
     Box,
+    Collision,
     Crossing,
     Denoiser,
     Drawn,
+    Drive,
     Edit,
     Frame,
+    Handle,
     Hits,
     Insert,
     IntensityCurve,
@@ -25,6 +29,7 @@ from lidardraft import (
     Layout,
     Line,
     Motion,
+    Mount,
     Move,
     ObjectSampling,
     PavedArea,
@@ -37,6 +42,7 @@ from lidardraft import (
     RecordedScan,
     Remove,
     Replace,
+    Rig,
     Road,
     RoadNetwork,
     Scan,
@@ -59,6 +65,8 @@ from lidardraft import (
     Walk,
     Waypoints,
     Weather,
+    World,
+    WorldState,
     edit,
     streets,
 )
@@ -154,6 +162,30 @@ def scans(layout: Layout, sensor: Sensor, denoiser: Denoiser) -> Iterator[Scan]:
     yield lidardraft.street_scan(3, seed=1, config=config)
     pair = next(streets.streets(seed=1, config=config, workers=2))
     yield Scan.from_points(pair.scan.points(), sensor, intensity=pair.scan.intensity, layout=pair.layout)
+
+
+def in_a_world(layout: Layout, sensor: Sensor, file: str) -> Iterator[Scan]:
+    """Changed, stepped and scanned, from two states."""
+    world = World(layout, sensor, seed=1, collisions="stop")
+    van: str = world.add("van", at=(22.0, -3.5), yaw=3.14, speed=6.0)
+    world.follow(van, behind="car_1", gap=3.0)
+    world.move("person_3", (9.0, 2.0), speed=1.0)
+    ego: Handle = world.ego
+    ego.pose = (1.0, 0.0, 0.1)
+    world["bus_1"].motion = Straight(9.0)
+    state: WorldState = world.state()
+    for _ in range(3):
+        world.step(0.1)
+        yield world.scan()
+    events: tuple[Collision, ...] = world.collisions
+    boxes: list[Box] = world.boxes()
+    actor: Actor = state.actors[van]
+    drive: Drive | None = actor.drive
+    assert drive is None or drive.speed >= 0.0
+    state.save(file)
+    assert events, boxes
+    rig = Rig({"top": Mount(sensor, (0.0, 0.0, 1.8, 0.0))})
+    yield from World(WorldState.load(file), rig).scans().values()
 
 
 def casts(layout: Layout, sensor: Sensor, points: np.ndarray) -> tuple[RangeImage, RangeImageBatch, Hits]:

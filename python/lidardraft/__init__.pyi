@@ -60,5 +60,10 @@ from lidardraft.simulation.simulate import Simulator as Simulator, simulate as s
 from lidardraft.simulation.surround import surround as surround
 from lidardraft.simulation.tracks import Tracks as Tracks
 from lidardraft.streets import StreetConfig as StreetConfig, StreetMix as StreetMix, street_scan as street_scan
+from lidardraft.world.rig import Mount as Mount, Rig as Rig
+from lidardraft.world.state import (
+    Actor as Actor, Collision as Collision, Drive as Drive, WorldState as WorldState,
+)
+from lidardraft.world.world import Handle as Handle, World as World
 
 __version__: str

@@ -99,6 +99,18 @@ class Scene:
         # [P], in place of the primitive's index, of which free paths are a function
         media: NDArray[np.uint32] | None = None,
     ) -> Scene: ...
+    @staticmethod
+    def joined(
+        scenes: list[Scene], primitives: list[NDArray[np.uint32]], origin: tuple[float, float, float] | None
+    ) -> Scene:
+        """One scene of some `primitives` of each of `scenes`, in that order, as if it had been compiled of them.
+
+        Meshes are shared, and so is all else of scenes that have this `origin`, by default the middle of where all
+        primitives were made. An index out of range raises `LayoutError`.
+        """
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """The point of the world around which the scene is as precise as around 0."""
     def moved(self, primitives: NDArray[np.uint32], world_from_primitive: NDArray[np.float64]) -> Scene:
         """The same scene with primitives [M] standing elsewhere: poses [M, 4, 4] of their own frames (middle, axes),
         rigid, tilted if need be.

@@ -36,6 +36,10 @@ pub struct Scene {
     origin: DVec3,
     /// One for each primitive.
     bodies: Vec<Body>,
+    /// Where the middle of each primitive is in the world, without the rounding of `origin`.
+    centers: Vec<DVec3>,
+    /// The bounds of each in the world, where it was made: they decide the origin of a scene.
+    made: Vec<Bounds>,
     /// Class and instance of each primitive.
     semantics: Vec<(u8, u32)>,
     /// What decides the free paths within each primitive, where it is a medium.
@@ -56,14 +60,56 @@ impl Scene {
         for (index, primitive) in primitives.iter().enumerate() {
             primitive.check(index)?;
         }
-        let bounds = primitives.iter().fold(Bounds::EMPTY, |all, p| all.union(p.bounds()));
-        let origin = if bounds.is_empty() { DVec3::ZERO } else { bounds.center() };
+        let made: Vec<Bounds> = primitives.iter().map(Primitive::bounds).collect();
+        let origin = middle(&made);
+        let centers = primitives.iter().map(|p| DVec3::from(p.center)).collect();
         let semantics = primitives.iter().map(|p| (p.label, p.instance)).collect();
         let bodies: Vec<Body> = primitives.into_iter().map(|p| p.body(origin)).collect();
+        let media = (0..bodies.len() as u32).collect();
+        Ok(Scene::of(origin, bodies, centers, made, semantics, media))
+    }
+
+    fn of(
+        origin: DVec3,
+        bodies: Vec<Body>,
+        centers: Vec<DVec3>,
+        made: Vec<Bounds>,
+        semantics: Vec<(u8, u32)>,
+        media: Vec<u32>,
+    ) -> Scene {
         let bvh = Bvh::new(&boxes(&bodies));
         let body_table = BodyTable::new(bodies.iter().map(|body| (body.obb(), body.surfaces())));
-        let media = (0..bodies.len() as u32).collect();
-        Ok(Scene { origin, bodies, semantics, media, bvh, body_table, normals: OnceLock::new() })
+        Scene { origin, bodies, centers, made, semantics, media, bvh, body_table, normals: OnceLock::new() }
+    }
+
+    /// One scene of some primitives of others, in that order, as if it had been compiled of them: meshes are shared, and
+    /// bodies of scenes that have the same origin too. `origin` is by default the middle of where all were made.
+    ///
+    /// # Errors
+    /// [`Error::MovedIndex`] on an index that its scene does not have.
+    pub fn joined(parts: &[(&Scene, &[u32])], origin: Option<DVec3>) -> Result<Scene> {
+        for &(scene, primitives) in parts {
+            let count = scene.bodies.len();
+            if let Some(entry) = primitives.iter().position(|&primitive| primitive as usize >= count) {
+                return Err(Error::MovedIndex { entry, primitive: primitives[entry], count });
+            }
+        }
+        let all = || parts.iter().flat_map(|&(scene, some)| some.iter().map(move |&i| (scene, i as usize)));
+        let made: Vec<Bounds> = all().map(|(scene, i)| scene.made[i]).collect();
+        let origin = origin.unwrap_or_else(|| middle(&made));
+        let body = |(scene, i): (&Scene, usize)| {
+            let body = &scene.bodies[i];
+            if scene.origin == origin {
+                return body.clone();
+            }
+            let pose = Pose { translation: scene.centers[i] - origin, ..body.pose };
+            Body::new(body.solid.clone(), pose, body.extinction)
+        };
+        let bodies = all().map(body).collect();
+        let centers = all().map(|(scene, i)| scene.centers[i]).collect();
+        let semantics = all().map(|(scene, i)| scene.semantics[i]).collect();
+        let media = all().map(|(scene, i)| scene.media[i]).collect();
+        Ok(Scene::of(origin, bodies, centers, made, semantics, media))
     }
 
     /// The scene with a number for each primitive in place of its index, of which the free paths of rays in it are a pure
@@ -86,17 +132,16 @@ impl Scene {
     /// [`Error::MovedCount`], [`Error::MovedIndex`] or [`Error::MovedTwice`].
     pub fn moved(&self, primitives: &[u32], world_from_primitive: &[Pose]) -> Result<Scene> {
         self.check_moved(primitives, world_from_primitive.len())?;
-        let mut bodies = self.bodies.clone();
+        let (mut bodies, mut centers) = (self.bodies.clone(), self.centers.clone());
         for (&primitive, pose) in primitives.iter().zip(world_from_primitive) {
             let body = &mut bodies[primitive as usize];
+            centers[primitive as usize] = pose.translation;
             // What float32 texts lose is made good.
             let pose = Pose { translation: pose.translation - self.origin, ..pose.orthonormal() };
             *body = Body::new(body.solid.clone(), pose, body.extinction);
         }
-        let bvh = Bvh::new(&boxes(&bodies));
-        let body_table = BodyTable::new(bodies.iter().map(|body| (body.obb(), body.surfaces())));
-        let (semantics, media, normals) = (self.semantics.clone(), self.media.clone(), OnceLock::new());
-        Ok(Scene { origin: self.origin, bodies, semantics, media, bvh, body_table, normals })
+        let (made, semantics, media) = (self.made.clone(), self.semantics.clone(), self.media.clone());
+        Ok(Scene::of(self.origin, bodies, centers, made, semantics, media))
     }
 
     fn check_moved(&self, primitives: &[u32], poses: usize) -> Result<()> {
@@ -158,7 +203,7 @@ impl Scene {
     }
 
     /// The point of the world that the poses of the bodies are relative to.
-    pub(crate) fn origin(&self) -> DVec3 {
+    pub fn origin(&self) -> DVec3 {
         self.origin
     }
 
@@ -192,6 +237,11 @@ impl Scene {
     pub(crate) fn semantics(&self) -> &[(u8, u32)] {
         &self.semantics
     }
+}
+
+fn middle(made: &[Bounds]) -> DVec3 {
+    let bounds = made.iter().fold(Bounds::EMPTY, |all, &next| all.union(next));
+    if bounds.is_empty() { DVec3::ZERO } else { bounds.center() }
 }
 
 fn boxes(bodies: &[Body]) -> Vec<Bounds> {

@@ -146,6 +146,27 @@ impl Scene {
         Ok(Scene(scene.map_err(CoreError::from)?))
     }
 
+    #[staticmethod]
+    fn joined(
+        py: Python<'_>,
+        scenes: Vec<Bound<'_, Scene>>,
+        primitives: Vec<Bound<'_, PyAny>>,
+        origin: Option<[f64; 3]>,
+    ) -> PyResult<Self> {
+        let name = |i: usize| format!("primitives[{i}]");
+        let columns = primitives.iter().enumerate().map(|(i, some)| array(&name(i), some));
+        let columns: Vec<Column<'_, u32>> = columns.collect::<PyResult<_>>()?;
+        let some = columns.iter().map(|column| column.as_slice()).collect::<Result<Vec<_>, _>>()?;
+        let parts: Vec<(&core::Scene, &[u32])> = scenes.iter().map(|scene| &scene.get().0).zip(some).collect();
+        let scene = py.detach(|| core::Scene::joined(&parts, origin.map(Into::into)));
+        Ok(Scene(scene.map_err(CoreError::from)?))
+    }
+
+    #[getter]
+    fn origin(&self) -> [f64; 3] {
+        self.0.origin().to_array()
+    }
+
     fn moved(
         &self,
         py: Python<'_>,

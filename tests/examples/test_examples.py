@@ -47,6 +47,22 @@ def test_demo(run: Callable[..., str], tmp_path: Path) -> None:
     assert max(box["num_points"] for box in boxes["boxes"]) > 50
 
 
+def test_planner(run: Callable[..., str]) -> None:
+    said = run("planner.py")
+    gap, speed = (float(said.split(word)[0].rsplit(maxsplit=1)[-1]) for word in (" m between", " m/s"))
+    assert 5.5 < gap < 9.0  # of two cars that stand, one behind the other
+    assert speed == 0.0
+    assert said.strip().endswith("collisions: ()")
+
+
+def test_own_renderer(run: Callable[..., str]) -> None:
+    lines = run("own_renderer.py", "--seconds", "0.5").splitlines()
+    assert [line.split(":")[0] for line in lines] == [f"0.{k} s" for k in range(1, 6)]
+    for line in lines:
+        assert line.endswith("100% within")
+        assert "'car_1': 1" in line  # more than a hundred
+
+
 @pytest.mark.skipif(
     not Path(DATA, "kitti/odometry_00").is_dir() or not DATA, reason="LIDARDRAFT_DATA has no recordings"
 )

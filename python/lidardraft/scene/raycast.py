@@ -78,15 +78,9 @@ class Raycaster:
 
     def __init__(self, layout: Layout, *, by_id: bool = False) -> None:
         check_type("layout", layout, Layout)
-        primitives = layout.primitives
         self.layout, self._by_id = layout, by_id
         self._places: dict[int, np.ndarray] = {}  # world_from_primitive of those that `move` has moved
-        self._scene = _core.Scene(
-            **columns_of(primitives),
-            meshes=[(p.mesh.vertices, p.mesh.faces) for p in primitives if p.mesh is not None],
-            extinctions=np.array([p.extinction or 0.0 for p in primitives], dtype=np.float64),
-            media=np.array([crc32(p.id.encode()) for p in primitives], dtype=np.uint32) if by_id else None,
-        )
+        self._scene = compiled(layout.primitives, by_id=by_id)
 
     def scan(
         self,
@@ -199,6 +193,16 @@ class Raycaster:
         for index, primitive in enumerate(self.layout):
             parts.setdefault(object_of(primitive), []).append(index)
         return parts
+
+
+def compiled(primitives: Sequence[Primitive], *, by_id: bool) -> _core.Scene:
+    """What the core casts of shapes; `by_id` is that of `Raycaster`."""
+    return _core.Scene(
+        **columns_of(primitives),
+        meshes=[(p.mesh.vertices, p.mesh.faces) for p in primitives if p.mesh is not None],
+        extinctions=np.array([p.extinction or 0.0 for p in primitives], dtype=np.float64),
+        media=np.array([crc32(p.id.encode()) for p in primitives], dtype=np.uint32) if by_id else None,
+    )
 
 
 def columns_of(primitives: Sequence[Primitive]) -> dict[str, np.ndarray]:

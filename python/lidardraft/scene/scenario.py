@@ -22,7 +22,7 @@ from lidardraft.json_fields import are_numbers, check_fields, check_object, is_n
 from lidardraft.scene.pose import finite_array
 
 SCHEMA = "lidardraft.scenario/1"
-_FASTEST = 150.0  # m/s
+FASTEST = 150.0  # m/s
 _LONGEST = 1e5  # s
 _FURTHEST = 1e5  # m
 
@@ -34,7 +34,7 @@ class Straight:
     speed: float
 
     def __post_init__(self) -> None:
-        _check("speed", self.speed, -_FASTEST, _FASTEST, "m/s")
+        _check("speed", self.speed, -FASTEST, FASTEST, "m/s")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,10 +57,10 @@ class AlongLane:
 
     def __post_init__(self) -> None:
         if self.speed is not None:
-            _check("speed", self.speed, 0.0, _FASTEST, "m/s")
+            _check("speed", self.speed, 0.0, FASTEST, "m/s")
         object.__setattr__(self, "later", _rows("later", self.later, (2,)))
         for _, speed in self.later:
-            _check("later: speed", speed, 0.0, _FASTEST, "m/s")
+            _check("later: speed", speed, 0.0, FASTEST, "m/s")
         _check("gap", self.gap, 0.0, _FURTHEST, "m")
         _check("headway", self.headway, 0.0, 60.0, "s")
         if self.turn not in (None, "left", "right"):
@@ -82,7 +82,7 @@ class Walk:
         if not are_numbers(self.to, 2) or max(map(abs, self.to)) > _FURTHEST:
             raise LayoutError(f"to is {self.to!r:.80}; it must be x and y within {_FURTHEST:g} m")
         object.__setattr__(self, "to", (float(self.to[0]), float(self.to[1])))
-        _check("speed", self.speed, 0.01, _FASTEST, "m/s")
+        _check("speed", self.speed, 0.01, FASTEST, "m/s")
         _check("start", self.start, 0.0, _LONGEST, "s")
 
 

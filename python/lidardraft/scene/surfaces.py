@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from zlib import crc32
 
 import numpy as np
@@ -57,6 +58,18 @@ class Surfaces:
         media = np.array([p.extinction is not None for p in primitives], dtype=bool)
         keys = _keys_from_ids(primitives) if by_id else _keys_from_places(primitives)
         return cls._made_of(index, media, keys if variation else None, wetness)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Surfaces]) -> Surfaces:
+        """Those of several, one after the other."""
+        first = [cls.from_layout(Layout()), *parts]  # the row of no return is that of the first
+        columns = [[getattr(part, field.name) for part in first] for field in fields(cls)]
+        return cls(*(np.concatenate([one[0], *(more[1:] for more in one[1:])]) for one in columns))
+
+    def some(self, indices: np.ndarray) -> Surfaces:
+        """Those of the primitives of these indices."""
+        kept = np.concatenate([[0], indices.astype(np.intp) + 1])
+        return Surfaces(*(getattr(self, field.name)[kept] for field in fields(self)))
 
     @classmethod
     def from_materials(cls, materials: np.ndarray, keys: np.ndarray, *, wetness: float = 0.0) -> Surfaces:

@@ -43,18 +43,19 @@ def _in_paint(part: Primitive, paint: str) -> Primitive:
     return dataclasses.replace(part, material=paint) if part.material in PAINTS else part
 
 
-def detail(layout: Layout, *, seed: int = 0) -> Layout:
+def detail(layout: Layout, *, seed: int = 0, around: Layout | None = None) -> Layout:
     """The layout with each coarse object replaced by a detailed one in its place, as docs/simulation.md has it.
 
     Ids keep the part before the dot, and objects their classes, instances, places and extents. What has a material, a
     mesh or an extinction stays as it is, and so does the ground, which gets markings and kerbs. An object's random
-    numbers depend on `seed` and its name alone, so that an edit of one changes no other.
+    numbers depend on `seed` and its name alone, so that an edit of one changes no other. Objects that are put into
+    another layout, `around` them, have its roads, and their own ground stays as it is.
 
     Raises `LayoutError` on an invalid seed.
     """
     check_type("layout", layout, Layout)
     seed = check_seed(seed)
-    surroundings = Surroundings.of(layout)
+    surroundings = Surroundings.of(around or layout)
     detailed: dict[str, list[Primitive]] = {}
     painted = {name: f"{asked.paint}-paint" for name, asked in layout.intent.objects.items() if asked.paint}
     for coarse in coarse_objects(layout, seed, clustered=surroundings.clustered):
@@ -76,7 +77,8 @@ def detail(layout: Layout, *, seed: int = 0) -> Layout:
             parts = _named(detailed[name], name, taken)
             primitives += [_in_paint(part, painted[name]) for part in parts] if name in painted else parts
             detailed[name] = []
-    primitives += ground_parts(layout, surroundings.strips, seed)
+    if around is None:
+        primitives += ground_parts(layout, surroundings.strips, seed)
     return dataclasses.replace(layout, primitives=tuple(primitives))
 
 

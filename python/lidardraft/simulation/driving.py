@@ -44,7 +44,7 @@ class Body:
     solids: tuple[Solid, ...]
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class Driver:
     """Who drives along a lane: from how far along it [m], so far left of its middle [m], at which speed [m/s]."""
 
@@ -94,60 +94,67 @@ def drive(
 ) -> dict[str, Track]:
     """The tracks of drivers at `times` [s], a step apart, among `others` that move as they do and bodies that stand."""
     moving = {*others, *(driver.body.name for driver in drivers)}
-    _bar(drivers, [solid for name, body in bodies.items() if name not in moving for solid in body.solids])
-    traffic = _Traffic(drivers, [(bodies[name], track.at(times)) for name, track in others.items()])
-    traffic.begin()
+    standing = [solid for name, body in bodies.items() if name not in moving for solid in body.solids]
+    extents = {id(driver.lane): extents_in(driver.lane, standing) for driver in drivers}
+    for driver in drivers:
+        driver.barred = bar_of(driver, extents[id(driver.lane)])
+    at = (track.at(times) for track in others.values())
+    rows = [np.column_stack([one[:, [0, 1, 3]], np.gradient(one[:, :2], STEP, axis=0)]) for one in at]
+    walkers = np.array(rows).reshape(-1, len(times), 5)
+    traffic = Traffic(drivers, [bodies[name] for name in others])
+    traffic.begin(drivers, walkers[:, 0])
     places = np.empty((len(times), len(drivers), 4))
     for step, time in enumerate(times.tolist()):
         places[step] = traffic.places()
-        traffic.advance(step, time)
+        traffic.advance(time, walkers[:, step])
     places[:, :, 3] = np.unwrap(places[:, :, 3], axis=0)
     return {driver.body.name: Track(times, places[:, number]) for number, driver in enumerate(drivers)}
 
 
-def _bar(drivers: Sequence[Driver], solids: Sequence[Solid]) -> None:
-    """Say how far along its lane each driver's front can go: to the lane's end, to where it has to wait, or to what
-    stands in the way."""
-    corners = np.concatenate([np.empty((0, 2)), *(solid.outline for solid in solids)])
+def extents_in(lane: Lane, solids: Sequence[Solid]) -> np.ndarray:
+    """Of each solid how near along a lane it begins, and its right and left end beside the middle [m], f64 [S, 3]."""
+    if not solids:
+        return np.empty((0, 3))
     first = np.cumsum([0, *(len(solid.outline) for solid in solids)])[:-1]
-    in_lanes = {id(driver.lane): driver.lane.line.along_across(corners) for driver in drivers} if solids else {}
-    for driver in drivers:
-        front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
-        ends = [driver.lane.line.length]
-        if driver.motion.gives_way and driver.lane.stop is not None and front < driver.lane.stop:
-            ends.append(driver.lane.stop)
-        if solids:
-            along, left = in_lanes[id(driver.lane)]
-            nearest = np.minimum.reduceat(along, first)
-            low, high = np.minimum.reduceat(left, first), np.maximum.reduceat(left, first)
-            in_way = (low < driver.left + reach) & (high > driver.left - reach) & (nearest > front - _TOUCHING)
-            ends += nearest[in_way].tolist()
-        driver.barred = min(ends)
+    along, left = lane.line.along_across(np.concatenate([solid.outline for solid in solids]))
+    rows = np.minimum.reduceat(along, first), np.minimum.reduceat(left, first), np.maximum.reduceat(left, first)
+    return np.stack(rows, axis=1)
 
 
-class _Traffic:
-    """All drivers, lane by lane, at one time, and those who follow no lane, whose places [T, 4] are known."""
+def bar_of(driver: Driver, extents: np.ndarray) -> float:
+    """How far along its lane a driver's front can go: to the lane's end, to where it has to wait, or to what stands in
+    the way, of `extents_in` that lane."""
+    front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
+    ends = [driver.lane.line.length]
+    if driver.motion.gives_way and driver.lane.stop is not None and front < driver.lane.stop:
+        ends.append(driver.lane.stop)
+    nearest, low, high = extents.T
+    in_way = (low < driver.left + reach) & (high > driver.left - reach) & (nearest > front - _TOUCHING)
+    return min([*ends, *nearest[in_way].tolist()])
 
-    def __init__(self, drivers: Sequence[Driver], walkers: Sequence[tuple[Body, np.ndarray]]) -> None:
+
+class Traffic:
+    """All drivers, lane by lane, at one time, among `others` that follow no lane; their x, y, yaw and velocity are
+    given for each time, f64 [W, 5]."""
+
+    def __init__(self, drivers: Sequence[Driver], others: Sequence[Body]) -> None:
         self.drivers = drivers
-        bodies = [*(driver.body for driver in drivers), *(body for body, _ in walkers)]
+        bodies = [*(driver.body for driver in drivers), *others]
         self.sizes = np.array([body.size[:2] for body in bodies]).reshape(-1, 2)
         self.lanes: dict[int, list[int]] = {}
         for number, driver in enumerate(drivers):
             self.lanes.setdefault(id(driver.lane), []).append(number)
-        # x, y, yaw and velocity at each step [W, T, 5]
-        rows = [np.column_stack([at[:, [0, 1, 3]], np.gradient(at[:, :2], STEP, axis=0)]) for _, at in walkers]
-        self.walkers = np.array(rows)
 
-    def begin(self) -> None:
-        """Everybody as fast as it likes, but so that it can stop behind who is ahead."""
-        for driver in self.drivers:
-            driver.speed = driver.wish(0.0)
-        for _ in self.drivers:  # a queue needs as many rounds as it is long
-            before = [driver.speed for driver in self.drivers]
-            for driver, (gap, ahead) in zip(self.drivers, self._ahead(0), strict=True):
-                driver.speed = min(driver.speed, _safe(gap - driver.motion.gap, ahead))
-            if before == [driver.speed for driver in self.drivers]:
+    def begin(self, starting: Sequence[Driver], others: np.ndarray, time: float = 0.0) -> None:
+        """Those who are starting as fast as they like, but so that they can stop behind who is ahead."""
+        for driver in starting:
+            driver.speed = driver.wish(time)
+        for _ in starting:  # a queue needs as many rounds as it is long
+            before = [driver.speed for driver in starting]
+            for driver, (gap, ahead) in zip(self.drivers, self._ahead(others), strict=True):
+                if driver in starting:
+                    driver.speed = min(driver.speed, _safe(gap - driver.motion.gap, ahead))
+            if before == [driver.speed for driver in starting]:
                 return
 
     def places(self) -> np.ndarray:
@@ -164,23 +171,23 @@ class _Traffic:
             found[numbers, 3] = lane.line.heading(along) + off
         return found
 
-    def advance(self, step: int, time: float) -> None:
-        """One step on."""
-        for driver, (gap, ahead) in zip(self.drivers, self._ahead(step), strict=True):
+    def advance(self, time: float, others: np.ndarray, span: float = STEP) -> None:
+        """A step of `span` [s] on."""
+        for driver, (gap, ahead) in zip(self.drivers, self._ahead(others), strict=True):
             motion, speed, wish = driver.motion, driver.speed, driver.wish(time)
             free = 1.0 - (speed / wish) ** 4 if wish > _STANDS else -_BRAKING / _ACCELERATION * (speed > 0.0)
             kept = motion.gap + max(
                 0.0, speed * motion.headway + speed * (speed - ahead) / (2 * math.sqrt(_ACCELERATION * _BRAKING))
             )
             push = _ACCELERATION * (max(free, -_BRAKING / _ACCELERATION) - (kept / max(gap, 0.1)) ** 2)
-            faster = min(speed + push * STEP, _safe(gap - motion.gap / 2, ahead))
-            driver.speed = max(faster, speed - _HARDEST * STEP, 0.0)
-            driver.along += driver.speed * STEP
-            driver.left *= math.exp(-driver.speed * STEP / _RETURN * driver.returns)
+            faster = min(speed + push * span, _safe(gap - motion.gap / 2, ahead))
+            driver.speed = max(faster, speed - _HARDEST * span, 0.0)
+            driver.along += driver.speed * span
+            driver.left *= math.exp(-driver.speed * span / _RETURN * driver.returns)
 
-    def _ahead(self, step: int) -> list[tuple[float, float]]:
+    def _ahead(self, others: np.ndarray) -> list[tuple[float, float]]:
         """For each driver the free way before it [m] and the speed [m/s] of who is there."""
-        now = self._all(step)
+        now = self._all(others)
         found = [(0.0, 0.0)] * len(self.drivers)
         for numbers in self.lanes.values():
             along, left, yaw, forward, sideways = self._in_lane(self.drivers[numbers[0]].lane, now)
@@ -208,12 +215,12 @@ class _Traffic:
                 )
         return found
 
-    def _all(self, step: int) -> np.ndarray:
+    def _all(self, others: np.ndarray) -> np.ndarray:
         """x, y, yaw and the velocity [M, 5] of all that move: the drivers, then the rest."""
         x, y, _, yaw = self.places().T
         speed = np.array([driver.speed for driver in self.drivers])
         rows = np.column_stack([x, y, yaw, speed * np.cos(yaw), speed * np.sin(yaw)])
-        return np.concatenate([rows, self.walkers[:, step]]) if len(self.walkers) else rows
+        return np.concatenate([rows.reshape(-1, 5), others])
 
     @staticmethod
     def _in_lane(lane: Lane, now: np.ndarray) -> tuple[np.ndarray, ...]:

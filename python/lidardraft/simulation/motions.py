@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from lidardraft.scene.check import VEHICLE_LABELS
-from lidardraft.scene.intent import Asked
+from lidardraft.scene.intent import Asked, Intent
 from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.raycast import Raycaster
@@ -21,7 +21,7 @@ from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME, GROUND
 from lidardraft.simulation.driving import Body, Driver, driver_of
 
-_DRIVES = frozenset({*VEHICLE_LABELS, "rider"})
+DRIVES = frozenset({*VEHICLE_LABELS, "rider"})  # classes of what drives along lanes
 _WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around who walks; m between places that are looked at
 _SHORTEST_WALK = 2.0  # m; who has less room stands
 _BESIDE_ROAD = 1.0  # m, how far who crosses a road goes on beside it
@@ -46,7 +46,7 @@ class Ground:
 
 
 def usual_motions(
-    layout: Layout,
+    intent: Intent,
     bodies: Mapping[str, Body],
     given: Mapping[str, Motion],
     lanes: Sequence[Lane],
@@ -55,7 +55,7 @@ def usual_motions(
 ) -> dict[str, Motion]:
     """The motions of all bodies that have none `given`, but for those that stand; first who is the first to give way:
     the ego vehicle after others, and what the sentence moves after the rest."""
-    said = {name: layout.intent.of(name) for name in bodies}
+    said = {name: intent.of(name) for name in bodies}
     crossing = {name for name, asked in said.items() if str(asked.heading).startswith("across")}
     found: dict[str, Motion] = {}
     for name, body in bodies.items():
@@ -63,7 +63,7 @@ def usual_motions(
         if name in given or asked.heading == "parked" or asked.speed == 0.0:
             continue
         motion: Motion | None = None
-        if body.labels & _DRIVES:
+        if body.labels & DRIVES:
             motion = _along_lane(body, asked, lanes)
         elif "person" in body.labels:
             together = crossing if name in crossing else {name}
@@ -71,7 +71,7 @@ def usual_motions(
             motion = _free_walk(body, asked.speed or _WALKING, still, ground, duration, name in crossing)
         if motion is not None:
             found[name] = motion
-    for name in ("ego", *layout.intent.objects):
+    for name in ("ego", *intent.objects):
         if name in bodies and said[name].motion == "overtakes":
             others = [one for one in bodies if said[one].group in said[name].overtakes]
             _pass(name, others or ["ego"], {**given, **found}, found, bodies, lanes)

@@ -9,14 +9,15 @@ import numpy as np
 
 from lidardraft.errors import SensorError, check_seed, check_type
 from lidardraft.scan import Scan
+from lidardraft.scene.bodies import Bodies
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import finite_array
-from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.weather import Weather, weather_of
 from lidardraft.semantics import GROUND
 from lidardraft.simulation.detail import detail as detailed
+from lidardraft.simulation.sweeps import Sweeper
 
 _NO_GROUND = "the layout has no ground (road, sidewalk or terrain): nothing returns from it"
 
@@ -48,10 +49,8 @@ class Simulator:
     ) -> None:
         check_type("sensor", sensor, Sensor)
         self.layout, self.scene, self._assumed = prepared(layout, seed, detail)
-        weather = weather or weather_of(self.layout.intent.weather)
-        self._scanner = Scanner.from_layout(
-            self.scene, sensor, model=model, weather=weather, by_id=True, threads=threads
-        )
+        self._sweeper = Sweeper.of(sensor, model, weather or weather_of(self.layout.intent.weather), threads)
+        self._bodies = Bodies.of(self.scene, self._sweeper.weather.wetness)
 
     def scan(self, pose: np.ndarray | None = None, *, speed: float = 0.0, seed: int = 0) -> Scan:
         """What the sensor reports from world_from_sensor `pose` [4, 4], by default on its mount over the origin.
@@ -65,10 +64,10 @@ class Simulator:
         seed = check_seed(seed)
         if not math.isfinite(speed):
             raise SensorError(f"speed is {speed}; it must be a finite number of metres per second")
-        sensor = self._scanner.sensor
+        sweeper, sensor = self._sweeper, self._sweeper.sensor
         pose = sensor.pose() if pose is None else finite_array("pose", pose, 4, 4)
         poses = sensor.poses_in_motion(pose, speed * pose[:3, 0]) if speed else pose
-        image = self._scanner.observe(self._scanner.cast(poses, seed), seed)
+        image = sweeper.observe(sweeper.cast(self._bodies, (), poses, seed), self._bodies.surfaces, seed)
         return Scan(image=image, layout=self.layout, pose=pose, seed=seed, speed=speed, assumed=self._assumed)
 
 

@@ -24,6 +24,14 @@ WORDS = (*(name for name, kind in SENTENCE_KINDS.items() if kind.sizes), *_RIDDE
 _WORD_OF_CLASS = {"rider": "cyclist", "train": "tram"}
 
 
+def sampled_parts(word: str, seed: int, name: str) -> list[CoarseShape]:
+    """The shapes of one of `WORDS`, in a size of its own; raises `LayoutError` for another word."""
+    if word not in WORDS:
+        raise LayoutError(f"{word!r} is no object that can be inserted; it must be {one_of(WORDS, word)}")
+    kind = SENTENCE_KINDS[_RIDDEN.get(word, word)]
+    return kind.sample_parts(generator_of(seed, name), parked=word not in _RIDDEN)
+
+
 @dataclass(frozen=True, eq=False)
 class SolidObject:
     """An object whose frame has x ahead, z up and its origin on the ground under the middle of its box.
@@ -41,10 +49,7 @@ class SolidObject:
         """One of `WORDS`, with extents such as its kind has if no `size` is given; `seed` and `name` decide the rest.
 
         Raises `LayoutError` for another word."""
-        if word not in WORDS:
-            raise LayoutError(f"{word!r} is no object that can be inserted; it must be {one_of(WORDS, word)}")
-        kind = SENTENCE_KINDS[_RIDDEN.get(word, word)]
-        parts = kind.sample_parts(generator_of(seed, name), parked=word not in _RIDDEN)
+        parts, kind = sampled_parts(word, seed, name), SENTENCE_KINDS[_RIDDEN.get(word, word)]
         if size is not None:
             if not are_numbers(size, 3) or min(size) <= 0:
                 raise LayoutError(f"{name or word}: size is {size!r:.80}; it must be three lengths above 0 m")

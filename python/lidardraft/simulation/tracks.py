@@ -46,20 +46,20 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     Raises `LayoutError` naming an object that the layout does not have or that has no lane to drive along, objects that
     collide, and a vehicle that leaves the road. What the scenario does not name stands where it would collide.
     """
-    bodies = {name: _body(name, parts) for name, parts in objects(layout).items()}
+    bodies = {name: body_of(name, parts) for name, parts in objects(layout).items()}
     scenario.check_names(list(bodies))
     roads, ground = with_known_roads(layout).roads, Ground(layout)
     lanes = () if roads is None else roads.ways()
     given = {name: motion for name in bodies if (motion := scenario.of(name)) is not None}
     if scenario.ego is not None and speed is not None:
         raise LayoutError(f"speed is {speed:g}, and the scenario says how the ego vehicle moves; give one of them")
-    bodies["ego"] = _EGO_BODY
+    bodies["ego"] = EGO_BODY
     if scenario.ego is not None:
         given["ego"] = scenario.ego
     elif speed is not None:
-        in_lane = driver_of(_EGO_BODY, AlongLane(), lanes) is not None
+        in_lane = driver_of(EGO_BODY, AlongLane(), lanes) is not None
         given["ego"] = AlongLane(speed) if in_lane and speed >= 0.0 else Straight(speed)
-    free = usual_motions(layout, bodies, given, lanes, ground, duration)
+    free = usual_motions(layout.intent, bodies, given, lanes, ground, duration)
     while True:
         tracks = _moved({"ego": Straight(0.0), **given, **free}, bodies, lanes, ground, duration)
         collisions = _collisions(tracks, bodies, duration)
@@ -73,13 +73,14 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     return Tracks(tracks.pop("ego"), {name: track for name, track in tracks.items() if track.moves()})
 
 
-def _body(name: str, parts: list[Primitive]) -> Body:
+def body_of(name: str, parts: list[Primitive]) -> Body:
+    """An object that is made of these parts."""
     box = box_around(parts)
     solids = tuple(Solid.from_primitive(part) for part in parts if part.center[2] - part.size[2] / 2 < _REACHED)
     return Body(name, frozenset(part.label for part in parts), (*box.center, box.yaw), box.size, solids)
 
 
-_EGO_BODY = dataclasses.replace(_body("ego", [EGO]), place=(0.0, 0.0, 0.0, 0.0), size=EGO_SIZE)
+EGO_BODY = dataclasses.replace(body_of("ego", [EGO]), place=(0.0, 0.0, 0.0, 0.0), size=EGO_SIZE)
 
 
 def _moved(
@@ -111,7 +112,7 @@ def _track(motion: Straight | Walk | Waypoints, place: tuple[float, float, float
     """The track of what follows no lane; heights are added later."""
     x, y, _, yaw = place
     if isinstance(motion, Waypoints):
-        return _through(np.array(motion.points), yaw, times)
+        return through(np.array(motion.points), yaw, times)
     heading, way = yaw, motion.speed * times
     if isinstance(motion, Walk):
         heading = math.atan2(motion.to[1] - y, motion.to[0] - x)
@@ -121,8 +122,8 @@ def _track(motion: Straight | Walk | Waypoints, place: tuple[float, float, float
     return Track(times, np.stack([x + way * math.cos(heading), y + way * math.sin(heading), flat, flat + yaw], axis=1))
 
 
-def _through(points: np.ndarray, yaw: float, times: np.ndarray) -> Track:
-    """The smooth track through way-points [K, 3 or 4]."""
+def through(points: np.ndarray, yaw: float, times: np.ndarray) -> Track:
+    """The smooth track through way-points [K, 3 or 4], of who looks to `yaw` before it goes."""
     if points.shape[1] == 4:
         points[:, 3] = np.unwrap(points[:, 3])
     when = np.clip(times, points[0, 0], points[-1, 0])
@@ -163,7 +164,7 @@ def _collisions(
 
 def _solid(body: Body, place: np.ndarray) -> Solid:
     x, y, z, yaw = place.tolist()
-    bottom = z if body is _EGO_BODY else z - body.size[2] / 2
+    bottom = z if body is EGO_BODY else z - body.size[2] / 2
     return Solid.box(x, y, yaw, body.size[:2], bottom, bottom + body.size[2])
 
 

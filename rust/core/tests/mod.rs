@@ -4,6 +4,7 @@
 mod backends;
 mod cast;
 mod errors;
+mod joined;
 mod media;
 mod moved;
 mod noise;

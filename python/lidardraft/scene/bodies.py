@@ -1,0 +1,67 @@
+"""Shapes compiled for casting, with their surfaces: sets of them are joined, and moved, without compiling them anew."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from lidardraft import _core
+from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.pose import upright
+from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.raycast import cast_scans, compiled
+from lidardraft.scene.sensor import Sensor
+from lidardraft.scene.surfaces import Surfaces
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Bodies:
+    """Shapes [P] as they were given, what they are compiled to, and their surfaces.
+
+    Brightness and free paths follow from ids, so that a shape keeps them wherever it is and whatever is beside it.
+    """
+
+    primitives: tuple[Primitive, ...]
+    scene: _core.Scene
+    surfaces: Surfaces
+
+    @classmethod
+    def of(cls, layout: Layout, wetness: float = 0.0) -> Bodies:
+        """The shapes of a layout, on ground as wet as that."""
+        surfaces = Surfaces.from_layout(layout, wetness=wetness, by_id=True)
+        return cls(layout.primitives, compiled(layout.primitives, by_id=True), surfaces)
+
+    @classmethod
+    def joined(cls, parts: Sequence[Bodies], surfaces: Surfaces, origin: tuple[float, float, float]) -> Bodies:
+        """All of some, in that order, whose `surfaces` may be followed by others: a function of their shapes, where
+        these are and `origin` alone, byte for byte."""
+        every = [np.arange(len(part.primitives), dtype=np.uint32) for part in parts]
+        scene = _core.Scene.joined([part.scene for part in parts], every, origin)
+        primitives = tuple(primitive for part in parts for primitive in part.primitives)
+        return cls(primitives, scene, surfaces)
+
+    def some(self, indices: Sequence[int], origin: tuple[float, float, float] | None = None) -> Bodies:
+        """The shapes of these indices."""
+        kept = np.array(indices, dtype=np.uint32)
+        scene = _core.Scene.joined([self.scene], [kept], origin)
+        return Bodies(tuple(self.primitives[i] for i in indices), scene, self.surfaces.some(kept))
+
+    @property
+    def origin(self) -> tuple[float, float, float]:
+        """The point around which they are most precise [m]."""
+        x, y, z = self.scene.origin
+        return x, y, z
+
+    def moved(self, by: np.ndarray) -> Bodies:
+        """All of them moved by a rigid motion [4, 4] from where they were given."""
+        homes = np.array([upright(p.center, p.yaw) for p in self.primitives])
+        every = np.arange(len(self.primitives), dtype=np.uint32)
+        return Bodies(self.primitives, self.scene.moved(every, by @ homes), self.surfaces)
+
+    def scan(self, sensor: Sensor, poses: np.ndarray, seed: int, threads: int | None) -> RangeImage:
+        """What `sensor` sees from world_from_sensor `poses`, one [4, 4] or one for each column [W, 4, 4]: depth, label,
+        instance, primitive and incidence."""
+        shape = (1, -1, 4, 4)
+        return cast_scans(self.scene, sensor, poses.reshape(shape), None, (True, True, False), seed, threads)[0]

@@ -1,0 +1,62 @@
+"""Several sensors on one vehicle, and their file."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from lidardraft.errors import LayoutError, check_that, check_type
+from lidardraft.files import named, read_text, write_text
+from lidardraft.json_fields import are_numbers, check_fields, check_object, parse_document
+from lidardraft.scene.sensor import Sensor
+from lidardraft.simulation.sweeps import Spot
+
+SCHEMA = "lidardraft.rig/1"
+
+
+@dataclass(frozen=True, slots=True)
+class Mount:
+    """A sensor, and the `spot` x, y, z [m] and yaw [rad] where it stands on its vehicle, in whose frame x points ahead
+    and z = 0 is the road. Raises `LayoutError` on other numbers."""
+
+    sensor: Sensor
+    spot: Spot
+
+    def __post_init__(self) -> None:
+        check_type("sensor", self.sensor, Sensor)
+        check_that(are_numbers(self.spot, 4), "spot", self.spot, "four finite numbers: x, y, z and yaw")
+        x, y, z, yaw = map(float, self.spot)
+        object.__setattr__(self, "spot", (x, y, z, yaw))
+
+
+@dataclass(frozen=True, slots=True)
+class Rig:
+    """Sensors of one vehicle, by the names of their channels; all of them scan one moment."""
+
+    mounts: Mapping[str, Mount]
+
+    def __post_init__(self) -> None:
+        if not self.mounts:
+            raise LayoutError("the rig has no sensors; it needs one at least")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the rig as JSON."""
+        rows = {
+            name: {"sensor": json.loads(mount.sensor.to_json()), "spot": mount.spot}
+            for name, mount in self.mounts.items()
+        }
+        write_text(path, json.dumps({"schema": SCHEMA, "mounts": rows}))
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Rig:
+        """Raises `FormatError` where the file is no rig, and else as its sensors do; the errors name it."""
+        text = read_text(path)
+        with named(path):
+            mounts = {}
+            for name, row in check_object(parse_document(text, SCHEMA, ("mounts",), ())["mounts"]).items():
+                with named(name):
+                    check_fields(check_object(row), ("sensor", "spot"))
+                    mounts[name] = Mount(Sensor.from_json(json.dumps(row["sensor"])), row["spot"])
+            return cls(mounts)

@@ -1,0 +1,157 @@
+"""What a world is at one moment: a frozen value, and its file."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from lidardraft.errors import FormatError, check_number, check_seed
+from lidardraft.files import named, read_text, write_text
+from lidardraft.json_fields import check_object, parse_document, read_as, write_as
+from lidardraft.scene.layout import Layout
+from lidardraft.scene.pose import Place
+from lidardraft.scene.scenario import Motion, Scenario, Track
+from lidardraft.simulation.sweeps import Spot
+
+SCHEMA = "lidardraft.world/1"
+EGO_NAME = "ego"
+_FIELDS = ("seed", "origin", "time", "steps", "layouts", "things", "scenario", "collisions")
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """Where a driver is on the way of that number: how far along it, how far left of its middle, its yaw against it
+    and its place along it when it came there, its speed [m, rad, m/s], whether it has been beside whom it overtakes,
+    and whether it is on its way to the middle."""
+
+    way: int
+    along: float
+    left: float
+    yaw: float
+    start: float
+    speed: float
+    beside: bool = False
+    returns: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Actor:
+    """One thing at one moment: the number of the layout that it came with, the `spot` x, y, z [m] and yaw [rad] of its
+    middle, and what it does next.
+
+    `past` has rows of time, x, y, z, yaw up to now; it is empty where it has not moved in the last sweep. None as
+    `motion` stands. `drive` is that of who drives along a lane, `goal` x, y and yaw at the end of the next step.
+    """
+
+    batch: int
+    spot: Spot
+    past: tuple[tuple[float, ...], ...] = ()
+    motion: Motion | None = None
+    drive: Drive | None = None
+    goal: Place | None = None
+
+    def track(self) -> Track:
+        """Its past; where it has none, it has always been there."""
+        rows = np.array(self.past or ((0.0, *self.spot),))
+        return Track(rows[:, 0], rows[:, 1:])
+
+    def rate(self) -> Spot:
+        """Its velocity [m/s] and turn [rad/s] now."""
+        if not self.past:
+            return 0.0, 0.0, 0.0, 0.0
+        (begin, *before), (end, *now) = self.past[-2:]
+        x, y, z, turn = ((b - a) / (end - begin) for a, b in zip(before, now, strict=True))
+        return x, y, z, turn
+
+
+@dataclass(frozen=True, slots=True)
+class Collision:
+    """Two things that began to overlap at a time [s], by their names."""
+
+    time: float
+    one: str
+    other: str
+
+
+@dataclass(frozen=True, kw_only=True, slots=True, eq=False)
+class WorldState:
+    """All that the scans of a `World` depend on, but for its sensor and weather.
+
+    `layouts` are the layout and all that was added, as given: `actors` says what is left of them, and where. `steps`
+    counts the calls of `World.step`, for the noise of scans; `origin` [m] is that of the compiled scene.
+    """
+
+    seed: int
+    origin: tuple[float, float, float]
+    time: float
+    steps: int
+    layouts: Mapping[int, Layout]
+    actors: Mapping[str, Actor]
+    collisions: tuple[Collision, ...] = ()
+
+    def but(self, actors: Mapping[str, Actor | None], **fields: Any) -> WorldState:
+        """The state in which some actors are others; None is gone. Layouts of which nothing is left go with them."""
+        now = {name: actor for name, actor in {**self.actors, **actors}.items() if actor is not None}
+        layouts = fields.pop("layouts", self.layouts)
+        if None in actors.values():
+            used = {0, *(actor.batch for actor in now.values())}
+            layouts = {number: layout for number, layout in layouts.items() if number in used}
+        return replace(self, actors=now, layouts=layouts, **fields)
+
+    def to_json(self) -> str:
+        """The state as JSON text: layouts, a scenario of all motions, and where things are."""
+        motions = {name: actor.motion for name, actor in self.actors.items() if actor.motion is not None}
+        things = {name: write_as(replace(actor, motion=None)) for name, actor in self.actors.items()}
+        document = {
+            "schema": SCHEMA,
+            "seed": self.seed,
+            "origin": self.origin,
+            "time": self.time,
+            "steps": self.steps,
+            "layouts": {number: json.loads(layout.to_json()) for number, layout in self.layouts.items()},
+            "things": things,
+            "scenario": json.loads(Scenario(None, motions).to_json()),
+            "collisions": write_as(self.collisions),
+        }
+        return json.dumps(document, allow_nan=False)
+
+    @classmethod
+    def from_json(cls, text: str) -> WorldState:
+        """Raises `FormatError` where the text is not the JSON of a state, `LayoutError` on an invalid value."""
+        document = parse_document(text, SCHEMA, _FIELDS, ())
+        motions = Scenario.from_json(json.dumps(document["scenario"])).actors
+        layouts = {
+            check_number("layouts", int(number) if number.isdecimal() else number): Layout.from_json(json.dumps(rows))
+            for number, rows in check_object(document["layouts"]).items()
+        }
+        actors = {
+            name: replace(read_as(Actor, row, name), motion=motions.get(name))
+            for name, row in check_object(document["things"]).items()
+        }
+        if EGO_NAME not in actors or 0 not in layouts:
+            raise FormatError("things has no 'ego', or layouts no '0'; both are needed")
+        return cls(
+            seed=check_seed(document["seed"]),
+            origin=read_as(tuple[float, float, float], document["origin"], "origin"),
+            time=read_as(float, document["time"], "time"),
+            steps=check_number("steps", document["steps"]),
+            layouts=layouts,
+            actors=actors,
+            collisions=read_as(tuple[Collision, ...], document["collisions"], "collisions"),
+        )
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the JSON of `to_json`."""
+        write_text(path, self.to_json())
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> WorldState:
+        """As `from_json`, of a file; the errors name it."""
+        text = read_text(path)
+        with named(path):
+            return cls.from_json(text)

@@ -1,0 +1,116 @@
+"""The things of a world: what was given of each and what it is built as, at home, and both at any other place.
+
+Details, brightness and free paths follow from the seed, the ids and the layout that a thing came with, which is never
+changed: a thing looks the same wherever it is, and whatever else comes and goes.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from lidardraft.scene.bodies import Bodies
+from lidardraft.scene.box import Box
+from lidardraft.scene.check import EGO, EGO_SIZE
+from lidardraft.scene.layout import Layout, Primitive, box_around, object_of
+from lidardraft.scene.pose import inverse, point_at, upright
+from lidardraft.semantics import BY_NAME, GROUND
+from lidardraft.simulation.detail import detail
+from lidardraft.simulation.driving import Body
+from lidardraft.simulation.fitting import changed
+from lidardraft.simulation.sweeps import Spot
+from lidardraft.simulation.tracks import body_of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Thing:
+    """All of one name: its `parts` as given, and its `bodies`, detailed and compiled; `home` is the spot of the middle
+    of its box there, `body` what may be run into."""
+
+    parts: tuple[Primitive, ...]
+    bodies: Bodies
+    body: Body
+    is_ground: bool
+
+    @property
+    def home(self) -> Spot:
+        """Where its middle was when it came."""
+        return self.body.place
+
+    def parts_at(self, spot: Spot) -> tuple[Primitive, ...]:
+        """Its parts where its middle is at a spot."""
+        if spot == self.home:
+            return self.parts
+        up, turn = spot[2] - self.home[2], spot[3] - self.home[3]
+        moved = []
+        for part in self.parts:
+            x, y = self._moved(part.center[0], part.center[1], spot)
+            moved.append(changed(part, center=(x, y, part.center[2] + up), yaw=part.yaw + turn))
+        return tuple(moved)
+
+    def body_at(self, spot: Spot) -> Body:
+        """What may be run into there."""
+        if spot == self.home:
+            return self.body
+        up, turn = spot[2] - self.home[2], spot[3] - self.home[3]
+        cos, sin = math.cos(turn), math.sin(turn)
+        solids = []
+        for solid in self.body.solids:
+            x, y = self._moved(solid.x, solid.y, spot)
+            looks = (solid.cos * cos - solid.sin * sin, solid.sin * cos + solid.cos * sin)
+            bottom, top = solid.bottom + up, solid.top + up
+            solids.append(solid._replace(x=x, y=y, cos=looks[0], sin=looks[1], bottom=bottom, top=top))
+        return dataclasses.replace(self.body, place=spot, solids=tuple(solids))
+
+    def bodies_at(self, spot: Spot) -> Bodies:
+        """What is cast there."""
+        if spot == self.home:
+            return self.bodies
+        return self.bodies.moved(upright(spot[:3], spot[3]) @ inverse(upright(self.home[:3], self.home[3])))
+
+    def boxes_at(self, spot: Spot, velocity: tuple[float, float, float]) -> list[Box]:
+        """One box for each instance of a thing."""
+        parts: dict[int, list[Primitive]] = {}
+        for part in self.parts_at(spot):
+            if part.instance and BY_NAME[part.label].is_thing:
+                parts.setdefault(part.instance, []).append(part)
+        return [dataclasses.replace(box_around(some), velocity=velocity) for some in parts.values()]
+
+    def _moved(self, x: float, y: float, spot: Spot) -> tuple[float, float]:
+        return point_at((spot[0], spot[1], spot[3] - self.home[3]), x - self.home[0], y - self.home[1])
+
+
+EGO_THING = Thing(
+    (EGO,),
+    Bodies.of(Layout()),
+    dataclasses.replace(body_of("ego", [EGO]), place=(0.0, 0.0, 0.0, 0.0), size=EGO_SIZE),
+    False,
+)
+
+
+Origin = tuple[float, float, float]
+
+
+def built(
+    layout: Layout, seed: int, wetness: float, base: Layout | None = None, origin: Origin | None = None
+) -> dict[str, Thing]:
+    """The things of a layout, by their names; of one that is added to a `base`, on the roads of that. All are compiled
+    around `origin` [m], by default the middle of them."""
+    scene = detail(layout, seed=seed, around=base)
+    whole = Bodies.of(scene, wetness)
+    given, own = dict[str, list[Primitive]](), dict[str, list[int]]()
+    for part in layout:
+        given.setdefault(object_of(part), []).append(part)
+    for number, part in enumerate(scene):
+        own.setdefault(object_of(part), []).append(number)
+    around = origin or whole.origin
+    return {name: _thing(name, parts, whole.some(own.get(name, []), around)) for name, parts in given.items()}
+
+
+def _thing(name: str, parts: Sequence[Primitive], bodies: Bodies) -> Thing:
+    standing = [part for part in parts if part.label not in GROUND]
+    box = box_around(standing or parts)
+    body = body_of(name, standing) if standing else Body(name, frozenset(), (*box.center, box.yaw), box.size, ())
+    return Thing(tuple(parts), bodies, body, len(standing) < len(parts))
