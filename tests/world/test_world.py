@@ -368,3 +368,17 @@ def test_the_page_of_docs_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     exec(states, names)
     assert list(names["again"].rig.mounts) == ["os1-128"]
     assert world.state().time == pytest.approx(3.0)
+
+
+def test_a_state_of_another_world_brings_its_seed_and_its_weather() -> None:
+    rain = layout_from_text("a car 15 m ahead on a rainy night", seed=1)
+    assert rain.intent.weather is not None
+    worlds = [World(CROSSROADS, SMALL, seed=7), World(CROSSROADS, SMALL, seed=8), World(rain, SMALL, seed=1)]
+    for world in worlds:
+        world.step(0.2)
+    truths = [(world.state(), world.scan()) for world in worlds]
+    assert truths[0][1].image.depth.tobytes() != truths[1][1].image.depth.tobytes()
+    for world in worlds:
+        for state, scan in truths:
+            world.restore(state)
+            assert same(world.scan(), scan)

@@ -160,10 +160,8 @@ class World:
         elif not isinstance(layout, Layout | str):
             given = layout_from_boxes(layout)
         base, _, self._assumed = prepared(given, seed, False)
-        self._weather = weather or weather_of(base.intent.weather) or Weather()
-        self._sweepers = {
-            name: Sweeper.of(mount.sensor, model, self._weather, threads) for name, mount in self.rig.mounts.items()
-        }
+        self._made_for, self._given = (0, (0.0, 0.0, 0.0), Weather()), (model, weather, threads)
+        self._weather: Weather | None = None
         if isinstance(layout, WorldState):
             self._adopt(layout)
         else:
@@ -175,23 +173,31 @@ class World:
         if EGO_NAME in names:
             raise LayoutError("an object of the layout is called 'ego', as the ego vehicle is; rename it")
         _check_number(len(names))
-        things = built(base, seed, self._weather.wetness)
-        self._built[0] = base, things
+        weather = self._weather_over(base)
+        things = built(base, seed, weather.wetness)
         actors = {name: Actor(0, thing.home) for name, thing in things.items()}
         origin = next((thing.bodies.origin for thing in things.values()), (0.0, 0.0, 0.0))
         actors[EGO_NAME] = Actor(0, EGO_THING.home)
+        self._built, self._made_for = {0: (base, things)}, (seed, origin, weather)
         self._adopt(WorldState(seed=seed, origin=origin, time=0.0, steps=0, layouts={0: base}, actors=actors))
         ego = Actor(0, (0.0, 0.0, self._stepping.height(0.0, 0.0), 0.0))
         self._state = self._stepping.launched(self._state.but({EGO_NAME: ego}), (*self.ids, EGO_NAME))
 
+    def _weather_over(self, base: Layout) -> Weather:
+        return self._given[1] or weather_of(base.intent.weather) or Weather()
+
     def _adopt(self, state: WorldState) -> None:
         """Take a state, and build those of its layouts that are new; raises `LayoutError` where it contradicts
         itself."""
-        base, before, wetness = state.layouts[0], self._built, self._weather.wetness
-        made = {number: entry for number, entry in before.items() if state.layouts.get(number) is entry[0]}
+        base = state.layouts[0]
+        weather = self._weather_over(base)
+        made_for = state.seed, state.origin, weather
+        kept = self._built if made_for == self._made_for else {}
+        made = {number: entry for number, entry in kept.items() if state.layouts.get(number) is entry[0]}
         for number, layout in state.layouts.items():
             if number not in made:
-                made[number] = layout, built(layout, state.seed, wetness, base if number else None, state.origin)
+                around = base if number else None
+                made[number] = layout, built(layout, state.seed, weather.wetness, around, state.origin)
         things = dict[str, Thing]()
         for name, actor in state.actors.items():
             if name != EGO_NAME:
@@ -201,13 +207,16 @@ class World:
         ground = [part for thing in things.values() if thing.is_ground for part in thing.parts if part.label in GROUND]
         if self._roads is None or self._roads[0] is not base or not _same(self._roads[1], ground):
             known = with_known_roads(base)
-            stepping = Stepping(
-                known, ground, self._thing, max(FLASH, *(m.sensor.sweep_time for m in self.rig.mounts.values()))
-            )
+            longest = max(mount.sensor.sweep_time for mount in self.rig.mounts.values())
+            stepping = Stepping(known, ground, self._thing, max(longest, FLASH))
         else:
             _, _, known, stepping = self._roads
         stepping.check(state)
-        self._roads = base, ground, known, stepping
+        if weather != self._weather:
+            model, _, threads = self._given
+            mounts = self.rig.mounts.items()
+            self._sweepers = {name: Sweeper.of(mount.sensor, model, weather, threads) for name, mount in mounts}
+        self._roads, self._weather, self._made_for = (base, ground, known, stepping), weather, made_for
         self._known, self._stepping, self._built, self._state = known, stepping, made, state
         self._still: tuple[list[Actor], Bodies] | None = None
         self._table: tuple[list[Thing], Surfaces] | None = None
@@ -299,7 +308,7 @@ class World:
             _check_number(len(state.actors) + 1)
             at = (0.0, 0.0) if at is None and isinstance(what, str) else at
             layout, number = Layout(self._counted(self._placed(name, parts, at, yaw))), max(state.layouts) + 1
-            things = built(layout, state.seed, self._weather.wetness, state.layouts[0], state.origin)
+            things = built(layout, state.seed, self._made_for[2].wetness, state.layouts[0], state.origin)
             self._built[number] = layout, things
             after = state.but({name: Actor(number, things[name].home)}, layouts={**state.layouts, number: layout})
             if speed is None:
