@@ -23,7 +23,7 @@ import numpy as np
 
 from lidardraft import Layout, Raycaster, Sensor, Simulator, layout_from_text, surround
 from lidardraft.scene.scanner import Scanner
-from lidardraft.simulation.detail import detail
+from lidardraft.simulation.detail.detail import detail
 
 SENTENCE = "a busy street with parked cars on both sides, people on the sidewalks, trees, houses and a bus ahead"
 SPEED = 9.0  # m/s

@@ -22,10 +22,10 @@ from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.kitti_object import read_label_2
 from lidardraft.formats.pandaset import LABELS
 from lidardraft.formats.semantickitti import read_label
-from lidardraft.simulation.object_sampling import ObjectSampling
-from lidardraft.simulation.recorded_scan import INSERTED, RecordedScan
-from lidardraft.simulation.scan_edits import Insert, Remove, edit_scan
-from lidardraft.simulation.solid_object import SolidObject
+from lidardraft.simulation.recorded.object_sampling import ObjectSampling
+from lidardraft.simulation.recorded.recorded_scan import INSERTED, RecordedScan
+from lidardraft.simulation.recorded.scan_edits import Insert, Remove, edit_scan
+from lidardraft.simulation.recorded.solid_object import SolidObject
 
 _FEWEST = 50  # returns of a car that is compared
 _MARGIN = 0.15  # m around a box

@@ -34,7 +34,7 @@ from lidardraft.formats.pcd import parse_pcd
 from lidardraft.scene.effects import sub_rays
 from lidardraft.scene.pose import upright
 from lidardraft.scene.scenario import AlongLane, Scenario
-from lidardraft.simulation.sequence import SequenceSimulator
+from lidardraft.simulation.motion.sequence import SequenceSimulator
 from recordings import file_bytes
 
 CROSSROADS = "a busy downtown crossroads with a bus, cyclists and pedestrians, trees along the road"

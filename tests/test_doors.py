@@ -45,7 +45,7 @@ from lidardraft.formats.frame import FORMATS, writer_of
 from lidardraft.formats.recording import read_points, recording_of
 from lidardraft.scene.scenario import Straight
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.scan_edits import Insert
+from lidardraft.simulation.recorded.scan_edits import Insert
 from lidardraft.training import recipes
 
 BEAMS = tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist())

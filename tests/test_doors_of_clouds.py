@@ -24,8 +24,8 @@ from lidardraft.formats.recording import read_points, read_recording
 from lidardraft.formats.semantickitti import write_label
 from lidardraft.protocols import PROTOCOLS, compare
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.object_sampling import ObjectSampling
-from lidardraft.simulation.recorded_scan import RecordedScan
+from lidardraft.simulation.recorded.object_sampling import ObjectSampling
+from lidardraft.simulation.recorded.recorded_scan import RecordedScan
 from pandaset_files import pandaset
 
 SENSOR = Sensor(name="few", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=180)

@@ -24,7 +24,7 @@ from lidardraft.formats.nuscenes import CATEGORIES, read_lidarseg
 from lidardraft.formats.semantickitti import RAW_FROM_CLASS, read_label
 from lidardraft.scene.scenario import Scenario, Straight, Waypoints
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.sequence import SequenceSimulator
+from lidardraft.simulation.motion.sequence import SequenceSimulator
 
 SENSOR = Sensor(name="few", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=256)
 TIMED = ("pcd", "ply", "las", "mcap", "webdataset")  # formats with a time for each point

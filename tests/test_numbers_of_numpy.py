@@ -7,7 +7,7 @@ import numpy as np
 import lidardraft
 from lidardraft import Box, Layout, Primitive, Sensor
 from lidardraft.scene.sensor_model import IntensityCurve, SensorModel
-from lidardraft.simulation.sequence import SequenceSimulator
+from lidardraft.simulation.motion.sequence import SequenceSimulator
 from lidardraft.streets import StreetConfig, street_scan
 
 ONE, HALF = np.int64(1), np.float32(0.5)

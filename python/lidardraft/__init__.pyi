@@ -48,17 +48,17 @@ from lidardraft.scene.sensor_model import IntensityCurve as IntensityCurve, Sens
 from lidardraft.scene.street import StreetFrame as StreetFrame
 from lidardraft.scene.weather import Weather as Weather
 from lidardraft.semantics import CLASSES as CLASSES, SemanticClass as SemanticClass
-from lidardraft.simulation.detail import detail as detail
-from lidardraft.simulation.object_sampling import ObjectSampling as ObjectSampling
+from lidardraft.simulation.detail.detail import detail as detail
+from lidardraft.simulation.recorded.object_sampling import ObjectSampling as ObjectSampling
 from lidardraft.simulation.observe_cast import observe_cast as observe_cast, observe_points as observe_points
-from lidardraft.simulation.recorded_scan import RecordedScan as RecordedScan
-from lidardraft.simulation.scan_edits import (
+from lidardraft.simulation.recorded.recorded_scan import RecordedScan as RecordedScan
+from lidardraft.simulation.recorded.scan_edits import (
     Edit as Edit, Insert as Insert, Move as Move, Remove as Remove, Replace as Replace, edit_scan as edit_scan,
 )
-from lidardraft.simulation.sequence import SequenceSimulator as SequenceSimulator
+from lidardraft.simulation.motion.sequence import SequenceSimulator as SequenceSimulator
 from lidardraft.simulation.simulate import Simulator as Simulator, simulate as simulate
-from lidardraft.simulation.surround import surround as surround
-from lidardraft.simulation.tracks import Tracks as Tracks
+from lidardraft.simulation.around.surround import surround as surround
+from lidardraft.simulation.motion.tracks import Tracks as Tracks
 from lidardraft.streets import StreetConfig as StreetConfig, StreetMix as StreetMix, street_scan as street_scan
 from lidardraft.world.rig import Mount as Mount, Rig as Rig
 from lidardraft.world.state import (

@@ -15,7 +15,7 @@ from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.errors import CheckpointError, LayoutError
 from lidardraft.scene.check import check
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.detail import detail
+from lidardraft.simulation.detail.detail import detail
 
 CAMERA = Pinhole.from_hfov(math.radians(80), 640, 400)
 

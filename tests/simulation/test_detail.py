@@ -15,10 +15,10 @@ from lidardraft.scene.edit import move, remove
 from lidardraft.scene.layout import object_of, primitive_mesh
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
-from lidardraft.simulation import fitting
-from lidardraft.simulation.coarse_object import CoarseObject, UprightBox, coarse_objects, generator_of
-from lidardraft.simulation.detail import RULES
-from lidardraft.simulation.fitting import _cut_mesh, fitted
+from lidardraft.simulation.detail import fitting
+from lidardraft.simulation.detail.coarse_object import CoarseObject, UprightBox, coarse_objects, generator_of
+from lidardraft.simulation.detail.detail import RULES
+from lidardraft.simulation.detail.fitting import _cut_mesh, fitted
 
 MOST_PROUD = 0.36  # m: eaves; nothing stands out further
 SENTENCES = (

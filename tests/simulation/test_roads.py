@@ -25,9 +25,9 @@ from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.scene.scenario import Scenario
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.street import StreetFrame
-from lidardraft.simulation.motions import Ground
+from lidardraft.simulation.motion.motions import Ground
+from lidardraft.simulation.motion.tracks import tracks_of
 from lidardraft.simulation.roads import NoStreetError, with_roads
-from lidardraft.simulation.tracks import tracks_of
 from lidardraft.streets.street import StreetConfig
 
 SENSOR = PRESETS["vlp16"]

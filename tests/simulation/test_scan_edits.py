@@ -15,10 +15,10 @@ from lidardraft.formats.kitti_object import read_label_2
 from lidardraft.formats.recording import read_points
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.object_sampling import ObjectSampling
-from lidardraft.simulation.recorded_scan import FILLED, INSERTED, RECORDED, RecordedScan, ground_of
-from lidardraft.simulation.scan_edits import Insert, Move, Remove, Replace, edit_scan
-from lidardraft.simulation.solid_object import WORDS, SolidObject
+from lidardraft.simulation.recorded.object_sampling import ObjectSampling
+from lidardraft.simulation.recorded.recorded_scan import FILLED, INSERTED, RECORDED, RecordedScan, ground_of
+from lidardraft.simulation.recorded.scan_edits import Insert, Move, Remove, Replace, edit_scan
+from lidardraft.simulation.recorded.solid_object import WORDS, SolidObject
 
 SENSOR = Sensor.preset("hdl64e")
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(140, 140, 0), label="road", id="road")

@@ -18,9 +18,9 @@ from lidardraft.scene.effects import sub_rays
 from lidardraft.scene.pose import upright
 from lidardraft.scene.scenario import AlongLane, Motion, Scenario, Straight, Track, Walk, Waypoints
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.motions import Ground
-from lidardraft.simulation.sequence import SequenceSimulator
-from lidardraft.simulation.tracks import Tracks, tracks_of
+from lidardraft.simulation.motion.motions import Ground
+from lidardraft.simulation.motion.sequence import SequenceSimulator
+from lidardraft.simulation.motion.tracks import Tracks, tracks_of
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=256)
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(400, 14, 0), label="road", id="road")

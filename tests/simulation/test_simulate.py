@@ -15,7 +15,7 @@ from lidardraft.scene import edit
 from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.weather import Weather
-from lidardraft.simulation.detail import detail
+from lidardraft.simulation.detail.detail import detail
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=256)
 SENTENCE = "two parked cars on the left, trees along both sides, a person ahead"

@@ -12,9 +12,9 @@ from lidardraft.scene.layout import primitive_mesh
 from lidardraft.scene.road import KERB_HEIGHT, PavedArea, Road
 from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
+from lidardraft.simulation.detail.coarse_object import CoarseObject, UprightBox
+from lidardraft.simulation.detail.surroundings import Surroundings
 from lidardraft.simulation.roads import RoadStrip, lanes_of, road_strips
-from lidardraft.simulation.surroundings import Surroundings
 from spec_checker import road_of
 
 

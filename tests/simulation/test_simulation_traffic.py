@@ -6,7 +6,7 @@ import pytest
 from coarse_boxes import box, detailed, materials
 
 from lidardraft.objects.cars import BODIES
-from lidardraft.simulation.traffic import _nearest_body
+from lidardraft.simulation.detail.traffic import _nearest_body
 
 
 @pytest.mark.parametrize("name", BODIES)

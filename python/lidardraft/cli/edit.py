@@ -16,8 +16,8 @@ from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named
 
 if TYPE_CHECKING:
-    from lidardraft.simulation.recorded_scan import RecordedScan
-    from lidardraft.simulation.scan_edits import Edit
+    from lidardraft.simulation.recorded.recorded_scan import RecordedScan
+    from lidardraft.simulation.recorded.scan_edits import Edit
 
 _NUMBER = r"([-+]?\d+(?:\.\d*)?)"
 _INSERTED = re.compile(
@@ -39,8 +39,8 @@ def edit(arguments: argparse.Namespace) -> None:
     if arguments.output is None:
         raise FormatError("--output says where the edited scan goes")
     from lidardraft.formats.recording import SCAN_ENDINGS
-    from lidardraft.simulation.recorded_scan import FILLED, INSERTED
-    from lidardraft.simulation.scan_edits import edit_scan
+    from lidardraft.simulation.recorded.recorded_scan import FILLED, INSERTED
+    from lidardraft.simulation.recorded.scan_edits import edit_scan
 
     output = Path(arguments.output)
     output = output.with_suffix("") if output.suffix in (".bin", ".npz") else output
@@ -59,7 +59,7 @@ def edit(arguments: argparse.Namespace) -> None:
 
 def _read(arguments: argparse.Namespace) -> RecordedScan:
     from lidardraft.formats.recording import read_labels, read_points, with_fields
-    from lidardraft.simulation.recorded_scan import RecordedScan
+    from lidardraft.simulation.recorded.recorded_scan import RecordedScan
 
     path = arguments.scan
     points, fields = read_points(path, **reading(arguments))
@@ -82,7 +82,7 @@ def _list(scan: RecordedScan) -> None:
 
 
 def _insert(text: str) -> Edit:
-    from lidardraft.simulation.scan_edits import Insert
+    from lidardraft.simulation.recorded.scan_edits import Insert
 
     found = _INSERTED.fullmatch(text.lower())
     if found is None:
@@ -93,7 +93,7 @@ def _insert(text: str) -> Edit:
 
 
 def _move(id: str, place: str) -> Edit:
-    from lidardraft.simulation.scan_edits import Move
+    from lidardraft.simulation.recorded.scan_edits import Move
 
     found = _PLACE.fullmatch(place)
     if found is None:
@@ -106,7 +106,7 @@ class _InOrder(argparse.Action):
     """Collects the edits of all options in the order in which they stand."""
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
-        from lidardraft.simulation.scan_edits import Remove, Replace
+        from lidardraft.simulation.recorded.scan_edits import Remove, Replace
 
         made_by: dict[str, Callable[..., Edit]]
         made_by = {"--insert": _insert, "--remove": Remove, "--move": _move, "--replace": Replace}

@@ -169,7 +169,7 @@ def _surrounded(arguments: argparse.Namespace, layout: Layout, seed: int, *, usu
     """The layout with a street around it where --surroundings wants one, or nothing is said and that is `usual`."""
     if (arguments.surroundings or ("street" if usual else "bare")) == "bare":
         return layout
-    from lidardraft.simulation.surround import surround
+    from lidardraft.simulation.around.surround import surround
 
     return surround(layout, seed=seed)
 

@@ -99,7 +99,7 @@ def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather | None, thread
 def _write_sequence(arguments: argparse.Namespace) -> None:
     """Write the frames of a sequence."""
     from lidardraft.scan import Scan
-    from lidardraft.simulation.sequence import SequenceSimulator
+    from lidardraft.simulation.motion.sequence import SequenceSimulator
 
     for option in ("num", "street", "text_file", "poses"):
         if getattr(arguments, option, None) is not None:

@@ -178,7 +178,7 @@ def _layout(scene: Scene, seed: int, rng: np.random.Generator) -> Layout:
     if scene.source == "layout":
         return Layout.load(drawn(scene.values, rng))
     from lidardraft.drafting.text.layout import layout_from_text
-    from lidardraft.simulation.surround import surround
+    from lidardraft.simulation.around.surround import surround
 
     layout = layout_from_text(_filled(drawn(scene.values, rng), all_drawn(scene.words, rng)), seed=seed)
     return surround(layout, seed=seed) if scene.surroundings else layout

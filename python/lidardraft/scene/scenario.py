@@ -1,6 +1,6 @@
 """Scenarios: how the ego vehicle and the objects of a layout move, as values and as JSON; and the tracks they make.
 
-A motion is a value. What a scenario does not name moves by its kind (`simulation.driving`).
+A motion is a value. What a scenario does not name moves by its kind (`simulation.motion`).
 """
 
 from __future__ import annotations

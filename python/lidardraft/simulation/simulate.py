@@ -16,7 +16,7 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.weather import Weather, weather_of
 from lidardraft.semantics import GROUND
-from lidardraft.simulation.detail import detail as detailed
+from lidardraft.simulation.detail.detail import detail as detailed
 from lidardraft.simulation.sweeps import Sweeper
 
 _NO_GROUND = "the layout has no ground (road, sidewalk or terrain): nothing returns from it"
@@ -106,6 +106,6 @@ def prepared(layout: Layout | str, seed: int, detail: bool) -> tuple[Layout, Lay
 
 def _from_text(sentence: str, seed: int) -> Layout:
     from lidardraft.drafting.text.layout import layout_from_text  # what has a layout need not wait for the grammar
-    from lidardraft.simulation.surround import surround
+    from lidardraft.simulation.around.surround import surround
 
     return surround(layout_from_text(sentence, seed=seed), seed=seed)

@@ -14,10 +14,10 @@ from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk, Waypoints
 from lidardraft.scene.solids import Solid, penetration
-from lidardraft.simulation.driving import Driver, Traffic, bar_of, driver_of, extents_in
-from lidardraft.simulation.motions import Ground, usual_motions
+from lidardraft.simulation.motion.driving import Driver, Traffic, bar_of, driver_of, extents_in
+from lidardraft.simulation.motion.motions import Ground, usual_motions
+from lidardraft.simulation.motion.tracks import through
 from lidardraft.simulation.sweeps import Spot
-from lidardraft.simulation.tracks import through
 from lidardraft.world.state import Actor, Collision, Drive, WorldState
 from lidardraft.world.things import Thing
 

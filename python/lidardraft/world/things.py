@@ -17,11 +17,11 @@ from lidardraft.scene.check import EGO, EGO_SIZE
 from lidardraft.scene.layout import Layout, Primitive, box_around, object_of
 from lidardraft.scene.pose import inverse, point_at, upright
 from lidardraft.semantics import BY_NAME, GROUND
-from lidardraft.simulation.detail import detail
-from lidardraft.simulation.driving import Body
-from lidardraft.simulation.fitting import changed
+from lidardraft.simulation.detail.detail import detail
+from lidardraft.simulation.detail.fitting import changed
+from lidardraft.simulation.motion.driving import Body
+from lidardraft.simulation.motion.tracks import body_of
 from lidardraft.simulation.sweeps import Spot
-from lidardraft.simulation.tracks import body_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -40,11 +40,11 @@ from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather, weather_of
 from lidardraft.semantics import BY_NAME, GROUND
-from lidardraft.simulation.driving import STEP
-from lidardraft.simulation.motions import DRIVES
+from lidardraft.simulation.motion.driving import STEP
+from lidardraft.simulation.motion.motions import DRIVES
+from lidardraft.simulation.recorded.solid_object import sampled_parts
 from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
-from lidardraft.simulation.solid_object import sampled_parts
 from lidardraft.simulation.sweeps import FLASH, Mover, Spot, Sweeper, radius_of
 from lidardraft.world.rig import Mount, Rig
 from lidardraft.world.state import EGO_NAME, Actor, Collision, WorldState

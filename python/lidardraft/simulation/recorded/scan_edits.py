@@ -24,10 +24,10 @@ from lidardraft.scene.raycast import Hits, Raycaster
 from lidardraft.scene.solids import Solid, penetration
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.semantics import BY_NAME, CLASSES
-from lidardraft.simulation.coarse_object import generator_of
-from lidardraft.simulation.ray_receiver import RayReceiver
-from lidardraft.simulation.recorded_scan import FILLED, INSERTED, RAY_FIELDS, RECORDED, RecordedScan
-from lidardraft.simulation.solid_object import SolidObject
+from lidardraft.simulation.detail.coarse_object import generator_of
+from lidardraft.simulation.recorded.ray_receiver import RayReceiver
+from lidardraft.simulation.recorded.recorded_scan import FILLED, INSERTED, RAY_FIELDS, RECORDED, RecordedScan
+from lidardraft.simulation.recorded.solid_object import SolidObject
 
 _MARGIN = 0.15  # m around a box: mirrors, and boxes that annotators drew tight
 _MOST_OVERLAP = 0.3  # m of boxes, which annotators draw wide

@@ -10,12 +10,12 @@ from lidardraft.objects.cars import PAINTS
 from lidardraft.objects.kinds import KINDS, kind_of
 from lidardraft.scene.layout import AROUND, Layout, Primitive, object_of
 from lidardraft.semantics import GROUND
-from lidardraft.simulation.buildings import building
-from lidardraft.simulation.coarse_object import CoarseObject, coarse_objects
-from lidardraft.simulation.ground import ground_parts
-from lidardraft.simulation.roadside import fence, other, plant, pole, wall
-from lidardraft.simulation.surroundings import Surroundings
-from lidardraft.simulation.traffic import car, heavy, machine, person, rider
+from lidardraft.simulation.detail.buildings import building
+from lidardraft.simulation.detail.coarse_object import CoarseObject, coarse_objects
+from lidardraft.simulation.detail.ground import ground_parts
+from lidardraft.simulation.detail.roadside import fence, other, plant, pole, wall
+from lidardraft.simulation.detail.surroundings import Surroundings
+from lidardraft.simulation.detail.traffic import car, heavy, machine, person, rider
 
 # What an object becomes, by the first of these classes that it has.
 RULES: dict[str, Callable[[CoarseObject, Surroundings], list[Primitive]]] = {

@@ -29,8 +29,8 @@ from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.scene.solids import Solid
 from lidardraft.scene.street import StreetFrame
 from lidardraft.semantics import BY_NAME
+from lidardraft.simulation.around.sights import SENSOR, Sights
 from lidardraft.simulation.roads import NoStreetError, with_roads
-from lidardraft.simulation.sights import SENSOR, Sights
 
 _STREAM = 5  # of random numbers, apart from those that made the layout
 # How often a street that nothing is said of lies in a district, by its lanes each way: estimates.

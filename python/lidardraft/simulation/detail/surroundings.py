@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 
 from lidardraft.scene.layout import Layout
-from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
+from lidardraft.simulation.detail.coarse_object import CoarseObject, UprightBox
 from lidardraft.simulation.roads import RoadStrip, road_strips
 
 LANE_SIDE = 1.75  # m, half a lane: what stands further to the left comes towards the ego vehicle

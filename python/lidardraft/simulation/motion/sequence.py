@@ -25,10 +25,10 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather, weather_of
+from lidardraft.simulation.motion.tracks import tracks_of
 from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
 from lidardraft.simulation.sweeps import FLASH, Mover, Spot, Sweeper, radius_of
-from lidardraft.simulation.tracks import tracks_of
 
 _LONGEST = 1000.0  # s, of which the traffic is known within a minute
 

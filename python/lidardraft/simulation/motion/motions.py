@@ -19,7 +19,7 @@ from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk
 from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME, GROUND
-from lidardraft.simulation.driving import Body, Driver, driver_of
+from lidardraft.simulation.motion.driving import Body, Driver, driver_of
 
 DRIVES = frozenset({*VEHICLE_LABELS, "rider"})  # classes of what drives along lanes
 _WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around who walks; m between places that are looked at

@@ -15,7 +15,7 @@ from lidardraft.scene.raycast import Hits
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
-from lidardraft.simulation.recorded_scan import RECORDED, RecordedScan
+from lidardraft.simulation.recorded.recorded_scan import RECORDED, RecordedScan
 
 _ROAD = Primitive(shape="plane", center=(0.0, 0.0, 0.0), size=(1.0, 1.0, 0.0), label="road", id="road")
 _JUDGED = (4.0, 30.0)  # m: ground whose intensities set the scale

@@ -19,9 +19,9 @@ from lidardraft.scene.check import VEHICLE_LABELS
 from lidardraft.scene.pose import point_at
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.recorded_scan import RECORDED, RecordedScan
-from lidardraft.simulation.scan_edits import check_room, inserted
-from lidardraft.simulation.solid_object import SolidObject
+from lidardraft.simulation.recorded.recorded_scan import RECORDED, RecordedScan
+from lidardraft.simulation.recorded.scan_edits import check_room, inserted
+from lidardraft.simulation.recorded.solid_object import SolidObject
 
 _CLASS_OF_NAME = {"pedestrian": "person", "cyclist": "rider", "van": "car"}  # of others' names in lower case
 _NAME_OF_KIND = {kind: kind.title() for kind in ("car", "truck", "bus", "cyclist")}

@@ -16,8 +16,8 @@ from lidardraft.scene.pose import upright
 from lidardraft.scene.raycast import Hits, Raycaster
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.coarse_object import generator_of
-from lidardraft.simulation.detail import detail
+from lidardraft.simulation.detail.coarse_object import generator_of
+from lidardraft.simulation.detail.detail import detail
 
 _RIDDEN = {"cyclist": "bicycle", "motorcyclist": "motorcycle"}
 WORDS = (*(name for name, kind in SENTENCE_KINDS.items() if kind.sizes), *_RIDDEN)

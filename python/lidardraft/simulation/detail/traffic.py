@@ -9,9 +9,9 @@ import numpy as np
 from lidardraft.objects.cars import BODIES, SHARES
 from lidardraft.objects.placed_object import Vector
 from lidardraft.scene.layout import Primitive
-from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
-from lidardraft.simulation.fitting import fitted
-from lidardraft.simulation.surroundings import Surroundings
+from lidardraft.simulation.detail.coarse_object import CoarseObject, UprightBox
+from lidardraft.simulation.detail.fitting import fitted
+from lidardraft.simulation.detail.surroundings import Surroundings
 
 _SIDEWAYS = 1.25  # times as wide as long: the box is of a vehicle that stands across it
 _TRIM_PROUD = (0.08, 0.13, 0.0)  # m that plates and mirrors stand out of a box

@@ -18,8 +18,8 @@ from lidardraft.scene.layout import Layout, Primitive, box_around
 from lidardraft.scene.scenario import AlongLane, Motion, Scenario, Straight, Track, Walk, Waypoints
 from lidardraft.scene.solids import Solid, penetration
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.driving import STEP, Body, Driver, drive, driver_of
-from lidardraft.simulation.motions import Ground, usual_motions
+from lidardraft.simulation.motion.driving import STEP, Body, Driver, drive, driver_of
+from lidardraft.simulation.motion.motions import Ground, usual_motions
 from lidardraft.simulation.roads import with_known_roads
 
 _REACHED = 1.9  # m over the ground, what hangs higher is passed under

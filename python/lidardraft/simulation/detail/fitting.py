@@ -14,7 +14,7 @@ from lidardraft.scene.materials import CLASS_MATERIALS
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.pose import point_at
 from lidardraft.semantics import CLASSES
-from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
+from lidardraft.simulation.detail.coarse_object import CoarseObject, UprightBox
 
 _PROUD = (0.05, 0.05, 0.0)  # m that trim may stand out of a box: length, width, height
 _MOST_PROUD = 0.6  # m; parts that reach further out, as balconies do, are left out

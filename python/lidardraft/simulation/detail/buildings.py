@@ -10,9 +10,9 @@ from lidardraft.objects.kinds import KINDS
 from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.layout import Primitive
-from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
-from lidardraft.simulation.fitting import fitted, solid, stretched
-from lidardraft.simulation.surroundings import Surroundings
+from lidardraft.simulation.detail.coarse_object import CoarseObject, UprightBox
+from lidardraft.simulation.detail.fitting import fitted, solid, stretched
+from lidardraft.simulation.detail.surroundings import Surroundings
 
 # By what they are called here and in sentences.
 _KINDS = {

@@ -20,7 +20,7 @@ from lidardraft.scene.layout import Layout, Primitive, object_of
 from lidardraft.scene.road import Road
 from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.scene.street import StreetFrame, paths_of
-from lidardraft.simulation.coarse_object import generator_of
+from lidardraft.simulation.detail.coarse_object import generator_of
 from lidardraft.simulation.roads import RoadStrip, district_of, lanes_of, strip_rows
 
 _WIDEST_ROUND = 100.0  # m

@@ -11,9 +11,9 @@ from lidardraft.objects import fences, plants, signs
 from lidardraft.objects.kinds import KINDS
 from lidardraft.objects.object_builder import Add
 from lidardraft.scene.layout import Primitive
-from lidardraft.simulation.coarse_object import CoarseObject, UprightBox
-from lidardraft.simulation.fitting import changed, fitted, medium, part_of, solid
-from lidardraft.simulation.surroundings import LANE_SIDE, Surroundings
+from lidardraft.simulation.detail.coarse_object import CoarseObject, UprightBox
+from lidardraft.simulation.detail.fitting import changed, fitted, medium, part_of, solid
+from lidardraft.simulation.detail.surroundings import LANE_SIDE, Surroundings
 
 _HEAD_PROUD = (0.3, 0.05, 0.0)  # m: shades of signals, plates before their posts
 # Lamps [m], as of `objects/poles.py`: a luminaire at the end of an arm, and how thick the arm is.
