@@ -10,7 +10,7 @@ import numpy as np
 from lidardraft.errors import LayoutError
 from lidardraft.files import named
 from lidardraft.json_fields import check_fields, check_object
-from lidardraft.scene.pose import finite_array
+from lidardraft.scene.pose import finite_array, rotation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -120,6 +120,5 @@ class Line:
     def moved(self, place: tuple[float, float, float]) -> Line:
         """The line of a frame that stands at a place, as those around see it."""
         x, y, yaw = place
-        cos, sin = np.cos(yaw), np.sin(yaw)
-        turn = np.array([[cos, sin], [-sin, cos]])
+        turn = rotation(yaw)
         return Line(self.middle @ turn + (x, y), self.normals @ turn, self.along, self.heights, self.camber)

@@ -17,7 +17,7 @@ import numpy as np
 from lidardraft.errors import LayoutError, check_that
 from lidardraft.scene.lane import Junction, Lane, Pavement, Signal
 from lidardraft.scene.line import Line
-from lidardraft.scene.pose import Place
+from lidardraft.scene.pose import Place, rotation
 from lidardraft.scene.road import KERB_HEIGHT, LEFT, PARKING_STRIP, RIGHT, RING, SIDES, TERRAIN_HEIGHT, Road
 
 # Limits [m/s] of the German road code (StVO).
@@ -223,7 +223,9 @@ class StreetFrame:
         """What drivers follow, in the frame of the layout: along the road and its side roads, over each turn from it,
         and, where cars are placed so, around a roundabout and along aisles."""
         paths = () if self.parked is None else (*self._ring(), *self._aisles())
-        rows = [*self._through(), *self._side_ways(), *self._turning_ways(), *map(self._along_path, paths)]
+        crossed = None if self.road.roundabout_radius else self.road.junction
+        crossing = () if crossed is None else (*self._side_ways(), *self._turning_ways(crossed))
+        rows = [*self._through(), *crossing, *map(self._along_path, paths)]
         usual = {"width": self.road.lane_width, "speed": self.limit()}
         return tuple(
             Lane(id=f"way_{number}", line=self.line(points, number - len(rows)), **(usual | more))
@@ -234,8 +236,7 @@ class StreetFrame:
         """The line through points [S, 2] of the road's frame, in that of the layout, of which the relief has that
         number."""
         x, y, yaw = self.place
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        line = Line.through(points @ np.array([[cos, sin], [-sin, cos]]) + (x, y))
+        line = Line.through(points @ rotation(yaw) + (x, y))
         if not self.relief:
             return line
         if not -len(self.relief) <= number < len(self.relief):
@@ -259,8 +260,7 @@ class StreetFrame:
         """The middle of the junction [2] and the directions [2, 2] ahead and left there, in the road's frame."""
         assert self.road.junction is not None
         x, y, heading = self.road.at(self.road.junction, 0.0)
-        cos, sin = math.cos(heading), math.sin(heading)
-        return np.array([x, y]), np.array([[cos, sin], [-sin, cos]])
+        return np.array([x, y]), rotation(heading)
 
     def _through(self) -> Iterator[_Points]:
         """Along the road; a roundabout ends them."""
@@ -272,8 +272,6 @@ class StreetFrame:
     def _side_ways(self) -> Iterator[_Points]:
         """Along the crossing road, whose traffic waits before the junction."""
         road = self.road
-        if road.junction is None or road.roundabout_radius is not None:
-            return
         middle, (ahead, left) = self.crossed()
         for direction, begins, goes_on in ((1, RIGHT, LEFT), (-1, LEFT, RIGHT)):
             start = road.half_length if begins in road.side_roads else road.edge
@@ -283,19 +281,15 @@ class StreetFrame:
             for off in [road.edge / 2] if self.parked is None else self.side_offsets():
                 yield middle + direction * off * ahead + across[:, None] * left, {"stop": stop}
 
-    def _turning_ways(self) -> Iterator[_Points]:
+    def _turning_ways(self, junction: float) -> Iterator[_Points]:
         """From each lane of the road over a quarter of an ellipse into the outer lane of the crossing road."""
         road = self.road
-        if road.junction is None or road.roundabout_radius is not None:
-            return
         middle, axes = self.crossed()
         far, outer = road.edge + _CORNER, self.side_offsets()[0]
         low, high = self.ends or (-road.half_length, road.half_length)
         for across, way, _, _ in self._offsets():
             begin, own = low if way > 0 else high, way * across
-            stations = np.linspace(begin, road.junction - way * far, max(2, math.ceil(road.half_length / _STATION)))[
-                :-1
-            ]
+            stations = np.linspace(begin, junction - way * far, max(2, math.ceil(road.half_length / _STATION)))[:-1]
             for turn, side in (("left", LEFT), ("right", RIGHT)):
                 if side * way not in road.side_roads:
                     continue

@@ -17,7 +17,7 @@ from lidardraft.scene.edit import placed
 from lidardraft.scene.lane import Pavement
 from lidardraft.scene.layout import AROUND, Layout, Primitive, primitive_mesh
 from lidardraft.scene.line import Line
-from lidardraft.scene.pose import Place, point_at
+from lidardraft.scene.pose import Place, point_at, rotation
 from lidardraft.scene.road import Road
 from lidardraft.scene.road_network import RoadNetwork
 from lidardraft.scene.road_surfaces import drawn, road_surfaces
@@ -185,11 +185,7 @@ def _other_pavement(layout: Layout, own: RoadStrip) -> Iterator[Pavement]:
 def _arc(strip: RoadStrip, along: float) -> tuple[float, float, float, float]:
     """x, y, heading and curvature of a strip's middle line there."""
     span = min(_CHECKED / 2, strip.line.length / 4)
-    middle = (
-        min(max(along, 2 * span), strip.line.length - 2 * span)
-        if strip.line.length > 4 * span
-        else strip.line.length / 2
-    )
+    middle = min(max(along, 2 * span), strip.line.length - 2 * span)
     steps = np.clip(middle + np.array([-2, -1, 1, 2]) * span, 0.0, strip.line.length)
     points = strip.line.at(steps, np.zeros(4))
     first, last = points[1] - points[0], points[3] - points[2]
@@ -201,11 +197,9 @@ def _arc(strip: RoadStrip, along: float) -> tuple[float, float, float, float]:
 
 
 def _check_arc(strip: RoadStrip, road: Road, place: Place, along: float) -> None:
-    x, y, yaw = place
     steps = strip.line.along[np.abs(strip.line.along - along) < min(_CHECKED, road.half_length)]
-    points = strip.line.at(steps, np.zeros(len(steps))) - (x, y)
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    u, v = points[:, 0] * cos + points[:, 1] * sin, points[:, 1] * cos - points[:, 0] * sin
+    points = strip.line.at(steps, np.zeros(len(steps)))
+    u, v = rotation(place[2]) @ (points - place[:2]).T
     _, across = road.along_across(u, v - road.lane(road.ego_lane))
     if np.abs(across).max(initial=0.0) > _MOST_OFF:
         raise NoStreetError("no street around it: its road bends more than one way")
@@ -262,7 +256,7 @@ def strip_rows(primitive: Primitive, width: int) -> np.ndarray | None:
     rows = len(vertices) // width
     if len(vertices) != rows * width or rows < 2 or len(faces) != 2 * (rows - 1) * (width - 1):
         return None
-    if (faces[:, :].max(axis=1).astype(np.int64) - faces.min(axis=1) > width + 1).any():
+    if (faces.max(axis=1).astype(np.int64) - faces.min(axis=1) > width + 1).any():
         return None
     return primitive_mesh(primitive).vertices.reshape(rows, width, 3)
 
