@@ -163,10 +163,9 @@ class RoadNetwork:
             if away[number] > least or (wanted is not None and lane.kind not in wanted):
                 continue
             (along,), (left,) = (one.tolist() for one in line.along_across(place, beyond=False))
-            heading = float(line.heading(np.array([along]))[0])
-            if yaw is not None and math.cos(yaw - heading) < 0.0:
+            if yaw is not None and math.cos(yaw - line.heading(along)) < 0.0:
                 continue
-            near = line.at(np.array([along]), np.zeros(1))[0]
+            near = line.at(along)
             level = 0.0 if z is None else z - float(line.height(along, left))
             distance = math.hypot(x - near[0], y - near[1], level)
             if distance < least:

@@ -129,8 +129,7 @@ class StreetFrame:
         lines = [Line.through(line.spaced(max(len(line.along), 2 + int(line.length / _RELIEF)))) for line in lines]
         sides = [np.concatenate([line.middle + off * line.normals for line in lines]) for off in (0.5, -0.5)]
         left, right = height(np.concatenate(sides)).reshape(2, -1)
-        rows = np.column_stack([(left + right) / 2, left - right]).round(4).tolist()
-        rows = iter([(row[0], row[1]) for row in rows])
+        rows = map(tuple, np.column_stack([(left + right) / 2, left - right]).round(4).tolist())
         return replace(self, relief=tuple(tuple(itertools.islice(rows, len(line.along))) for line in lines))
 
     def limit(self) -> float:
@@ -196,8 +195,9 @@ class StreetFrame:
         road, near = self.road, self.gap
         length, speed = road.half_length - near, min(self.limit(), TOWN_SPEED)
         stop = length - (road.verge - road.edge) - _STOP if self.lights and road.roundabout_radius is None else None
-        for side in road.side_roads if road.junction is not None else ():
-            assert road.junction is not None
+        if road.junction is None:
+            return
+        for side in road.side_roads:
             leg, angle, end = "left" if side == LEFT else "right", side * math.pi / 2, side * road.half_length
             for number, offset in enumerate(self.side_offsets()):
                 width = road.lane_width if self.parked is None else road.edge / len(self.side_offsets())
@@ -369,9 +369,8 @@ class _Lanes:
         """A light for each lane that leads to the junction."""
         for id in itertools.chain(*self.entries.values()) if self.street.lights else ():
             line = self.street.line(self.points[id], list(self.points).index(id))
-            at = np.array([max(0.0, line.length - (self.road.sidewalk + _STOP - _JUNCTION_GAP))])
-            x, y = line.at(at, np.zeros(1))[0].tolist()
-            yield Signal(id=f"light.{id}", place=(x, y, float(line.heading(at)[0])), lanes=(id,))
+            at = max(0.0, line.length - (self.road.sidewalk + _STOP - _JUNCTION_GAP))
+            yield Signal(id=f"light.{id}", place=(*line.at(at).tolist(), float(line.heading(at))), lanes=(id,))
 
     def _add(self, path: Path, tail: str, points: np.ndarray, **more: Any) -> str:
         """The lane of a path; returns its id."""
