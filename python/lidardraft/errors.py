@@ -1,7 +1,7 @@
 """The errors that bad input gets. Each message names the thing, the value and the limit."""
 
 import operator
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
@@ -62,6 +62,13 @@ def check_choice(name: str, value: object, choices: Iterable[str]) -> None:
     known = tuple(choices)
     if value not in known:
         raise LayoutError(f"{name} is {value!r}; it must be {one_of(known, value)}")
+
+
+def check_choices(one: object, choices: Mapping[str, Iterable[str]], prefix: str = "") -> None:
+    """Raise `LayoutError` where a field of those names is neither None nor one of its choices."""
+    for name, known in choices.items():
+        if getattr(one, name) is not None:
+            check_choice(prefix + name, getattr(one, name), known)
 
 
 def as_tuple(name: str, value: Any) -> tuple[Any, ...]:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable
-from dataclasses import MISSING, fields, is_dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache
 from types import NoneType, UnionType
 from typing import Any, Union, get_args, get_origin, get_type_hints
@@ -161,10 +161,16 @@ def _read_dataclass(kind: Any, value: Any, name: str) -> Any:
 
 
 def write_as(value: Any) -> Any:
-    """The inverse of `read_as`: objects for dataclasses, without the fields that have their defaults."""
+    """JSON types: the inverse of `read_as`. Objects of dataclasses are without the fields that have their defaults."""
     if is_dataclass(value) and not isinstance(value, type):
         if hasattr(value, "written"):
             return value.written()
         rows = ((row, getattr(value, row.name)) for row in fields(value))
-        return {row.name: write_as(one) for row, one in rows if row.default is MISSING or one != row.default}
+        return {row.name: write_as(one) for row, one in rows if one != _default(row)}
+    if isinstance(value, Mapping):
+        return {name: write_as(one) for name, one in value.items()}
     return list(map(write_as, value)) if isinstance(value, tuple) else value
+
+
+def _default(row: Field[Any]) -> Any:
+    return row.default if row.default_factory is MISSING else row.default_factory()

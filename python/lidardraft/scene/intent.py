@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Set
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
-from lidardraft.errors import as_tuple, check_choice, check_that
+from lidardraft.errors import as_tuple, check_choices, check_that
 from lidardraft.files import named
-from lidardraft.json_fields import check_fields, check_object, is_number
+from lidardraft.json_fields import check_fields, check_object, is_number, write_as
 from lidardraft.scene.weather import WEATHERS
 
 HEADINGS = (
@@ -21,12 +21,10 @@ PAINTS = ("light", "mid", "dark")
 ACTIVITIES = ("empty", "quiet", "busy")
 
 
-def check_motion(name: str, motion: str | None, speed: float | None) -> None:
-    """Raises `LayoutError` where a motion or a speed [m/s], whose names begin with `name`, is invalid."""
-    if motion is not None:
-        check_choice(f"{name}motion", motion, MOTIONS)
+def check_speed(name: str, speed: float | None) -> None:
+    """Raises `LayoutError` where a speed [m/s] is invalid."""
     fits = speed is None or (is_number(speed) and 0.0 <= speed <= MAX_SPEED)
-    check_that(fits, f"{name}speed", speed, f"0 to {MAX_SPEED:g} m/s")
+    check_that(fits, name, speed, f"0 to {MAX_SPEED:g} m/s")
 
 
 def _check_text(name: str, value: object) -> None:
@@ -58,10 +56,8 @@ class Asked:
             check_that(type(number) is int and number >= 0, "group", number, "the number of a group, 0 or more")
         _check_text("kind", self.kind)
         check_that(type(self.counted) is bool, "counted", self.counted, "true or false")
-        check_motion("", self.motion, self.speed)
-        for name, choices in (("heading", HEADINGS), ("paint", PAINTS)):
-            if getattr(self, name) is not None:
-                check_choice(name, getattr(self, name), choices)
+        check_choices(self, {"heading": HEADINGS, "motion": MOTIONS, "paint": PAINTS})
+        check_speed("speed", self.speed)
 
 
 NOTHING = Asked()
@@ -98,9 +94,7 @@ class Intent:
             _check_text(name, getattr(self, name))
         for kind in self.denied:
             check_that(type(kind) is str, "denied: kind", kind, "text")
-        for name, choices in (("activity", ACTIVITIES), ("weather", tuple(WEATHERS))):
-            if getattr(self, name) is not None:
-                check_choice(name, getattr(self, name), choices)
+        check_choices(self, {"activity": ACTIVITIES, "weather": WEATHERS})
         check_that(type(self.headed) is bool, "headed", self.headed, "true or false")
         check_that(isinstance(self.ego, Asked), "ego", self.ego, "of type Asked")
         whole = isinstance(self.objects, Mapping) and all(isinstance(one, Asked) for one in self.objects.values())
@@ -139,7 +133,7 @@ class Intent:
 
     def to_dict(self) -> dict[str, Any]:
         """The intent as JSON types; fields that say nothing are left out."""
-        said: dict[str, Any] = _plain(self)
+        said: dict[str, Any] = write_as(self)
         return said
 
     @classmethod
@@ -165,13 +159,3 @@ def _asked(name: str, row: Any) -> Asked:
     with named(name):
         check_fields(check_object(row), (), Asked.__dataclass_fields__)
         return Asked(**row)
-
-
-def _plain(value: Any) -> Any:
-    """A value as JSON types, without the fields that have their defaults."""
-    if isinstance(value, Asked | Intent):
-        values = ((row, getattr(value, row.name)) for row in fields(value))
-        return {row.name: _plain(each) for row, each in values if each != row.default and each != {}}
-    if isinstance(value, Mapping):
-        return {name: _plain(each) for name, each in value.items()}
-    return list(value) if isinstance(value, tuple) else value

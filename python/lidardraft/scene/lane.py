@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from lidardraft.errors import LayoutError, check_choice, check_that
+from lidardraft.errors import LayoutError, check_choice, check_choices, check_that
 from lidardraft.files import named
 from lidardraft.json_fields import is_number
 from lidardraft.scene.line import Line
@@ -45,8 +45,7 @@ class Lane:
                 value = getattr(self, name)
                 check_that(is_number(value) and value > 0.0, name, value, "a number over 0")
             check_choice("kind", self.kind, LANE_KINDS)
-            if self.turn is not None:
-                check_choice("turn", self.turn, ("left", "right"))
+            check_choices(self, {"turn": ("left", "right")})
             on_it = self.stop is None or (is_number(self.stop) and 0.0 <= self.stop <= self.line.length)
             check_that(on_it, "stop", self.stop, f"0 to {self.line.length:.1f} m")
 

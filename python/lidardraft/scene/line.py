@@ -10,7 +10,7 @@ import numpy as np
 from lidardraft.errors import LayoutError
 from lidardraft.files import named
 from lidardraft.json_fields import check_fields, check_object
-from lidardraft.scene.pose import finite_array
+from lidardraft.scene.pose import finite_array, rotation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,8 +62,8 @@ class Line:
         """In plan [m]."""
         return float(self.along[-1])
 
-    def at(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """x, y [..., 2] of places along and across [m] that have one shape."""
+    def at(self, along: Any, across: Any = 0.0) -> np.ndarray:
+        """x, y [..., 2] of places along and across [m], numbers or arrays that have one shape."""
         place = [np.interp(along, self.along, self.middle[:, k]) for k in (0, 1)]
         normal = [np.interp(along, self.along, self.normals[:, k]) for k in (0, 1)]
         return np.stack([p + across * n for p, n in zip(place, normal, strict=True)], axis=-1)
@@ -94,11 +94,10 @@ class Line:
         nearest = np.argmin(((self.middle - (x, y)) ** 2).sum(axis=1))
         return float(self.middle[nearest, 0]), float(self.middle[nearest, 1])
 
-    def heading(self, along: np.ndarray) -> np.ndarray:
-        """The direction [rad] at places along it [N]."""
-        normal = np.stack([np.interp(along, self.along, self.normals[:, k]) for k in (0, 1)])
-        heading: np.ndarray = np.arctan2(-normal[0], normal[1])
-        return heading
+    def heading(self, along: Any) -> Any:
+        """The direction [rad] at places along it, a number or an array."""
+        x, y = (np.interp(along, self.along, self.normals[:, k]) for k in (0, 1))
+        return np.arctan2(-x, y)
 
     def height(self, along: Any, across: Any = 0.0) -> Any:
         """The height [m] of the surface along and across [m], numbers or arrays."""
@@ -115,11 +114,10 @@ class Line:
 
     def spaced(self, count: int) -> np.ndarray:
         """`count` points f64 [count, 2] of it, from end to end."""
-        return self.at(np.linspace(0.0, self.length, count), np.zeros(count))
+        return self.at(np.linspace(0.0, self.length, count))
 
     def moved(self, place: tuple[float, float, float]) -> Line:
         """The line of a frame that stands at a place, as those around see it."""
         x, y, yaw = place
-        cos, sin = np.cos(yaw), np.sin(yaw)
-        turn = np.array([[cos, sin], [-sin, cos]])
+        turn = rotation(yaw)
         return Line(self.middle @ turn + (x, y), self.normals @ turn, self.along, self.heights, self.camber)

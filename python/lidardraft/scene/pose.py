@@ -47,6 +47,12 @@ def upright(center: tuple[float, float, float], yaw: float) -> np.ndarray:
     return np.array([(cos, -sin, 0.0, x), (sin, cos, 0.0, y), (0.0, 0.0, 1.0, z), (0.0, 0.0, 0.0, 1.0)])
 
 
+def rotation(yaw: float) -> np.ndarray:
+    """The matrix [2, 2] that takes points [..., 2] of what is turned by `yaw` to those around: points @ rotation."""
+    cos, sin = math.cos(yaw), math.sin(yaw)
+    return np.array([[cos, sin], [-sin, cos]])
+
+
 Place = tuple[float, float, float]  # x, y [m] and yaw [rad] of what stands upright
 _Metres = TypeVar("_Metres", float, np.ndarray)
 

@@ -6,7 +6,7 @@ import heapq
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -79,7 +79,7 @@ class RoadNetwork:
         return self._flat if self._flat is None or self._ground is None else self._flat.over(self._ground)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _network, (self._fields(),)
+        return partial(RoadNetwork, **self._fields()), ()
 
     @cached_property
     def _made(self) -> tuple[tuple[Lane, ...], tuple[Junction, ...], tuple[Signal, ...]]:
@@ -163,10 +163,9 @@ class RoadNetwork:
             if away[number] > least or (wanted is not None and lane.kind not in wanted):
                 continue
             (along,), (left,) = (one.tolist() for one in line.along_across(place, beyond=False))
-            heading = float(line.heading(np.array([along]))[0])
-            if yaw is not None and math.cos(yaw - heading) < 0.0:
+            if yaw is not None and math.cos(yaw - line.heading(along)) < 0.0:
                 continue
-            near = line.at(np.array([along]), np.zeros(1))[0]
+            near = line.at(along)
             level = 0.0 if z is None else z - float(line.height(along, left))
             distance = math.hypot(x - near[0], y - near[1], level)
             if distance < least:
@@ -271,10 +270,6 @@ class RoadNetwork:
         """The inverse of `to_dict`; raises `FormatError` for a missing or unknown field, `LayoutError` for a value."""
         check_fields(fields, (), _FIELDS)
         return cls(**{name: read_as(_FIELDS[name], value, name) for name, value in fields.items()})
-
-
-def _network(fields: dict[str, Any]) -> RoadNetwork:
-    return RoadNetwork(**fields)
 
 
 def _joined(chain: Sequence[Lane], middle: Lane) -> Lane:

@@ -17,7 +17,7 @@ import numpy as np
 from lidardraft.errors import LayoutError, check_that
 from lidardraft.scene.lane import Junction, Lane, Pavement, Signal
 from lidardraft.scene.line import Line
-from lidardraft.scene.pose import Place
+from lidardraft.scene.pose import Place, rotation
 from lidardraft.scene.road import KERB_HEIGHT, LEFT, PARKING_STRIP, RIGHT, RING, SIDES, TERRAIN_HEIGHT, Road
 
 # Limits [m/s] of the German road code (StVO).
@@ -129,8 +129,7 @@ class StreetFrame:
         lines = [Line.through(line.spaced(max(len(line.along), 2 + int(line.length / _RELIEF)))) for line in lines]
         sides = [np.concatenate([line.middle + off * line.normals for line in lines]) for off in (0.5, -0.5)]
         left, right = height(np.concatenate(sides)).reshape(2, -1)
-        rows = np.column_stack([(left + right) / 2, left - right]).round(4).tolist()
-        rows = iter([(row[0], row[1]) for row in rows])
+        rows = map(tuple, np.column_stack([(left + right) / 2, left - right]).round(4).tolist())
         return replace(self, relief=tuple(tuple(itertools.islice(rows, len(line.along))) for line in lines))
 
     def limit(self) -> float:
@@ -196,8 +195,9 @@ class StreetFrame:
         road, near = self.road, self.gap
         length, speed = road.half_length - near, min(self.limit(), TOWN_SPEED)
         stop = length - (road.verge - road.edge) - _STOP if self.lights and road.roundabout_radius is None else None
-        for side in road.side_roads if road.junction is not None else ():
-            assert road.junction is not None
+        if road.junction is None:
+            return
+        for side in road.side_roads:
             leg, angle, end = "left" if side == LEFT else "right", side * math.pi / 2, side * road.half_length
             for number, offset in enumerate(self.side_offsets()):
                 width = road.lane_width if self.parked is None else road.edge / len(self.side_offsets())
@@ -223,7 +223,9 @@ class StreetFrame:
         """What drivers follow, in the frame of the layout: along the road and its side roads, over each turn from it,
         and, where cars are placed so, around a roundabout and along aisles."""
         paths = () if self.parked is None else (*self._ring(), *self._aisles())
-        rows = [*self._through(), *self._side_ways(), *self._turning_ways(), *map(self._along_path, paths)]
+        crossed = None if self.road.roundabout_radius else self.road.junction
+        crossing = () if crossed is None else (*self._side_ways(), *self._turning_ways(crossed))
+        rows = [*self._through(), *crossing, *map(self._along_path, paths)]
         usual = {"width": self.road.lane_width, "speed": self.limit()}
         return tuple(
             Lane(id=f"way_{number}", line=self.line(points, number - len(rows)), **(usual | more))
@@ -234,8 +236,7 @@ class StreetFrame:
         """The line through points [S, 2] of the road's frame, in that of the layout, of which the relief has that
         number."""
         x, y, yaw = self.place
-        cos, sin = math.cos(yaw), math.sin(yaw)
-        line = Line.through(points @ np.array([[cos, sin], [-sin, cos]]) + (x, y))
+        line = Line.through(points @ rotation(yaw) + (x, y))
         if not self.relief:
             return line
         if not -len(self.relief) <= number < len(self.relief):
@@ -259,8 +260,7 @@ class StreetFrame:
         """The middle of the junction [2] and the directions [2, 2] ahead and left there, in the road's frame."""
         assert self.road.junction is not None
         x, y, heading = self.road.at(self.road.junction, 0.0)
-        cos, sin = math.cos(heading), math.sin(heading)
-        return np.array([x, y]), np.array([[cos, sin], [-sin, cos]])
+        return np.array([x, y]), rotation(heading)
 
     def _through(self) -> Iterator[_Points]:
         """Along the road; a roundabout ends them."""
@@ -272,8 +272,6 @@ class StreetFrame:
     def _side_ways(self) -> Iterator[_Points]:
         """Along the crossing road, whose traffic waits before the junction."""
         road = self.road
-        if road.junction is None or road.roundabout_radius is not None:
-            return
         middle, (ahead, left) = self.crossed()
         for direction, begins, goes_on in ((1, RIGHT, LEFT), (-1, LEFT, RIGHT)):
             start = road.half_length if begins in road.side_roads else road.edge
@@ -283,19 +281,15 @@ class StreetFrame:
             for off in [road.edge / 2] if self.parked is None else self.side_offsets():
                 yield middle + direction * off * ahead + across[:, None] * left, {"stop": stop}
 
-    def _turning_ways(self) -> Iterator[_Points]:
+    def _turning_ways(self, junction: float) -> Iterator[_Points]:
         """From each lane of the road over a quarter of an ellipse into the outer lane of the crossing road."""
         road = self.road
-        if road.junction is None or road.roundabout_radius is not None:
-            return
         middle, axes = self.crossed()
         far, outer = road.edge + _CORNER, self.side_offsets()[0]
         low, high = self.ends or (-road.half_length, road.half_length)
         for across, way, _, _ in self._offsets():
             begin, own = low if way > 0 else high, way * across
-            stations = np.linspace(begin, road.junction - way * far, max(2, math.ceil(road.half_length / _STATION)))[
-                :-1
-            ]
+            stations = np.linspace(begin, junction - way * far, max(2, math.ceil(road.half_length / _STATION)))[:-1]
             for turn, side in (("left", LEFT), ("right", RIGHT)):
                 if side * way not in road.side_roads:
                     continue
@@ -375,9 +369,8 @@ class _Lanes:
         """A light for each lane that leads to the junction."""
         for id in itertools.chain(*self.entries.values()) if self.street.lights else ():
             line = self.street.line(self.points[id], list(self.points).index(id))
-            at = np.array([max(0.0, line.length - (self.road.sidewalk + _STOP - _JUNCTION_GAP))])
-            x, y = line.at(at, np.zeros(1))[0].tolist()
-            yield Signal(id=f"light.{id}", place=(x, y, float(line.heading(at)[0])), lanes=(id,))
+            at = max(0.0, line.length - (self.road.sidewalk + _STOP - _JUNCTION_GAP))
+            yield Signal(id=f"light.{id}", place=(*line.at(at).tolist(), float(line.heading(at))), lanes=(id,))
 
     def _add(self, path: Path, tail: str, points: np.ndarray, **more: Any) -> str:
         """The lane of a path; returns its id."""

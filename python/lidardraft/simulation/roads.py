@@ -17,7 +17,7 @@ from lidardraft.scene.edit import placed
 from lidardraft.scene.lane import Pavement
 from lidardraft.scene.layout import AROUND, Layout, Primitive, primitive_mesh
 from lidardraft.scene.line import Line
-from lidardraft.scene.pose import Place, point_at
+from lidardraft.scene.pose import Place, in_frame, rotation
 from lidardraft.scene.road import Road
 from lidardraft.scene.road_network import RoadNetwork
 from lidardraft.scene.road_surfaces import drawn, road_surfaces
@@ -153,15 +153,15 @@ def _drawn(strip: RoadStrip, layout: Layout) -> StreetFrame:
         raise NoStreetError(f"no street around it: its road is {2 * strip.half:.1f} m wide")
     along = float(strip.line.along_across(np.zeros((1, 2)))[0][0])
     before, behind = strip.line.length - along, along
-    x, y, yaw, curvature = _arc(strip, along)
+    middle, curvature = _arc(strip, along)
     half_length = min(max(before, behind, _HALF_LENGTHS[0]), _HALF_LENGTHS[1])
     if curvature:
         half_length = min(half_length, 1.5 / abs(curvature))
     walk = _sidewalk(strip, layout, along)
     road = Road(lanes=lanes, lane_width=width, sidewalk=walk or _SIDEWALK, curvature=curvature, half_length=half_length)
-    _check_arc(strip, road, (x, y, yaw), along)
+    _check_arc(strip, road, middle, along)
     # the road's frame has its origin in the middle of the ego's lane
-    place = (*point_at((x, y, yaw), 0.0, road.lane(road.ego_lane)), yaw)
+    place = in_frame((0.0, road.lane(road.ego_lane), 0.0), middle)
     paved = tuple(_other_pavement(layout, strip))
     lacks = () if walk else ("sidewalk",)
     return StreetFrame(road=road, place=place, lacks=lacks, paved=paved, ends=(-behind, before))
@@ -182,30 +182,24 @@ def _other_pavement(layout: Layout, own: RoadStrip) -> Iterator[Pavement]:
             yield Pavement(place=place, size=primitive.size[:2], label=primitive.label)
 
 
-def _arc(strip: RoadStrip, along: float) -> tuple[float, float, float, float]:
-    """x, y, heading and curvature of a strip's middle line there."""
+def _arc(strip: RoadStrip, along: float) -> tuple[Place, float]:
+    """The place and the curvature of a strip's middle line there."""
     span = min(_CHECKED / 2, strip.line.length / 4)
-    middle = (
-        min(max(along, 2 * span), strip.line.length - 2 * span)
-        if strip.line.length > 4 * span
-        else strip.line.length / 2
-    )
+    middle = min(max(along, 2 * span), strip.line.length - 2 * span)
     steps = np.clip(middle + np.array([-2, -1, 1, 2]) * span, 0.0, strip.line.length)
-    points = strip.line.at(steps, np.zeros(4))
+    points = strip.line.at(steps)
     first, last = points[1] - points[0], points[3] - points[2]
     turn = math.remainder(math.atan2(last[1], last[0]) - math.atan2(first[1], first[0]), math.tau)
     between = float(steps[2:].mean() - steps[:2].mean())
     curvature = turn / between if abs(turn) > 0.02 else 0.0
-    (x, y), (nx, ny) = strip.line.at(np.array([along]), np.zeros(1))[0], strip.line.at(np.array([along]), np.ones(1))[0]
-    return float(x), float(y), math.atan2(-(nx - x), ny - y), curvature
+    (x, y), (nx, ny) = strip.line.at(along).tolist(), strip.line.at(along, 1.0).tolist()
+    return (x, y, math.atan2(-(nx - x), ny - y)), curvature
 
 
 def _check_arc(strip: RoadStrip, road: Road, place: Place, along: float) -> None:
-    x, y, yaw = place
     steps = strip.line.along[np.abs(strip.line.along - along) < min(_CHECKED, road.half_length)]
-    points = strip.line.at(steps, np.zeros(len(steps))) - (x, y)
-    cos, sin = math.cos(yaw), math.sin(yaw)
-    u, v = points[:, 0] * cos + points[:, 1] * sin, points[:, 1] * cos - points[:, 0] * sin
+    points = strip.line.at(steps)
+    u, v = rotation(place[2]) @ (points - place[:2]).T
     _, across = road.along_across(u, v - road.lane(road.ego_lane))
     if np.abs(across).max(initial=0.0) > _MOST_OFF:
         raise NoStreetError("no street around it: its road bends more than one way")
@@ -216,8 +210,7 @@ def _sidewalk(strip: RoadStrip, layout: Layout, along: float) -> float:
     ground = LayoutGround(layout)
     for off in (3.0, 2.0, 1.2):
         for side in (-1, 1):
-            ((x, y),) = strip.line.at(np.array([along]), np.array([side * (strip.half + off)])).tolist()
-            below = ground.at(x, y)
+            below = ground.at(*strip.line.at(along, side * (strip.half + off)).tolist())
             if below is not None and below[1] == "sidewalk":
                 return off + 0.3
     return 0.0
@@ -262,7 +255,7 @@ def strip_rows(primitive: Primitive, width: int) -> np.ndarray | None:
     rows = len(vertices) // width
     if len(vertices) != rows * width or rows < 2 or len(faces) != 2 * (rows - 1) * (width - 1):
         return None
-    if (faces[:, :].max(axis=1).astype(np.int64) - faces.min(axis=1) > width + 1).any():
+    if (faces.max(axis=1).astype(np.int64) - faces.min(axis=1) > width + 1).any():
         return None
     return primitive_mesh(primitive).vertices.reshape(rows, width, 3)
 

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field
 from typing import Any, cast
 
 from lidardraft.arranging.district import SETTINGS
-from lidardraft.errors import LayoutError, as_tuple, check_choice, check_that
+from lidardraft.errors import LayoutError, as_tuple, check_choice, check_choices, check_that
 from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number
 from lidardraft.objects.kinds import SENTENCE_KINDS
 from lidardraft.objects.sentence_kind import COUNTS, SentenceKind
-from lidardraft.scene.intent import ACTIVITIES, HEADINGS, PAINTS, check_motion
+from lidardraft.scene.intent import ACTIVITIES, HEADINGS, MOTIONS, PAINTS, check_speed
 from lidardraft.scene.weather import WEATHERS
 
 ROADS = (
@@ -83,9 +83,8 @@ class RoadSpec:
 
     def __post_init__(self) -> None:
         check_choice("road: kind", self.kind, ROADS)
-        if self.ego_lane is not None:
-            check_choice("road: ego_lane", self.ego_lane, EGO_LANES)
-        check_motion("road: ego_", self.ego_motion, self.ego_speed)
+        check_choices(self, {"ego_lane": EGO_LANES, "ego_motion": MOTIONS}, "road: ")
+        check_speed("road: ego_speed", self.ego_speed)
         for name in ("lanes", "oncoming_lanes"):
             number = getattr(self, name)
             fits = number is None or (type(number) is int and 1 <= number <= MAX_LANES)
@@ -151,12 +150,9 @@ class ObjectGroup:
         for place in (*self.places, *self.not_places):
             check_choice(f"{self.kind}: place", place, PLACES)
         choices = {"surface": self.record.surfaces, "lane": LANES, "heading": HEADINGS, "relation": RELATIONS}
-        choices["paint"] = PAINTS
-        for name, names in choices.items():
-            if getattr(self, name) is not None:
-                check_choice(f"{self.kind}: {name}", getattr(self, name), names)
+        check_choices(self, {**choices, "motion": MOTIONS, "paint": PAINTS}, f"{self.kind}: ")
         check_that(type(self.at_junction) is bool, f"{self.kind}: at_junction", self.at_junction, "true or false")
-        check_motion(f"{self.kind}: ", self.motion, self.speed)
+        check_speed(f"{self.kind}: speed", self.speed)
         check_that(type(self.words) is str, f"{self.kind}: words", self.words, "text")
         if (self.relation is None) != (not self.references):
             raise LayoutError(f"{self.kind}: relation is {self.relation!r} to {self.references}; one needs the other")
@@ -266,9 +262,7 @@ class SceneSpec:
     def __post_init__(self) -> None:
         for name in ("groups", "absent", "not_understood", "not_around"):
             object.__setattr__(self, name, as_tuple(name, getattr(self, name)))
-        for name, names in (("district", DISTRICTS), ("activity", ACTIVITIES), ("weather", tuple(WEATHERS))):
-            if getattr(self, name) is not None:
-                check_choice(name, getattr(self, name), names)
+        check_choices(self, {"district": DISTRICTS, "activity": ACTIVITIES, "weather": WEATHERS})
         for name in ("absent", "not_around"):
             for kind in getattr(self, name):
                 check_choice(f"{name}: kind", kind, tuple(SENTENCE_KINDS))
