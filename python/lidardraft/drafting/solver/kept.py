@@ -91,7 +91,8 @@ def _is_at(one: Stands, other: Stands, distance: tuple[float, float]) -> bool:
 def _gaps(group: ObjectGroup, found: Sequence[Stands], road: Road) -> Iterator[float]:
     """The gaps [m] of each side of a row that is to have none, but for roads that cross it."""
     lines = group.record.follows_road and isinstance(group.count, str) and group.places and not group.on_road
-    if not (lines or group.spacing == CLOSED) or group.relation is not None or group.distance is not None:
+    closed = lines if group.spacing is None else group.spacing == CLOSED
+    if not closed or group.relation is not None or group.distance is not None:
         return
     for side in (True, False):
         row = sorted((one for one in found if (one.middle[1] > 0) is side), key=lambda one: one.along)
