@@ -58,7 +58,7 @@ def test_grounded() -> None:
     assert [f.message for f in grounded(sunk)] == ["a is sunk 0.30 m into the ground"]
     bare = Layout((box("a", (10, 0, 0.75)),))
     assert grounded(bare) == []
-    # of legs on either side of the end of a sidewalk the middle counts, which is on the terrain
+    # legs on either side of the end of a sidewalk, whose animal stands on the terrain
     end = Road().verge - Road().lane(0)
     legs = [box(f"dog.leg_{n}", (10, end + off, 0.7), (0.1, 0.1, 1.5)) for n, off in enumerate((-0.3, 0.1, 0.5))]
     assert grounded(Layout((*ground, *legs))) == []

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -21,17 +22,31 @@ class Bodies:
     """Shapes [P] as they were given, what they are compiled to, and their surfaces.
 
     Brightness and free paths follow from ids, so that a shape keeps them wherever it is and whatever is beside it.
+    Those that stand `as_given` can be pickled; the copy is compiled anew.
     """
 
     primitives: tuple[Primitive, ...]
     scene: _core.Scene
     surfaces: Surfaces
+    as_given: bool = False
 
     @classmethod
     def of(cls, layout: Layout, wetness: float = 0.0) -> Bodies:
         """The shapes of a layout, on ground as wet as that."""
         surfaces = Surfaces.from_layout(layout, wetness=wetness, by_id=True)
-        return cls(layout.primitives, compiled(layout.primitives, by_id=True), surfaces)
+        return cls(layout.primitives, compiled(layout.primitives, by_id=True), surfaces, as_given=True)
+
+    @classmethod
+    def _again(
+        cls, primitives: tuple[Primitive, ...], surfaces: Surfaces, origin: tuple[float, float, float]
+    ) -> Bodies:
+        whole = cls(primitives, compiled(primitives, by_id=True), surfaces)
+        return replace(cls.joined([whole], surfaces, origin), as_given=True)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        if not self.as_given:
+            raise TypeError("bodies that were joined or moved cannot be pickled; pickle what they were made of")
+        return Bodies._again, (self.primitives, self.surfaces, self.origin)
 
     @classmethod
     def joined(cls, parts: Sequence[Bodies], surfaces: Surfaces, origin: tuple[float, float, float]) -> Bodies:
@@ -46,7 +61,7 @@ class Bodies:
         """The shapes of these indices."""
         kept = np.array(indices, dtype=np.uint32)
         scene = _core.Scene.joined([self.scene], [kept], origin)
-        return Bodies(tuple(self.primitives[i] for i in indices), scene, self.surfaces.some(kept))
+        return Bodies(tuple(self.primitives[i] for i in indices), scene, self.surfaces.some(kept), self.as_given)
 
     @property
     def origin(self) -> tuple[float, float, float]:

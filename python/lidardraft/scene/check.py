@@ -53,13 +53,13 @@ def overlap(layout: Layout) -> list[Finding]:
 
 
 def grounded(layout: Layout) -> list[Finding]:
-    """Objects that float over the ground or are sunk into it, measured amid its lowest parts."""
+    """Objects that float over the ground or are sunk into it, measured under their lowest part that fits best."""
     ground = LayoutGround(layout)
     findings = []
     for name, parts in objects(layout).items():
         bottom = min(map(_bottom, parts))
         feet = [part.center[:2] for part in parts if _bottom(part) < bottom + _LEVEL]
-        gap = bottom - ground.height(*np.mean(feet, axis=0).tolist())
+        gap = min((bottom - ground.height(x, y) for x, y in feet), key=abs)
         if abs(gap) > GROUND_TOLERANCE:
             state = "floats {:.2f} m over the ground" if gap > 0 else "is sunk {:.2f} m into the ground"
             findings.append(Finding("grounded", tuple(p.id for p in parts), f"{name} {state.format(abs(gap))}"))
