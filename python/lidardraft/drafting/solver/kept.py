@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
-from lidardraft.drafting.solver.scene_spec import CLOSED, ObjectGroup, SceneSpec
+from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec
 from lidardraft.scene.check import objects
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.road import Road
@@ -90,9 +90,7 @@ def _is_at(one: Stands, other: Stands, distance: tuple[float, float]) -> bool:
 
 def _gaps(group: ObjectGroup, found: Sequence[Stands], road: Road) -> Iterator[float]:
     """The gaps [m] of each side of a row that is to have none, but for roads that cross it."""
-    lines = group.record.follows_road and isinstance(group.count, str) and group.places and not group.on_road
-    closed = lines if group.spacing is None else group.spacing == CLOSED
-    if not closed or group.relation is not None or group.distance is not None:
+    if not group.is_closed:
         return
     for side in (True, False):
         row = sorted((one for one in found if (one.middle[1] > 0) is side), key=lambda one: one.along)

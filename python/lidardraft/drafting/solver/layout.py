@@ -444,12 +444,9 @@ def with_gap(group: ObjectGroup) -> ObjectGroup:
 
 
 def closed(group: ObjectGroup, rng: np.random.Generator) -> ObjectGroup:
-    """The group as a row without gaps, of one size and in line, where it is one: walls along a side whose number is a
-    word, and what has no more than CLOSED between its ends."""
-    kind, along = group.record, all(place in ("left", "right") for place in group.places)
-    free = group.relation is None and group.distance is None and not group.on_road
-    lines = kind.follows_road and isinstance(group.count, str) and group.spacing is None and group.places
-    if kind.sizes is None or not free or not along or not (lines or group.spacing == CLOSED):
+    """The group of one size and in line, if it is a row without gaps."""
+    kind = group.record
+    if kind.sizes is None or not group.is_closed:
         return group
     asked, times = group.size or (None,) * 3, group.scale or (1.0,) * 3
     size = [said or one * factor for said, one, factor in zip(asked, kind.sizes.sample(rng), times, strict=True)]

@@ -212,6 +212,14 @@ class ObjectGroup:
         return self.distance is not None and self.relation is None and not self.on_road and sides
 
     @property
+    def is_closed(self) -> bool:
+        """Whether it is a row without gaps: walls along a side whose number is a word, or what is CLOSED."""
+        free = self.relation is None and self.distance is None and not self.on_road
+        along = all(place in ("left", "right") for place in self.places)
+        lines = self.record.follows_road and isinstance(self.count, str) and self.spacing is None and bool(self.places)
+        return free and along and (lines or self.spacing == CLOSED)
+
+    @property
     def crosses(self) -> bool:
         """Whether it drives on a road that crosses the ego's."""
         return str(self.heading).startswith("across") and self.record.drives and not self.goes_across
