@@ -46,6 +46,9 @@ class Scan:
     In a frame of a sequence, `time` is that of the middle of the sweep since the start [s], the layout is as it stands
     then, and `velocities` are those [m/s] of the objects that move, by their names, in the world.
 
+    `mount` is the place of the sensor on its vehicle: x, y, z [m] and yaw [rad] from the road under the vehicle's
+    middle. None is (0, 0, `mount_height`, 0).
+
     `assumed` are lines on this scan alone, which files do not keep; `notes` are these and those of its layout.
     """
 
@@ -58,6 +61,7 @@ class Scan:
     time: float | None = None
     velocities: Mapping[str, tuple[float, float, float]] = field(default_factory=dict)
     heading: tuple[float, float, float] | None = None
+    mount: tuple[float, float, float, float] | None = None
     assumed: tuple[str, ...] = ()
 
     @classmethod
@@ -166,6 +170,7 @@ class Scan:
         return Frame(
             sensor=self.image.sensor,
             pose=self.pose,
+            mount=self.mount,
             points=self.image.points() if as_seen else self.points(),
             intensity=self.intensities(),
             ring=self.image.beams(),
@@ -227,6 +232,7 @@ class Scan:
             "time": (self.time, in_sequence),
             "velocities": (json.dumps(dict(self.velocities)), self.velocities or in_sequence),
             "heading": (self.heading, self.heading is not None),
+            "mount": (self.mount, self.mount is not None),
         }
         return {name: value for name, (value, is_known) in said.items() if is_known}
 
@@ -248,16 +254,17 @@ class Scan:
 
 
 def read_motion(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """What a .npz of a scan or a cast says of `pose`, `speed`, `heading`, `turn`, `time`, `velocities` and `seed`:
-    arguments of `Scan`. Raises `FormatError` naming what is broken."""
+    """What a .npz of a scan or a cast says of `pose`, `speed`, `heading`, `turn`, `time`, `velocities`, `mount` and
+    `seed`: arguments of `Scan`. Raises `FormatError` naming what is broken."""
     said: dict[str, Any] = {}
     with array_files.opened(path) as archive:
         names = [name for name in ("speed", "turn", "time", "seed") if array_files.holds(archive, name)]
         said |= {name: array_files.read_numbers(archive, name, ()).item() for name in names}
         if array_files.holds(archive, "pose"):
             said["pose"] = finite_array("pose", array_files.read_numbers(archive, "pose", (4, 4)), 4, 4)
-        if array_files.holds(archive, "heading"):
-            said["heading"] = tuple(array_files.read_numbers(archive, "heading", (3,)).tolist())
+        for name, length in (("heading", 3), ("mount", 4)):
+            if array_files.holds(archive, name):
+                said[name] = tuple(array_files.read_numbers(archive, name, (length,)).tolist())
         if array_files.holds(archive, "velocities"):
             velocities = parse_object(array_files.read_text(archive, "velocities"))
             said["velocities"] = {key: checked_vector(key, "velocity", row) for key, row in velocities.items()}

@@ -7,8 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
-from lidardraft import Layout, Primitive, Sensor, SensorModel, layout_from_text
+import lidardraft
+from lidardraft import Layout, Primitive, Scan, Sensor, SensorModel, layout_from_text
 from lidardraft.errors import LidarDraftError
 from lidardraft.world.rig import Mount, Rig
 from lidardraft.world.world import World
@@ -72,6 +74,58 @@ def test_sensors_of_a_vehicle_that_turns_agree_on_what_stands() -> None:
         front = points[(np.abs(points[:, 1]) < 20) & (points[:, 0] < 24.8)]
         assert len(front) > 200
         assert np.abs(front[:, 0] - 24.5).max() < 0.1
+
+
+def test_channels_of_a_rig_become_one_data_set(tmp_path: Path) -> None:
+    """In nuScenes' tables a sample has a sweep of each channel, whose transforms take its points to the world."""
+    world = World(LAYOUT, RIG, seed=3)
+    scans: dict[str, list[Scan]] = {"top": [], "left": []}
+    for _ in range(2):
+        world.step(0.5)
+        for name, scan in world.scans().items():
+            scan.save(tmp_path / f"{name}_{len(scans[name])}", picture=False)
+            scans[name].append(Scan.load(tmp_path / f"{name}_{len(scans[name])}"))
+    lidardraft.export(scans, "nuscenes", tmp_path / "out")
+    table = {
+        path.stem: {row["token"]: row for row in json.loads(path.read_text())}
+        for path in (tmp_path / "out" / "v1.0-trainval").glob("*.json")
+    }
+    assert [row["channel"] for row in table["sensor"].values()] == ["top", "left"]
+    assert len(table["sample"]) == 2
+    assert len(table["sample_data"]) == 4
+    for sample, row in enumerate(table["sample"]):
+        sweeps = [data for data in table["sample_data"].values() if data["sample_token"] == row]
+        for data in sweeps:
+            calibrated = table["calibrated_sensor"][data["calibrated_sensor_token"]]
+            scan = scans[table["sensor"][calibrated["sensor_token"]]["channel"]][sample]
+            points = np.fromfile(tmp_path / "out" / data["filename"], np.float32).reshape(-1, 5)[:, :3]
+            for step in (calibrated, table["ego_pose"][data["ego_pose_token"]]):
+                w, x, y, z = step["rotation"]
+                points = Rotation.from_quat([x, y, z, w]).apply(points) + step["translation"]
+            np.testing.assert_allclose(points, scan.points() @ scan.pose[:3, :3].T + scan.pose[:3, 3], atol=1e-4)
+            assert table["ego_pose"][data["ego_pose_token"]]["translation"][2] == pytest.approx(0.0, abs=1e-6)
+            linked = table["sample_data"][data["prev"] or data["next"]]
+            assert linked["calibrated_sensor_token"] == data["calibrated_sensor_token"]
+        found = [each for each in table["sample_annotation"].values() if each["sample_token"] == row]
+        counts = [
+            dict(zip([box.id for box in scan.boxes()], scan.returns_per_box(), strict=True))
+            for scan in (scans[name][sample] for name in scans)
+        ]
+        assert sorted(each["num_lidar_pts"] for each in found) == sorted(
+            sum(c[name] for c in counts) for name in counts[0]
+        )
+
+
+def test_channels_of_a_rig_get_a_folder_each_in_other_formats(tmp_path: Path) -> None:
+    world = World(LAYOUT, RIG, seed=3)
+    scans = {name: [scan] for name, scan in world.scans().items()}
+    lidardraft.export(scans, "pcd", tmp_path / "out")
+    assert {path.parent.name for path in (tmp_path / "out").rglob("*.pcd")} == {"top", "left"}
+    with pytest.raises(LidarDraftError, match=r"channel is '../top'; it must be a name of letters"):
+        lidardraft.export({"../top": scans["top"]}, "pcd", tmp_path / "other")
+    with pytest.raises(LidarDraftError, match="the channels have different numbers of scans"):
+        lidardraft.export(scans | {"left": scans["left"] * 2}, "nuscenes", tmp_path / "other")
+    assert not (tmp_path / "other").exists()
 
 
 def test_bad_rigs() -> None:

@@ -17,7 +17,7 @@ import numpy as np
 from lidardraft.errors import FormatError, one_of
 from lidardraft.files import new_folder, write_text
 from lidardraft.scene.box import Box
-from lidardraft.scene.pose import in_upright_frame, upright
+from lidardraft.scene.pose import in_upright_frame, inverse, upright
 from lidardraft.scene.sensor import Sensor
 
 # The module of `formats`, its function that writes drives into an empty folder, and what the format is.
@@ -107,7 +107,8 @@ class Frame:
     column [s] belongs to points as the sensor saw them, in the frame of their own column; it is None of points without
     the sensor's own motion, which nobody is to take out once more. Frames of one `world`, the JSON of the
     provenance, intent and notes of a layout, show the same objects under the same ids. `start` is the time of the first
-    column since the start of the drive [s]; None where nobody knows it (`timed`).
+    column since the start of the drive [s]; None where nobody knows it (`timed`). `mount` is that of `Scan`, `channel`
+    the name of the sensor among several of one vehicle.
     """
 
     sensor: Sensor
@@ -121,16 +122,21 @@ class Frame:
     annotations: tuple[Annotation, ...] = ()
     world: str = ""
     start: float | None = None
+    mount: tuple[float, float, float, float] | None = None
+    channel: str = ""
 
     def seen(self) -> list[Annotation]:
         """The annotations of objects with at least one point."""
         return [annotation for annotation in self.annotations if annotation.num_points]
 
+    def ego_from_sensor(self) -> np.ndarray:
+        """The pose [4, 4] of the sensor on its vehicle, whose origin is on the road."""
+        x, y, z, yaw = self.mount or (0.0, 0.0, self.sensor.mount_height, 0.0)
+        return upright((x, y, z), yaw)
+
     def world_from_ego(self) -> np.ndarray:
-        """The pose [4, 4] of the road under the sensor."""
-        below = np.eye(4)
-        below[2, 3] = -self.sensor.mount_height
-        return self.pose @ below
+        """The pose [4, 4] of the road under the vehicle."""
+        return self.pose @ inverse(self.ego_from_sensor())
 
     def fields(self) -> dict[str, np.ndarray]:
         """What there is of each point beside its place and intensity, by name."""

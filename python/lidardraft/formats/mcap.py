@@ -48,8 +48,7 @@ def _log_drive(drive: Iterable[Frame], context: Any) -> None:
     for time, frame in timed(drive):
         begun = _START + round(1e9 * time)
         at = begun + round(1e9 * frame.sensor.sweep_time / 2)
-        mount = upright((0.0, 0.0, frame.sensor.mount_height), 0.0)
-        poses = (("map", "base_link", frame.world_from_ego()), ("base_link", "lidar", mount))
+        poses = (("map", "base_link", frame.world_from_ego()), ("base_link", "lidar", frame.ego_from_sensor()))
         transforms.log(FrameTransforms(transforms=[_transform(at, *pose) for pose in poses]), log_time=at)
         clouds.log(_cloud(at if frame.time is None else begun, frame), log_time=at)
         boxes.log(_scene(at, frame), log_time=at)

@@ -13,7 +13,7 @@ import itertools
 import json
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -204,10 +204,11 @@ def _check(name: str, sweep: np.ndarray, scale: float = _SCALE) -> None:
 
 
 def write_nuscenes(folder: Path, drives: Drives, first: int) -> None:
-    """Write v1.0-trainval/*.json, samples/LIDAR_TOP/, lidarseg/ and maps/."""
+    """Write v1.0-trainval/*.json, samples/LIDAR_TOP/, lidarseg/ and maps/; or samples/CHANNEL/ for each channel. Frames
+    of one moment follow one another, in the same order of channels."""
     from PIL import Image  # which no --help waits for
 
-    for part in (VERSION, "samples/LIDAR_TOP", f"lidarseg/{VERSION}", "maps"):
+    for part in (VERSION, f"lidarseg/{VERSION}", "maps"):
         (folder / part).mkdir(parents=True)
     Image.new("L", (1, 1)).save(folder / "maps" / "none.png")
     tables, start = _fixed_tables(), _START + _APART * first
@@ -283,7 +284,7 @@ def _fixed_tables() -> Tables:
         ],
         "attribute": [{"token": _token("attribute", name), "name": name, "description": ""} for name in _ATTRIBUTES],
         "visibility": [{"token": token, "level": level, "description": ""} for token, level, _ in _VISIBLE],
-        "sensor": [{"token": _token("LIDAR_TOP"), "channel": "LIDAR_TOP", "modality": "lidar"}],
+        "sensor": [],
         "log": [log | {"location": "lidardraft"}],
         "map": [{"token": _token("map"), "log_tokens": [log["token"]], "category": "", "filename": "maps/none.png"}],
         **{name: [] for name in ("instance", "calibrated_sensor", "ego_pose", "scene", "sample", "sample_data")},
@@ -294,19 +295,24 @@ def _fixed_tables() -> Tables:
 def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame], start: int) -> int:
     """Write a scene from the time `start` on; the time from which on the next one may be."""
     samples, tracks = list[dict[str, Any]](), dict[str, list[dict[str, Any]]]()
-    time, world = start, ""
-    for number, (after, frame) in enumerate(timed(frames)):
-        time, world = start + round(1e6 * after), frame.world
+    sweeps, time, world = dict[str, list[dict[str, Any]]](), start, ""
+    leads, moments = itertools.tee(_moments(frames))
+    for number, ((after, lead), moment) in enumerate(zip(timed(each[0] for each in leads), moments, strict=True)):
+        time, world = start + round(1e6 * after), lead.world
         sample = {"token": _token(name, number), "timestamp": time, "scene_token": _token(name)}
         samples.append(sample)
-        _write_sweep(folder, tables, sample, frame)
-        for annotation in frame.annotations:
-            _annotate(tracks.setdefault(annotation.box.id, []), name, sample, frame, annotation)
+        for frame in moment:
+            row = _write_sweep(
+                folder, tables, sample, frame, time + round(1e6 * ((frame.start or 0) - (lead.start or 0)))
+            )
+            sweeps.setdefault(frame.channel, []).append(row)
+            for annotation in frame.annotations:
+                _annotate(tracks.setdefault(annotation.box.id, []), name, sample, frame, annotation)
     tables["sample"] += _linked(samples)
     said = {"token": _token(name), "log_token": _token("log"), "nbr_samples": len(samples), "name": name}
     ends = {"first_sample_token": samples[0]["token"], "last_sample_token": samples[-1]["token"]}
     tables["scene"].append(said | {"description": _description(world)} | ends)
-    tables["sample_data"][-len(samples) :] = _linked(tables["sample_data"][-len(samples) :])
+    tables["sample_data"] += [row for rows in sweeps.values() for row in _linked(rows)]
     for track in tracks.values():
         _set_apart_parked(track)
         tables["instance"].append(
@@ -316,6 +322,18 @@ def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame
         )
         tables["sample_annotation"] += _linked(track)
     return time - (time - start) % _APART + _APART
+
+
+def _moments(frames: Iterable[Frame]) -> Iterator[list[Frame]]:
+    """The frames of each moment: one of each channel."""
+    moment = list[Frame]()
+    for frame in frames:
+        if moment and frame.channel == moment[0].channel:
+            yield moment
+            moment = []
+        moment.append(frame)
+    if moment:
+        yield moment
 
 
 def _description(world: str) -> str:
@@ -333,44 +351,59 @@ def _set_apart_parked(track: list[dict[str, Any]]) -> None:
             row["attribute_tokens"] = [parked if token == stopped else token for token in row["attribute_tokens"]]
 
 
-def _write_sweep(folder: Path, tables: Tables, sample: dict[str, Any], frame: Frame) -> None:
-    token, sensor = sample["token"], frame.sensor
-    sweep, labels = f"samples/LIDAR_TOP/{token}.pcd.bin", f"lidarseg/{VERSION}/{token}_lidarseg.bin"
+def _write_sweep(folder: Path, tables: Tables, sample: dict[str, Any], frame: Frame, time: int) -> dict[str, Any]:
+    """Write a sweep and its labels; its row of sample_data."""
+    sensor, channel, mount = frame.sensor, frame.channel or "LIDAR_TOP", frame.ego_from_sensor()
+    token = _token(sample["token"], frame.channel) if frame.channel else sample["token"]
+    sweep, labels = f"samples/{channel}/{token}.pcd.bin", f"lidarseg/{VERSION}/{token}_lidarseg.bin"
+    if _token(channel) not in {row["token"] for row in tables["sensor"]}:
+        tables["sensor"].append({"token": _token(channel), "channel": channel, "modality": "lidar"})
+        (folder / "samples" / channel).mkdir(parents=True)
     write_pcd_bin(folder / sweep, frame.points, frame.intensity, len(sensor.elevations) - 1 - frame.ring.astype(int))
     index = _INDEX[frame.label]
     for annotation in frame.annotations:
         index[annotation.holds(frame.instance)] = list(CATEGORIES).index(_category(annotation))
     (folder / labels).write_bytes(index.tobytes())
-    calibrated = _token(sensor.name, sensor.mount_height)
+    calibrated = _token(sensor.name, *(frame.mount or [sensor.mount_height]), *[frame.channel][: bool(frame.channel)])
     if calibrated not in {row["token"] for row in tables["calibrated_sensor"]}:
         tables["calibrated_sensor"].append(
-            {"token": calibrated, "sensor_token": _token("LIDAR_TOP"), "camera_intrinsic": []}
-            | {"translation": [0.0, 0.0, sensor.mount_height], "rotation": _quaternion(_EGO_FROM_LIDAR)}
+            {"token": calibrated, "sensor_token": _token(channel), "camera_intrinsic": []}
+            | {"translation": mount[:3, 3].tolist(), "rotation": _quaternion(mount[:3, :3] @ _EGO_FROM_LIDAR)}
         )
     ego = frame.world_from_ego()
     tables["ego_pose"].append(
-        {"token": token, "timestamp": sample["timestamp"], "rotation": _quaternion(ego[:3, :3])}
-        | {"translation": ego[:3, 3].tolist()}
-    )
-    tables["sample_data"].append(
-        {"token": token, "sample_token": token, "ego_pose_token": token, "calibrated_sensor_token": calibrated}
-        | {"timestamp": sample["timestamp"], "fileformat": "pcd", "is_key_frame": True, "height": 0, "width": 0}
-        | {"filename": sweep}
+        {"token": token, "timestamp": time, "rotation": _quaternion(ego[:3, :3])} | {"translation": ego[:3, 3].tolist()}
     )
     tables["lidarseg"].append({"token": token, "sample_data_token": token, "filename": labels})
+    return (
+        {
+            "token": token,
+            "sample_token": sample["token"],
+            "ego_pose_token": token,
+            "calibrated_sensor_token": calibrated,
+        }
+        | {"timestamp": time, "fileformat": "pcd", "is_key_frame": True, "height": 0, "width": 0}
+        | {"filename": sweep}
+    )
 
 
 def _annotate(
     track: list[dict[str, Any]], scene: str, sample: dict[str, Any], frame: Frame, annotation: Annotation
 ) -> None:
+    """Add it to a track, or to its row of the same moment, which another channel has seen as well."""
     box = annotation.box
     length, width, height = box.size
     pose = frame.pose @ upright(box.center, box.yaw)
+    visibility = next(token for token, _, least in _VISIBLE if 1 - annotation.occlusion >= least)
+    if track and track[-1]["sample_token"] == sample["token"]:
+        track[-1]["num_lidar_pts"] += annotation.num_points
+        track[-1]["visibility_token"] = max(track[-1]["visibility_token"], visibility)
+        return
     track.append(
         {"token": _token(sample["token"], box.id), "sample_token": sample["token"]}
         | {"instance_token": _token(scene, box.id), "category_token": _token("category", _category(annotation))}
         | {"attribute_tokens": [_token("attribute", name) for name in _attributes(annotation)]}
-        | {"visibility_token": next(token for token, _, least in _VISIBLE if 1 - annotation.occlusion >= least)}
+        | {"visibility_token": visibility}
         | {"translation": pose[:3, 3].tolist(), "rotation": _quaternion(pose[:3, :3]), "size": [width, length, height]}
         | {"num_lidar_pts": annotation.num_points, "num_radar_pts": 0}
     )

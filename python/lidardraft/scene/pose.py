@@ -47,6 +47,15 @@ def upright(center: tuple[float, float, float], yaw: float) -> np.ndarray:
     return np.array([(cos, -sin, 0.0, x), (sin, cos, 0.0, y), (0.0, 0.0, 1.0, z), (0.0, 0.0, 0.0, 1.0)])
 
 
+def moved_by_column(poses: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Points [H, W, 3], of which each column is moved by its pose of [W, 4, 4]: f64 [H, W, 3]."""
+    x, y, z = points[..., 0], points[..., 1], points[..., 2]
+    moved = np.empty_like(points)
+    for axis, (a, b, c, offset) in enumerate(poses[:, :3].transpose(1, 2, 0)):
+        moved[..., axis] = x * a + y * b + z * c + offset
+    return moved
+
+
 def rotation(yaw: float) -> np.ndarray:
     """The matrix [2, 2] that takes points [..., 2] of what is turned by `yaw` to those around: points @ rotation."""
     cos, sin = math.cos(yaw), math.sin(yaw)

@@ -14,7 +14,7 @@ import numpy as np
 from lidardraft import array_files
 from lidardraft.errors import LayoutError, SensorError
 from lidardraft.files import written_whole
-from lidardraft.scene.pose import finite_array
+from lidardraft.scene.pose import finite_array, moved_by_column
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import NUM_CLASSES
 
@@ -86,12 +86,11 @@ class RangeImage:
         With `poses`, the world_from_sensor [W, 4, 4] that each column was taken from, they come in the world frame,
         f64 [N, 3], and what moved is the sensor, not the world. Raises `LayoutError` where these have another shape.
         """
-        valid = self.valid
-        points = self.sensor.pattern.points(self.depth)[valid]
-        if poses is None:
-            return points.astype(np.float32)
-        poses = finite_array("poses", poses, self.sensor.columns, 4, 4)[np.nonzero(valid)[1]]
-        return np.einsum("nij,nj->ni", poses[:, :3, :3], points) + poses[:, :3, 3]
+        points, returns = self.sensor.pattern.points(self.depth), np.flatnonzero(self.depth > 0)
+        if poses is not None:
+            points = moved_by_column(finite_array("poses", poses, self.sensor.columns, 4, 4), points)
+        points = points.reshape(-1, 3).take(returns, axis=0)
+        return points.astype(np.float32) if poses is None else points
 
     def keep(self, where: np.ndarray) -> RangeImage:
         """The image with returns only where the mask [H, W] is True."""

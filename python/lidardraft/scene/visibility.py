@@ -10,6 +10,7 @@ import numpy as np
 from lidardraft.errors import LayoutError
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.pose import moved_by_column
 from lidardraft.scene.range_image import RangeImage
 
 _BEFORE = 0.1  # m: what is nearer to the box than this stands in it
@@ -20,12 +21,11 @@ def occluded_shares(image: RangeImage, boxes: Sequence[Box], poses: np.ndarray |
 
     Boxes are in the sensor frame; `poses` [W, 4, 4] are those of the columns in it, if the sensor moved.
     """
-    one = image.sensor.pattern.points(np.ones(image.depth.shape, np.float32))
-    two = image.sensor.pattern.points(np.full(image.depth.shape, 2, np.float32))
-    directions, origins = two - one, 2 * one - two
+    pattern, shape = image.sensor.pattern, image.depth.shape
+    one, two = (pattern.points(np.full(shape, distance, np.float32)) for distance in (1, 2))
     if poses is not None:
-        directions, origins = (np.einsum("wij,hwj->hwi", poses[:, :3, :3], rays) for rays in (directions, origins))
-        origins += poses[:, :3, 3]
+        one, two = moved_by_column(poses, one), moved_by_column(poses, two)
+    directions, origins = two - one, 2 * one - two
     directions, origins = directions.reshape(-1, 3), origins.reshape(-1, 3)
     along, outwards = np.einsum("ni,ni->n", origins, directions), np.einsum("ni,ni->n", origins, origins)
     depth, instance = image.depth.ravel(), image.instance.ravel()

@@ -540,7 +540,8 @@ class World:
         return self._sweepers[channel].cast(self._still[1], movers, poses, state.seed), table
 
     def _scanned(self, state: WorldState, channel: str) -> Scan:
-        swept, sweep = self._swept(state, channel), self.rig.mounts[channel].sensor.sweep_time
+        swept, sensor, on = self._swept(state, channel), self.rig.mounts[channel].sensor, self.rig.mounts[channel].spot
+        sweep = sensor.sweep_time
         clean, table = self._cast(state, channel, swept)
         seed = (state.seed + state.steps + (list(self.rig.mounts).index(channel) << 40)) % 2**63
         spots, velocities = {name: actor.spot for name, actor in state.actors.items()}, {}
@@ -556,6 +557,7 @@ class World:
             seed=seed,
             time=state.time - sweep / 2,
             velocities=velocities,
+            mount=None if on == (0.0, 0.0, sensor.mount_height, 0.0) else on,
             assumed=self._assumed,
             **swept,
         )
