@@ -31,8 +31,8 @@ def export(
     as_seen: bool | None = None,
     box_margin: float = 0.0,
 ) -> None:
-    """Write a scan, a drive of scans or of names of saved ones, all of a folder, or several drives, one scan after the
-    other, into the new folder `output` in a format of docs/formats.md ("kitti", "nuscenes", ...).
+    """Write a scan, a drive of scans or of names of saved ones, all of a folder or of the drives in it, or several
+    drives, one scan after the other, into the new folder `output` in a format of docs/formats.md ("kitti", ...).
 
     Of several sensors of one vehicle, `scans` are those of each channel, by its name. "nuscenes" makes one data set of
     them, in which a sample has a sweep of each channel; other formats get a folder OUTPUT/CHANNEL for each.
@@ -73,7 +73,7 @@ def _drives(scans: Scans) -> Iterator[Iterable[Saved]]:
     if isinstance(scans, Scan):
         scans = [scans]
     elif isinstance(scans, str | os.PathLike):
-        scans = scans_in(Path(scans))
+        scans = drives_in(Path(scans))
     runs = groupby(scans, lambda each: isinstance(each, Scan | str | os.PathLike))
     return chain.from_iterable([run] if of_scans else run for of_scans, run in runs)  # type: ignore[list-item, misc]
 
@@ -92,6 +92,12 @@ def _together(channels: Iterable[Iterable[T]]) -> Iterator[tuple[T, ...]]:
 
 def _by_moment(channels: Iterable[Iterable[Frame]]) -> Iterator[Frame]:
     return chain.from_iterable(_together(channels))
+
+
+def drives_in(folder: Path) -> list[list[Path]]:
+    """The scans of a folder as one drive, or of each folder in it, in order."""
+    inner = sorted(each.parent for each in folder.glob("*/tracks.json"))
+    return [scans_in(each) for each in inner or [folder]]
 
 
 def scans_in(folder: Path) -> list[Path]:

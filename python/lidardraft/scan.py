@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import warnings
 from collections.abc import Mapping
@@ -23,7 +24,7 @@ from lidardraft.formats.frame import Annotation, Frame, with_riders_merged
 from lidardraft.json_fields import is_number, parse_object
 from lidardraft.scene.box import Box, checked_vector
 from lidardraft.scene.layout import Layout
-from lidardraft.scene.pose import finite_array, inverse
+from lidardraft.scene.pose import finite_array, inverse, upright
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
@@ -184,9 +185,13 @@ class Scan:
 
     def picture(self, *, by_label: bool = False) -> np.ndarray:
         """The points, with boxes, by an eye that shows the objects and from above, over the range images: uint8
-        [H, W, 3]. Objects have the colours of their classes, all else has those of heights, or also of classes."""
-        points = self.points() @ self.pose[:3, :3].T + self.pose[:3, 3]
-        boxes, title = self.layout.boxes(), view.title_of(self.layout)
+        [H, W, 3]. The origin is the road under the sensor. Objects have the colours of their classes, all else has
+        those of heights, or also of classes."""
+        (x, y, z), yaw = self.pose[:3, 3].tolist(), math.atan2(self.pose[1, 0], self.pose[0, 0])
+        below = upright((x, y, z - self.image.sensor.mount_height), yaw)
+        level = inverse(below) @ self.pose
+        points = self.points() @ level[:3, :3].T + level[:3, 3]
+        boxes, title = [box.seen_from(below) for box in self.layout.boxes()], view.title_of(self.layout)
         return view.render_returns(self.image, points, boxes=boxes, title=title, by_label=by_label)
 
     def html(self, most: int | None = None) -> str:

@@ -52,8 +52,9 @@ class District:
     `parked` (a side), `paved` (what lies beside the sidewalks), `built` (a plot), `front_fences` (a side),
     `street_trees` (a side), `strip` (of grass beside the kerb) and `adjoining` (a block to the next in closed fronts)
     are probabilities; `people`, `thickets` (a side) and `wild_trees` mean numbers; `traffic_gap` is a mean [m], `speed`
-    the limit [m/s], `shoulder` the width of a hard shoulder [m], `curvature` a range [1/m], `short_front` the length
-    of the blocks that close a front where longer ones have no room [m].
+    the limit [m/s], `riders` times the usual number on two wheels, `shoulder` the width of a hard shoulder [m],
+    `curvature` a range [1/m], `short_front` the length of the blocks that close a front where longer ones have no
+    room [m].
     """
 
     share: float
@@ -87,6 +88,7 @@ class District:
     paved: float = 0.0
     adjoining: float = 0.72
     short_front: float = 10.0
+    riders: float = 1.0
     equipment: RoadEquipment = RoadEquipment()
 
     @property
@@ -195,6 +197,7 @@ SETTINGS: dict[str, District] = {
     "school": replace(_RESIDENTIAL, people=3.0, blocks=0.7, setback=(6.0, 14.0)),
     "roadworks": replace(_URBAN, equipment=RoadEquipment(cones=1.0)),
 }
+STREET_DISTRICTS = {**SETTINGS, **DISTRICTS}  # those that streets can lie in, if they are asked for
 
 
 def setting(name: str) -> District:

@@ -8,7 +8,7 @@ import numpy as np
 
 from lidardraft.arranging.building_rows import place_buildings
 from lidardraft.arranging.car_parks import CarPark, place_in_car_park, sample_car_park
-from lidardraft.arranging.district import DISTRICTS, District, sample_road
+from lidardraft.arranging.district import STREET_DISTRICTS, District, sample_road
 from lidardraft.arranging.gardens import (
     place_driveways,
     place_front_fences,
@@ -66,7 +66,7 @@ def plan_street(rng: np.random.Generator, half_length: float, mix: StreetMix = U
 def sample_frame(rng: np.random.Generator, half_length: float, mix: StreetMix) -> tuple[Frame, str]:
     """The frame of a street that nothing is said of, and the name of its district."""
     name = mix.sample_district(rng)
-    district = applied(mix, greened(DISTRICTS[name], rng))
+    district = applied(mix, greened(STREET_DISTRICTS[name], rng))
     parking = tuple(side for side in SIDES if rng.random() < district.parked)
     oneway, wants_car_park = bool(rng.random() < district.oneway), bool(rng.random() < district.car_park)
     road = sample_road(district, parking, half_length, rng, oneway=oneway, car_park=wants_car_park)

@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from lidardraft.arranging.district import DISTRICTS, District
+from lidardraft.arranging.district import DISTRICTS, STREET_DISTRICTS, District
 from lidardraft.errors import LayoutError
 
 
@@ -15,10 +15,10 @@ from lidardraft.errors import LayoutError
 class StreetMix:
     """The composition of streets; the defaults are those of docs/lifelike.md.
 
-    `residential` to `motorway` are the shares of the districts, of their sum. The others are times what the districts
-    have: `parked_cars` those along kerbs, `traffic` vehicles on the road, `people`, `buildings` plots that are built
-    on, `fences` those in front of gardens, `plants` thickets, wild trees and street trees. What has other causes stays:
-    car parks, queues at lights, people at stops, corners of side roads. Probabilities end at 1.
+    `residential` to `roadworks` are the shares of the districts, of their sum. The others are times what the districts
+    have: `parked_cars` those along kerbs, `traffic` vehicles on the road, `riders` on two wheels, `people`, `buildings`
+    plots that are built on, `fences` those in front of gardens, `plants` thickets, wild trees and street trees. What
+    has other causes stays: car parks, queues at lights, people at stops, corners of side roads. Probabilities end at 1.
 
     Raises `LayoutError` for a number that is negative or not finite, or shares that are all 0.
     """
@@ -29,8 +29,15 @@ class StreetMix:
     retail: float = DISTRICTS["retail"].share
     country: float = DISTRICTS["country"].share
     motorway: float = DISTRICTS["motorway"].share
+    alley: float = 0.0
+    village: float = 0.0
+    industrial: float = 0.0
+    forest: float = 0.0
+    school: float = 0.0
+    roadworks: float = 0.0
     parked_cars: float = 1.0
     traffic: float = 1.0
+    riders: float = 1.0
     people: float = 1.0
     buildings: float = 1.0
     fences: float = 1.0
@@ -41,16 +48,23 @@ class StreetMix:
             value = getattr(self, field.name)
             if not 0.0 <= value < math.inf:
                 raise LayoutError(f"{field.name} of the street mix is {value}; it must be finite and 0 or more")
-        if not any(getattr(self, name) for name in DISTRICTS):
-            raise LayoutError(f"the street mix has no district; one of {', '.join(DISTRICTS)} must be more than 0")
+        if not any(getattr(self, name) for name in STREET_DISTRICTS):
+            raise LayoutError(
+                f"the street mix has no district; one of {', '.join(STREET_DISTRICTS)} must be more than 0"
+            )
 
     def sample_district(self, rng: np.random.Generator) -> str:
         """The name of a district."""
-        shares = np.cumsum([getattr(self, name) for name in DISTRICTS])
-        return list(DISTRICTS)[int(np.searchsorted(shares / shares[-1], rng.random(), side="right"))]
+        shares = np.cumsum([getattr(self, name) for name in STREET_DISTRICTS])
+        return list(STREET_DISTRICTS)[int(np.searchsorted(shares / shares[-1], rng.random(), side="right"))]
 
 
 USUAL_MIX = StreetMix()
+
+
+def only(name: str) -> dict[str, float]:
+    """Shares of a `StreetMix` of one district."""
+    return {each: float(each == name) for each in STREET_DISTRICTS}
 
 
 def applied(mix: StreetMix, district: District) -> District:
@@ -59,6 +73,7 @@ def applied(mix: StreetMix, district: District) -> District:
         district,
         parked=min(district.parked * mix.parked_cars, 1.0),
         traffic_gap=district.traffic_gap / mix.traffic if mix.traffic > 0 else math.inf,
+        riders=district.riders * mix.riders,
         people=district.people * mix.people,
         built=min(district.built * mix.buildings, 1.0),
         front_fences=min(district.front_fences * mix.fences, 1.0),

@@ -78,10 +78,10 @@ def _share(text: str) -> tuple[int, int]:
 
 def export(arguments: argparse.Namespace) -> None:
     """Write folders of scans as one data set in a format that other people's readers open."""
+    from lidardraft.exports import drives_in
     from lidardraft.exports import export as write
-    from lidardraft.exports import scans_in
 
-    drives = [scans_in(Path(folder)) for folder in arguments.folders]
+    drives = [drive for folder in arguments.folders for drive in drives_in(Path(folder))]
     count, more = sum(map(len, drives)), {"as_seen": arguments.as_seen, "box_margin": arguments.box_margin}
     with progress(count, "scan") as bar:
         write((_counted(drive, bar) for drive in drives), arguments.format, arguments.output, **more)
@@ -91,9 +91,9 @@ def export(arguments: argparse.Namespace) -> None:
 def export_options(parser: argparse.ArgumentParser) -> None:
     """The options of `export`."""
     parser.epilog = (
-        "Each folder is a drive: its scans follow one another, at the times of a sequence or a sweep time apart. "
-        "Frames, axes, box centres and class ids of each format: docs/formats.md. The data set is there "
-        "whole or not at all."
+        "Each folder is a drive, or holds folders of drives: its scans follow one another, at the times of a sequence "
+        "or a sweep time apart. Frames, axes, box centres and class ids of each format: docs/formats.md. The data set "
+        "is there whole or not at all."
     )
     parser.add_argument("folders", nargs="+", metavar="FOLDER", help="scans of `simulate`, `generate` or `observe`")
     text = "; ".join(f"{name}: {what}" for name, (_, _, what) in FORMATS.items())

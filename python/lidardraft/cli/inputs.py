@@ -7,16 +7,16 @@ import math
 import os
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from lidardraft.arranging.district import DISTRICTS
+from lidardraft.arranging.district import STREET_DISTRICTS
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_seed, assignments, number, read_sensor, reading
 from lidardraft.cli.command import say
-from lidardraft.errors import FormatError, LidarDraftError, MissingExtraError, TextError, extra
+from lidardraft.errors import FormatError, LidarDraftError, MissingExtraError, TextError, extra, one_of
 from lidardraft.files import named
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
@@ -112,7 +112,10 @@ _URL = "LIDARDRAFT_LLM_URL"  # as in chat_server.py, which loads HTTP
 _MANY = {
     "text-file": ("FILE.txt", "sentences, one a line: a scan of each, and again with other seeds where -n is more"),
     "map": ("FILE", "a semantic map without ranges: .png or .npy of a class id for each ray, or a labelled scan"),
-    "street": ("DISTRICT", f"streets made up with all that stands and moves there: {', '.join(DISTRICTS)}, or any"),
+    "street": (
+        "DISTRICT",
+        f"streets made up with all that stands and moves there: any, {', '.join(STREET_DISTRICTS)}, or a word for one",
+    ),
 }
 
 
@@ -125,8 +128,7 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str) -> argparse._Argumen
         one.add_argument(f"--{name}", metavar=value, help=text)
     for name in many:
         value, text = _MANY[name]
-        choices = (*DISTRICTS, "any") if name == "street" else None
-        one.add_argument(f"--{name}", metavar=value, choices=choices, help=text)
+        one.add_argument(f"--{name}", metavar=value, help=text)
     add_reading(group)
     title = "language model (reads --text where its URL is given; else nothing is sent)"
     model = parser.add_argument_group(title)
@@ -138,6 +140,16 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str) -> argparse._Argumen
     group.add_argument("--surroundings", choices=("street", "bare"), help=text)
     add_seed(group)
     return group
+
+
+def district_named(word: str) -> str:
+    """The district of streets of that name, or that a sentence knows by that word, as in "downtown"."""
+    from lidardraft.drafting.text.layout import spec_from_text
+
+    with suppress(TextError):
+        if (found := word if word in STREET_DISTRICTS else spec_from_text(word).district) is not None:
+            return found
+    raise FormatError(f"--street is {word!r}; it must be {one_of(('any', *STREET_DISTRICTS), word)}")
 
 
 def check_inputs(arguments: argparse.Namespace) -> None:

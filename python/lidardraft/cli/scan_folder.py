@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import itertools
 import os
+import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -101,7 +102,8 @@ class ScanFolder(Generic[T]):
 
 
 def _clear(folder: Path) -> None:
-    """Remove the scans of an earlier call, numbers with a sensor beside them, and their tracks. The rest stays."""
+    """Remove the scans of an earlier call, numbers with a sensor beside them, their tracks, and numbered folders of
+    drives. The rest stays."""
     from lidardraft.scan import CASTS_FILE, SCAN_ENDINGS, TRACK_FILES
 
     names = [path.name.removesuffix(".sensor.json") for path in folder.glob("*.sensor.json")]
@@ -109,3 +111,6 @@ def _clear(folder: Path) -> None:
     files = [f"{name}{ending}" for name in numbers for ending in SCAN_ENDINGS]
     for file in [*files, *((*TRACK_FILES, CASTS_FILE) if numbers else ())]:
         (folder / file).unlink(missing_ok=True)
+    for drive in folder.glob("*/tracks.json"):
+        if drive.parent.name.isdigit():
+            shutil.rmtree(drive.parent)

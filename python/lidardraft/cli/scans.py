@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import json
 from collections.abc import Callable, Iterator
 from contextlib import nullcontext
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from lidardraft.arranging.district import DISTRICTS
+from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix, only
 from lidardraft.cli.arguments import (
     add_carla_tags,
     add_seed,
@@ -29,21 +30,31 @@ from lidardraft.cli.arguments import (
     whole_number,
 )
 from lidardraft.cli.command import progress, say
-from lidardraft.cli.inputs import add_inputs, around_it, check_inputs, layout_of_text, notes_on, read_layout
+from lidardraft.cli.inputs import (
+    add_inputs,
+    around_it,
+    check_inputs,
+    district_named,
+    layout_of_text,
+    notes_on,
+    read_layout,
+)
 from lidardraft.cli.scan_folder import ScanFolder, add_folder, add_jobs, check_output, jobs_of
 from lidardraft.errors import FormatError
-from lidardraft.files import named, read_sentences, write_text
+from lidardraft.files import named, new_folder, read_sentences, write_text
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import inverse
 from lidardraft.scene.scenario import Scenario
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.weather import Weather
-from lidardraft.streets import StreetConfig, StreetMix
+from lidardraft.streets import StreetConfig
+from lidardraft.streets.drives import HALF_LENGTH
 
 if TYPE_CHECKING:
     from lidardraft.pipeline import Pipeline
     from lidardraft.scan import Scan
     from lidardraft.scene.range_image import RangeImage
+    from lidardraft.simulation.motion.sequence import SequenceSimulator as Drive
 
 _POSES = 4  # scans of a street
 _HZ = 10.0  # frames of a sequence
@@ -80,7 +91,7 @@ class Layouts:
         with named(name):
             return layout_of_text(self.arguments, sentence, seed), seed
 
-    def notes(self, number: int, scan: Scan) -> list[str]:
+    def notes(self, number: int, scan: Scan | Drive) -> list[str]:
         """What there is to say of a sentence of a file, the first time that it is read."""
         if self.arguments.text_file is None or number >= len(self.sentences):
             return []
@@ -96,42 +107,81 @@ def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather | None, thread
     return simulate(layout, sensor, seed=seed, weather=weather, speed=speed, threads=threads)
 
 
-def _write_sequence(arguments: argparse.Namespace) -> None:
-    """Write the frames of a sequence."""
-    from lidardraft.scan import Scan
+def _drive(layouts: Layouts, sensor: Sensor, weather: Weather | None, threads: int | None, number: int) -> Drive:
+    """The sequence of layout `number`."""
     from lidardraft.simulation.motion.sequence import SequenceSimulator
 
-    for option in ("num", "street", "text_file", "poses"):
-        if getattr(arguments, option, None) is not None:
-            raise FormatError(f"--{option.replace('_', '-')} does not go with --frames, which make one sequence")
-    sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
+    arguments = layouts.arguments
+    layout, seed = layouts.of(number)
     scenario = Scenario() if arguments.scenario is None else Scenario.load(arguments.scenario)
-    layout, num = read_layout(arguments), arguments.frames
-    jobs = jobs_of(arguments, num)
     with named(arguments.scenario) if arguments.scenario else nullcontext():
-        simulator = SequenceSimulator(
+        return SequenceSimulator(
             layout,
             sensor,
             scenario,
-            frames=num,
+            frames=arguments.frames,
             hz=arguments.hz or _HZ,
             speed=arguments.speed,
-            seed=arguments.seed,
+            seed=seed,
             weather=weather,
-            threads=1 if jobs > 1 else None,
+            threads=threads,
         )
-    for note in simulator.layout.notes[len(layout.notes) :]:
+
+
+def _write_sequences(arguments: argparse.Namespace) -> None:
+    """Write the frames of a sequence, or with --num several in folders of their own."""
+    from lidardraft.streets.drives import street_drive
+
+    if getattr(arguments, "poses", None) is not None:
+        raise FormatError("--poses does not go with --frames, which are of one drive")
+    sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
+    layouts = None if arguments.street else Layouts.read(arguments)
+    num = arguments.num or (len(layouts.sentences) if layouts and arguments.text_file else 0)
+    jobs = jobs_of(arguments, num or arguments.frames)
+    threads = 1 if jobs > 1 else None
+    make: Callable[[int], Drive]
+    if layouts is not None:
+        make = partial(_drive, layouts, sensor, weather, threads)
+    else:
+        config = _street_config(arguments, sensor, weather, 1)
+        of = {"seed": arguments.seed, "config": config, "frames": arguments.frames, "hz": arguments.hz or _HZ}
+        make = partial(street_drive, threads=threads, **of)
+    if num:
+        notes = None if layouts is None else layouts.notes
+        folder = ScanFolder(Path(arguments.output), arguments.pictures, make, _save_drive, notes)
+        with progress(num, "drive") as bar:
+            for _ in folder.write(num, jobs=jobs):
+                bar.update()
+        print(f"{arguments.output}: {num} drive{'s' * (num > 1)} of {arguments.frames} scans, a folder each")
+    else:
+        _write_frames(arguments, make(0), None if layouts is None else layouts.first, jobs)
+
+
+def _save_drive(simulator: Drive, folder: Path, *, picture: bool) -> None:
+    """Write all frames and the tracks into a new folder, the first with a picture."""
+    with new_folder(folder) as part:
+        for number, scan in enumerate(simulator):
+            scan.save(part / f"{number:06d}", picture=picture and not number)
+        simulator.save_tracks(part)
+
+
+def _write_frames(arguments: argparse.Namespace, simulator: Drive, given: Layout | None, jobs: int) -> None:
+    """Write the frames of one sequence into the output folder itself."""
+    from lidardraft.scan import Scan
+
+    for note in simulator.layout.notes[len(given.notes) :] if given else ():
         say(note)
     asked = arguments.scenario is not None or arguments.speed is not None
     if not (asked or simulator.tracks.actors or simulator.tracks.ego.moves()):
         say("nothing moves: the layout has no road whose lanes are known; --speed and --scenario say more")
+    num = arguments.frames
     folder = ScanFolder(Path(arguments.output), arguments.pictures, simulator.frame, Scan.save)
     with progress(num, "frame") as bar:
         for _ in folder.write(num, jobs=jobs):
             bar.update()
     simulator.save_tracks(arguments.output)
     files = "; poses.txt, times.txt and tracks.json"
-    _report(arguments, num, f"{files}{around_it(layout)}")
+    _report(arguments, num, f"{files}{around_it(given) if given else ''}")
 
 
 def simulate(arguments: argparse.Namespace) -> None:
@@ -142,7 +192,7 @@ def simulate(arguments: argparse.Namespace) -> None:
 
     check_output(arguments)
     if arguments.frames is not None:
-        _write_sequence(arguments)
+        _write_sequences(arguments)
         return
     for option in ("hz", "scenario"):
         if getattr(arguments, option) is not None:
@@ -169,11 +219,12 @@ def simulate(arguments: argparse.Namespace) -> None:
 
 def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None, poses: int) -> StreetConfig:
     check_inputs(arguments)
-    for option in ("speed", "surroundings"):
+    for option in ("speed", "surroundings", "scenario"):
         if getattr(arguments, option):
             raise FormatError(f"--{option} goes with a layout; --street decides what drives and stands there")
-    shares = {name: row.share if arguments.street in (name, "any") else 0.0 for name, row in DISTRICTS.items()}
-    return StreetConfig(sensor=sensor, poses_per_street=poses, mix=StreetMix(**shares), weather=weather or Weather())
+    mix = USUAL_MIX if arguments.street == "any" else StreetMix(**only(district_named(arguments.street)))
+    config = StreetConfig(sensor=sensor, poses_per_street=poses, mix=mix, weather=weather or Weather())
+    return config if arguments.frames is None else dataclasses.replace(config, half_length=HALF_LENGTH)
 
 
 def simulate_options(parser: argparse.ArgumentParser) -> None:
@@ -190,7 +241,7 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
     add_weather(world)
     add_speed(world, "; in a sequence that of the road")
     sequence = parser.add_argument_group("sequence")
-    text = "make a sequence of N frames: the ego vehicle, traffic and people move"
+    text = "make a sequence of N frames: the ego vehicle, traffic and people move; with -n several, a folder each"
     sequence.add_argument("--frames", type=whole_number(1), metavar="N", help=text)
     sequence.add_argument("--hz", type=positive, metavar="R", help=f"frames a second (default {_HZ:g})")
     text = "how the ego vehicle and objects move (docs/scenarios.md); the rest moves by its kind"

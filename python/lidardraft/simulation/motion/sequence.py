@@ -52,7 +52,8 @@ class SequenceSimulator:
     It gives `frames` scans one after the other, of sweeps of which `hz` begin in a second. `speed` [m/s] is that of the
     ego vehicle where the scenario does not say how it moves; by default that of the road. `seed` decides the world: the
     layout of a sentence, details, brightness, and how far rays get into foliage; noise and drop are drawn anew for each
-    frame. The rest is as in `Simulator`. `tracks` are those of all that moves.
+    frame. `scene`, where there is one, is scanned in place of the details that `layout` would get; its shapes have the
+    names of their objects. The rest is as in `Simulator`. `tracks` are those of all that moves.
 
     Raises `LayoutError` where the scenario cannot be (`tracks_of`), `SensorError` on an `hz` at which sweeps overlap.
     """
@@ -71,10 +72,12 @@ class SequenceSimulator:
         weather: Weather | None = None,
         detail: bool = True,
         threads: int | None = None,
+        scene: Layout | None = None,
     ) -> None:
         _check_rate(sensor, frames, hz)
         self.frames, self.hz, self.seed = frames, hz, check_seed(seed)
-        layout, scene, self._assumed = prepared(layout, seed, detail)
+        layout, detailed, self._assumed = prepared(layout, seed, detail and scene is None)
+        scene = scene or detailed
         self.layout = with_known_roads(layout)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
         weather = weather or weather_of(self.layout.intent.weather)
