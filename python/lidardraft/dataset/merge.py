@@ -19,8 +19,8 @@ _ROWS = "data_list"  # of MMDetection3D's infos
 def merge(shards: Sequence[Path], output: Path) -> None:
     """Link the files of the shards, or copy them where the disk has no links, into the new folder `output`.
 
-    Of files of one name, lines of texts and rows of tables follow one another, and rows that are the same are there
-    once. Raises `FormatError` where others differ, or `output` is there already or cannot be written.
+    Of files of one name, lines of texts, rows of tables and names of splits follow one another, and rows that are the
+    same are there once. Raises `FormatError` where others differ, or `output` is there already or cannot be written.
     """
     with new_folder(output) as folder:
         shared = dict[Path, list[Path]]()
@@ -40,7 +40,19 @@ def merge(shards: Sequence[Path], output: Path) -> None:
                         shutil.copyfile(source, target)
         for target, sources in shared.items():
             with written_whole(target) as temporary, temporary.open("wb") as file:
-                file.writelines(_rows(sources) if target.suffix == ".json" else map(Path.read_bytes, sources))
+                if target.name == "splits.json":
+                    file.write(_joined(sources))
+                else:
+                    file.writelines(_rows(sources) if target.suffix == ".json" else map(Path.read_bytes, sources))
+
+
+def _joined(sources: Sequence[Path]) -> bytes:
+    """A JSON object of lists, each with those of all sources."""
+    whole = dict[str, list[str]]()
+    for source in sources:
+        for name, rows in json.loads(source.read_bytes()).items():
+            whole.setdefault(name, []).extend(rows)
+    return json.dumps(whole).encode()
 
 
 def _rows(sources: Sequence[Path]) -> Iterator[bytes]:

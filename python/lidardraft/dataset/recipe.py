@@ -9,7 +9,7 @@ import os
 import re
 import sys
 import zlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from glob import glob
@@ -19,12 +19,13 @@ from typing import TYPE_CHECKING, Any, Generic, TypeVar
 import numpy as np
 
 import lidardraft
-from lidardraft.arranging.district import DISTRICTS
-from lidardraft.arranging.street_mix import StreetMix
+from lidardraft.arranging.district import STREET_DISTRICTS
+from lidardraft.arranging.street_mix import StreetMix, only
 from lidardraft.dataset.table import Table, Values, all_drawn, drawn, every
 from lidardraft.errors import FormatError
 from lidardraft.files import MAX_BYTES, expecting, named, read_bytes, read_sentences, read_text
 from lidardraft.formats.frame import FORMATS
+from lidardraft.json_fields import is_number
 from lidardraft.networks.weight_header import find
 from lidardraft.scan import Scan
 from lidardraft.scene import edit
@@ -33,6 +34,7 @@ from lidardraft.scene.materials import MATERIALS
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import Weather
 from lidardraft.semantics import BY_NAME
+from lidardraft.streets.drives import HALF_LENGTH, street_drive
 from lidardraft.streets.scans import street_scan
 from lidardraft.streets.street import StreetConfig
 
@@ -42,9 +44,13 @@ else:
     import tomli as tomllib
 if TYPE_CHECKING:
     from lidardraft.pipeline import Pipeline
+    from lidardraft.simulation.motion.sequence import SequenceSimulator
 
+SPLITS = ("train", "val", "test")
 SCANS = "scans"  # the format of `simulate`, beside those of `export`
 _DRAWS = 17  # random numbers of an item, apart from those of its layout and its scan
+_HZ = 10.0  # of drives
+_GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 _TRIED = 16  # sentences of a scene that are read before anything is made
 T = TypeVar("T")
 
@@ -85,7 +91,11 @@ class Choice(Generic[T]):
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe:
-    """A data set of `scans` scans in shards of `shard_size`; `text` is what decides them, in a line of JSON."""
+    """A data set of `scans` scans in shards of `shard_size`; `text` is what decides them, in a line of JSON.
+
+    `frames` scans in a row, `hz` a second, are of one drive; `poses` in a row are of one street, where nothing moves.
+    The scans of such a run are all in one of the `splits`.
+    """
 
     name: str
     text: str
@@ -94,19 +104,23 @@ class Recipe:
     format: str
     seed: int
     poses: int
+    frames: int
+    hz: float
+    splits: tuple[Choice[str], ...]
     scenes: tuple[Choice[Scene], ...]
     sensors: tuple[Choice[tuple[Sensor, Values]], ...]  # with the heights of their mounts
     weather: tuple[Choice[dict[str, Values]], ...]  # the numbers of a `Weather`
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str], scans: int | None = None) -> Recipe:
-        """The recipe of a TOML file, of which `scans` are made where that is given; files in it are named from its
-        folder. Raises `LidarDraftError` naming the file and the key that cannot be."""
+    def load(cls, path: str | os.PathLike[str], num: int | None = None) -> Recipe:
+        """The recipe of a TOML file, of which `num` scans, or drives, are made where that is given; files in it are
+        named from its folder. Raises `LidarDraftError` naming the file and the key that cannot be."""
         text = read_text(path)
         with named(path):
             with expecting("TOML"):
                 fields = tomllib.loads(text)
-            recipe = _recipe(Path(path), fields if scans is None else fields | {"scans": scans})
+            counted = "drives" if "frames" in fields else "scans"
+            recipe = _recipe(Path(path), fields if num is None else fields | {counted: num})
             recipe.try_sentences()
         return recipe
 
@@ -115,14 +129,51 @@ class Recipe:
 
         Raises `LidarDraftError` naming the scene that cannot be.
         """
+        if self.frames:
+            return self._frame(number, self.drive(number // self.frames).frame(number % self.frames))
         place, sensor, air, rng = self._draws(number)
         scene = self.scenes[place - 1].of
         with named(f"{self.name}: scan {number}, scene {place}"):
             make = self._of_street if scene.source == "street" else self._of_layout
             scan = make(scene, number, sensor, Weather(**air), rng)
-        told = {"scan": number, "scene": place, "weather": air, "speed": scan.speed}
-        layout = dataclasses.replace(scan.layout, provenance=scan.layout.provenance | {"recipe": told})
-        return dataclasses.replace(scan, layout=layout)
+        return _told(scan, {"scan": number, "scene": place, "weather": air, "speed": scan.speed})
+
+    def made(self, numbers: range) -> Iterator[Iterator[tuple[int, Scan]]]:
+        """Scans of these numbers, drive by drive."""
+        if not self.frames:
+            yield ((k, self.scan(k)) for k in numbers)
+            return
+        for first in range(numbers.start, numbers.stop, self.frames):
+            drive = self.drive(first // self.frames)
+            yield ((k, self._frame(k, scan)) for k, scan in enumerate(drive, first))
+
+    def _frame(self, number: int, scan: Scan) -> Scan:
+        place, _, air, _ = self._draws(number)
+        return _told(scan, {"drive": number // self.frames, "scene": place, "weather": air})
+
+    def drive(self, number: int) -> SequenceSimulator:
+        """Drive `number`, made in one thread; raises `LidarDraftError` naming the scene that cannot be."""
+        place, sensor, air, rng = self._draws(number * self.frames)
+        scene, weather = self.scenes[place - 1].of, Weather(**air)
+        how: dict[str, Any] = {"frames": self.frames, "hz": self.hz, "threads": 1}
+        with named(f"{self.name}: drive {number}, scene {place}"):
+            if scene.source == "street":
+                config = dataclasses.replace(self._config(scene, sensor, weather, rng), half_length=HALF_LENGTH)
+                return street_drive(number, seed=self.seed, config=config, **how)
+            from lidardraft.simulation.motion.sequence import SequenceSimulator
+
+            seed, more = self.seed + number, all_drawn(scene.numbers, rng)
+            layout = _edited_layout(scene, seed, rng)
+            return SequenceSimulator(layout, sensor, seed=seed, weather=weather, **how, **more)
+
+    def split(self, number: int) -> str:
+        """What scan `number` is for, as the other scans of its run are; "" where the recipe does not say."""
+        if not self.splits:
+            return ""
+        run = number // (self.frames or self.poses)
+        place = (run + 0.5) * _GOLDEN % 1.0  # the first ones of any number come near the shares
+        ends = np.cumsum([choice.share for choice in self.splits])
+        return self.splits[min(int(np.searchsorted(ends, place, side="right")), len(ends) - 1)].of
 
     def drawn(self, number: int) -> tuple[int, dict[str, Any]]:
         """Which of the scenes, from 1 on, scan `number` is of, and the numbers of its weather."""
@@ -131,25 +182,27 @@ class Recipe:
 
     def _draws(self, number: int) -> tuple[int, Sensor, dict[str, Any], np.random.Generator]:
         """What is drawn for a scan, which all scans of a street have in common, and what draws the rest."""
-        first = number - number % self.poses
+        first = number - number % (self.frames or self.poses)
         choice = _chosen(self.scenes, np.random.default_rng([self.seed, first, _DRAWS]))
-        rng = np.random.default_rng([self.seed, first if choice.of.source == "street" else number, _DRAWS, 1])
+        shared = self.frames or choice.of.source == "street"
+        rng = np.random.default_rng([self.seed, first if shared else number, _DRAWS, 1])
         sensor, heights = _chosen(self.sensors, rng).of
         if (height := drawn(heights, rng)) is not None:
             sensor = dataclasses.replace(sensor, mount_height=float(height))
         return self.scenes.index(choice) + 1, sensor, all_drawn(_chosen(self.weather, rng).of, rng), rng
 
     def _of_street(self, scene: Scene, number: int, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> Scan:
-        district, more = drawn(scene.values, rng), all_drawn(scene.numbers, rng)
-        mix = StreetMix(**{name: float(name == district) for name in DISTRICTS}, **more)
-        config = StreetConfig(sensor=sensor, poses_per_street=self.poses, mix=mix, weather=weather)
+        config = self._config(scene, sensor, weather, rng)
         return street_scan(number, seed=self.seed, config=config, threads=1)
+
+    def _config(self, scene: Scene, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> StreetConfig:
+        district, more = drawn(scene.values, rng), all_drawn(scene.numbers, rng)
+        mix = StreetMix(**only(district), **more)
+        return StreetConfig(sensor=sensor, poses_per_street=self.poses, mix=mix, weather=weather)
 
     def _of_layout(self, scene: Scene, number: int, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> Scan:
         seed, more = self.seed + number, all_drawn(scene.numbers, rng)
-        layout = _layout(scene, seed, rng)
-        for change in scene.edits:
-            layout = _edited(layout, change, rng)
+        layout = _edited_layout(scene, seed, rng)
         if scene.weights is not None:
             return _pipeline(scene.weights)(layout, sensor=sensor, seed=seed, **more)
         from lidardraft.simulation.simulate import simulate
@@ -172,6 +225,19 @@ class Recipe:
                     layout_from_text(sentence, seed=self.seed)
                     if unknown := spec_from_text(sentence).not_understood:
                         raise FormatError(f"not understood: {', '.join(unknown)}")
+
+
+def _told(scan: Scan, told: dict[str, Any]) -> Scan:
+    """The scan with what was drawn for it in the provenance of its layout."""
+    layout = dataclasses.replace(scan.layout, provenance=scan.layout.provenance | {"recipe": told})
+    return dataclasses.replace(scan, layout=layout)
+
+
+def _edited_layout(scene: Scene, seed: int, rng: np.random.Generator) -> Layout:
+    layout = _layout(scene, seed, rng)
+    for change in scene.edits:
+        layout = _edited(layout, change, rng)
+    return layout
 
 
 def _layout(scene: Scene, seed: int, rng: np.random.Generator) -> Layout:
@@ -232,14 +298,23 @@ def _recipe(path: Path, fields: dict[str, Any]) -> Recipe:
             raise FormatError(f"{key}: every share is 0; one must be more")
     if any(choice.of.weights for choice in scenes) and any(choice.of for choice in weather):
         raise FormatError("weather goes without scenes with weights, which have seen none")
+    frames = table.whole("frames", 0, 1) if "frames" in table else 0
+    for key in ("scans", "poses") if frames else ("drives", "hz"):
+        if key in table:
+            raise FormatError(f"{key} goes {'without' if frames else 'with'} frames, which make drives")
+    if frames and any(choice.of.weights for choice in scenes):
+        raise FormatError("frames go without scenes with weights, which make single scans")
     recipe = Recipe(
         name=os.fspath(path),
         text=_text(fields, [choice.of for choice in scenes], [choice.of[0] for choice in sensors]),
-        scans=table.whole("scans", 0, 1),
-        shard_size=table.whole("shard_size", 64, 1),
+        scans=table.whole("drives", 0, 1) * frames if frames else table.whole("scans", 0, 1),
+        shard_size=table.whole("shard_size", 1 if frames else 64, 1) * max(frames, 1),
         format=table.name("format", [*FORMATS, SCANS], "webdataset"),
         seed=table.whole("seed", 0, 0, 2**32 - 1),
-        poses=table.whole("poses", 1, 1),
+        poses=1 if frames else table.whole("poses", 1, 1),
+        frames=frames,
+        hz=_rate(table),
+        splits=_splits(table.table("split")),
         scenes=tuple(scenes),
         sensors=tuple(sensors),
         weather=tuple(weather),
@@ -254,7 +329,7 @@ def _text(fields: dict[str, Any], scenes: list[Scene], sensors: list[Sensor]) ->
     files = [read_bytes(file) for scene in scenes if scene.source == "layout" for file in scene.values]
     files += ["\n".join(every(scene.values)).encode() for scene in scenes if scene.source == "text"]
     files += [sensor.to_json().encode() for sensor in sensors]
-    said = {name: value for name, value in fields.items() if name != "scans"}
+    said = {name: value for name, value in fields.items() if name not in ("scans", "drives")}
     said |= {"checksums": list(map(zlib.crc32, files)), "version": lidardraft.__version__}
     weights = [read_bytes(find(scene.weights), MAX_BYTES) for scene in scenes if scene.weights]
     return json.dumps(said | {"weights": list(map(zlib.crc32, weights))}, sort_keys=True, default=str)
@@ -266,8 +341,8 @@ def _scene(table: Table, folder: Path) -> Scene:
         raise FormatError(f"{table.place}one of text, text_file, layout and street is needed; there are {len(sources)}")
     source, values, words = sources[0], None, {}
     if source == "street":
-        values = table.names(source, list(DISTRICTS))
-        more = {field.name: 1.0 for field in dataclasses.fields(StreetMix) if field.name not in DISTRICTS}
+        values = table.names(source, list(STREET_DISTRICTS))
+        more = {field.name: 1.0 for field in dataclasses.fields(StreetMix) if field.name not in STREET_DISTRICTS}
         return Scene(source=source, values=values, numbers=_numbers(table, more, 0.0))
     if source == "layout":
         values = _files(table, folder)
@@ -283,7 +358,7 @@ def _scene(table: Table, folder: Path) -> Scene:
     return Scene(
         source="layout" if source == "layout" else "text",
         values=values,
-        numbers=_numbers(table, {"speed": 0.0}),
+        numbers=_numbers(table, {"speed": 0.0}) if "speed" in table else {},
         words=words,
         surroundings=table.name("surroundings", ["street", "bare"], usual) == "street",
         weights=weights,
@@ -333,6 +408,23 @@ def _sensor(table: Table, folder: Path) -> tuple[Sensor, Values]:
     with named(f"{table.place}name"):
         sensor = Sensor.load(folder / name) if name.endswith(".json") else Sensor.preset(name)
     return sensor, table.numbers("mount_height", 0.0, 0.1, 100.0) if "mount_height" in table else None
+
+
+def _rate(table: Table) -> float:
+    value = table.get("hz", _HZ)
+    if not is_number(value) or value <= 0:
+        table.refuse("hz", "a number over 0: scans a second")
+    return float(value)
+
+
+def _splits(table: Table) -> tuple[Choice[str], ...]:
+    """The shares of the splits, of all."""
+    found = tuple(Choice(float(table.numbers(name, 0.0, 0.0, 1.0)), name) for name in SPLITS if name in table)
+    table.end()
+    total = sum(choice.share for choice in found)
+    if found and abs(total - 1.0) > 1e-6:
+        raise FormatError(f"split: {' + '.join(f'{each.share:g}' for each in found)} is {total:g}; it must be 1")
+    return found
 
 
 def _weather(table: Table) -> dict[str, Values]:

@@ -7,8 +7,10 @@ format; it is whole when summary.json, which is written after it, is there.
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import json
+import math
 import random
 import shutil
 import time
@@ -21,16 +23,18 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from lidardraft.dataset.card import card
 from lidardraft.dataset.merge import merge
 from lidardraft.dataset.recipe import SCANS, Recipe
 from lidardraft.errors import FormatError
 from lidardraft.files import locked_folder, named, new_folder, read_text, write_text
-from lidardraft.formats.frame import AS_SEEN, writer_of
+from lidardraft.formats.frame import AS_SEEN, BY_DRIVE, Frame, by_split, writer_of
 from lidardraft.formats.webdataset import write_shard
 from lidardraft.json_fields import parse_object
 from lidardraft.scan import Scan
 from lidardraft.semantics import CLASSES
 
+_RING, _RINGS = 10, 8  # m, of the ranges in which boxes are counted, and the last of them, which has no end
 _LOOKS = 8  # at a lock, while others look at it too
 _UNMERGED = ("webdataset", SCANS)  # formats whose shards are parts of one data set as they are
 _SPARE = 2**30  # bytes of the disk that stay free
@@ -75,17 +79,17 @@ class DataSet:
             return done
         self._remove(number)
         tally: Tally = {}
-        scans = self._scans(number, tally)
-        path, format = self.folder / self.name(number), self.recipe.format
+        path, format, drives = self.folder / self.name(number), self.recipe.format, self._drives(number, tally)
         if format == "webdataset":
-            write_shard(path, ((f"{k:06d}", scan.frame()) for k, scan in scans))
+            write_shard(path, ((f"{k:06d}", self._frame(k, scan)) for drive in drives for k, scan in drive))
         elif format == SCANS:
             with new_folder(path) as folder:
-                for k, scan in scans:
+                for k, scan in itertools.chain.from_iterable(drives):
                     scan.save(folder / f"{k:06d}", picture=False)
         else:
-            drive = (scan.frame(as_seen=format in AS_SEEN) for _, scan in scans)
-            writer_of(format)(path, [drive], first=self._items(number).start)
+            frames, first = self.recipe.frames if format in BY_DRIVE else 0, self._items(number).start
+            runs = ((self._frame(k, scan) for k, scan in drive) for drive in drives)
+            writer_of(format)(path, runs, first=first // (frames or 1))
         files = [path, *path.rglob("*")] if path.is_dir() else [path]
         tally["bytes"] = sum(file.stat().st_size for file in files if file.is_file())
         write_text(self.folder / f"{number:06d}.json", json.dumps(tally, sort_keys=True))
@@ -118,12 +122,20 @@ class DataSet:
         size = self.recipe.shard_size
         return range(number * size, min((number + 1) * size, self.recipe.scans))
 
-    def _scans(self, number: int, tally: Tally) -> Iterator[tuple[int, Scan]]:
-        """The scans of a shard with their numbers, each counted as it is made."""
-        for k in self._items(number):
-            scan = self.recipe.scan(k)
-            _add(tally, _count(scan, *self.recipe.drawn(k)))
-            yield k, scan
+    def _drives(self, number: int, tally: Tally) -> Iterator[Iterator[tuple[int, Scan]]]:
+        """The scans of a shard with their numbers, drive by drive, each counted as it is made."""
+
+        def counted(drive: Iterator[tuple[int, Scan]]) -> Iterator[tuple[int, Scan]]:
+            for k, scan in drive:
+                place, air = self.recipe.drawn(k)
+                _add(tally, _count(scan, place, air, self.recipe.split(k)))
+                yield k, scan
+
+        return map(counted, self.recipe.made(self._items(number)))
+
+    def _frame(self, number: int, scan: Scan) -> Frame:
+        seen = self.recipe.format in AS_SEEN
+        return dataclasses.replace(scan.frame(as_seen=seen), split=self.recipe.split(number))
 
     def _remove(self, number: int) -> None:
         """Remove what a crash, or a shorter run, left of a shard: its count first, so that it is not done."""
@@ -193,6 +205,10 @@ class DataSet:
                 self._remove_all(old, old)
             if merged:
                 merge([self.folder / self.name(number) for number in range(self._shards())], whole)
+            if self.recipe.splits:
+                parts = by_split({f"{k:06d}": self.recipe.split(k) for k in range(self.recipe.scans)})
+                write_text(self.folder / "splits.json", json.dumps(parts))
+            write_text(self.folder / "CARD.md", card(self.recipe, total))
             write_text(path, text)
 
 
@@ -220,13 +236,16 @@ def _check_free(folder: Path, lock: str) -> None:
         return
 
 
-def _count(scan: Scan, scene: int, weather: dict[str, Any]) -> Tally:
+def _count(scan: Scan, scene: int, weather: dict[str, Any], split: str) -> Tally:
     returns = np.bincount(scan.labels(), minlength=len(CLASSES))
-    seen = [box.label for box, count in zip(scan.layout.boxes(), scan.returns_per_box(), strict=True) if count]
+    boxes = [box for box, count in zip(scan.boxes(), scan.returns_per_box(), strict=True) if count]
+    tens = (min(int(math.hypot(*box.center[:2]) // _RING), _RINGS) * _RING for box in boxes)
     return {
+        "ranges": Counter(f"from {ten} m" for ten in tens),
+        "splits": {split or "all": 1},
         "scans": 1,
         "points": {row.name: int(returns[row.id]) for row in CLASSES if returns[row.id]},
-        "boxes": Counter(seen),
+        "boxes": Counter(box.label for box in boxes),
         "scenes": {str(scene): 1},
         "sensors": {scan.image.sensor.name: 1},
         "weather": {", ".join(weather) or "clear": 1},

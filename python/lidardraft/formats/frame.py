@@ -7,7 +7,7 @@ import io
 import itertools
 import math
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TypeVar
@@ -34,6 +34,7 @@ FORMATS = {
     "webdataset": ("webdataset", "write_webdataset", "WebDataset shards"),
 }
 AS_SEEN = ("mcap",)  # formats whose points are as the sensor saw them, for consumers that take its motion out
+BY_DRIVE = ("semantickitti", "nuscenes", "mcap")  # formats that number drives, and not frames
 UNBOXED = ("semantickitti", "pcd", "ply", "las")  # formats that have no place for boxes
 MOVING = 0.3  # m/s from which on what stands in one place is thought to move; estimate
 VALIDATION_SHARE = 0.2  # of a data set's frames, its last ones
@@ -108,7 +109,7 @@ class Frame:
     the sensor's own motion, which nobody is to take out once more. Frames of one `world`, the JSON of the
     provenance, intent and notes of a layout, show the same objects under the same ids. `start` is the time of the first
     column since the start of the drive [s]; None where nobody knows it (`timed`). `mount` is that of `Scan`, `channel`
-    the name of the sensor among several of one vehicle.
+    the name of the sensor among several of one vehicle. `split` says what the frame is for: "train", "val" or "test".
     """
 
     sensor: Sensor
@@ -124,6 +125,7 @@ class Frame:
     start: float | None = None
     mount: tuple[float, float, float, float] | None = None
     channel: str = ""
+    split: str = ""
 
     def seen(self) -> list[Annotation]:
         """The annotations of objects with at least one point."""
@@ -213,11 +215,20 @@ def npy(array: np.ndarray) -> bytes:
     return buffer.getvalue()
 
 
-def write_image_sets(folder: Path, frames: Path) -> None:
-    """Write ImageSets/train.txt, val.txt and trainval.txt of the frames that have a file in the folder `frames`; the
-    last fifth of them, one at least, is for validation."""
-    names = sorted(path.stem for path in frames.iterdir())
-    split = min(len(names) - 1, round(len(names) * (1 - VALIDATION_SHARE)))
-    for part, those in (("train", names[:split]), ("val", names[split:]), ("trainval", names)):
-        (folder / "ImageSets").mkdir(exist_ok=True)
+def write_image_sets(folder: Path, splits: Mapping[str, str]) -> None:
+    """Write ImageSets/train.txt, val.txt and so on of frames by their names and splits, and trainval.txt. If no frame
+    has a split, the last fifth of them, one at least, is for validation."""
+    names = list(splits)
+    most = min(len(names) - 1, round(len(names) * (1 - VALIDATION_SHARE)))
+    parts = by_split(splits) or {"train": names[:most], "val": names[most:]}
+    parts = {"train": [], "val": [], **parts, "trainval": parts.get("train", []) + parts.get("val", [])}
+    (folder / "ImageSets").mkdir(exist_ok=True)
+    for part, those in parts.items():
         write_text(folder / "ImageSets" / f"{part}.txt", "".join(f"{name}\n" for name in those))
+
+
+def by_split(splits: Mapping[str, str]) -> dict[str, list[str]]:
+    """The names of each split; of none that has no split."""
+    parts = {split: [name for name in splits if splits[name] == split] for split in splits.values()}
+    parts.pop("", None)
+    return parts

@@ -64,9 +64,11 @@ def write_kitti_object(folder: Path, drives: Drives, first: int) -> None:
     out."""
     for part in ("velodyne", "label_2", "calib", "image_2"):
         (folder / "training" / part).mkdir(parents=True)
+    splits = dict[str, str]()
     for name, frame in numbered(drives, first):
         _write_frame(folder / "training", name, frame)
-    write_image_sets(folder, folder / "training" / "velodyne")
+        splits[name] = frame.split
+    write_image_sets(folder, splits)
 
 
 def _write_frame(folder: Path, name: str, frame: Frame) -> None:

@@ -23,9 +23,11 @@ def write_mmdet3d(folder: Path, drives: Drives, first: int) -> None:
     """Write a data set; objects without a point are left out."""
     for part in ("points", "labels", "semantic_mask"):
         (folder / part).mkdir()
-    infos = {name: _write_frame(folder, name, frame) for name, frame in numbered(drives, first)}
-    write_image_sets(folder, folder / "points")
-    for split in ("train", "val"):
+    infos, splits = dict[str, dict[str, Any]](), dict[str, str]()
+    for name, frame in numbered(drives, first):
+        infos[name], splits[name] = _write_frame(folder, name, frame), frame.split
+    write_image_sets(folder, splits)
+    for split in sorted({"train", "val", *splits.values()} - {""}):
         names = (folder / "ImageSets" / f"{split}.txt").read_text().split()
         metainfo = {"categories": {name: i for i, name in enumerate(CATEGORIES)}, "dataset": "lidardraft"}
         document = {"metainfo": metainfo, "data_list": [infos[name] for name in names]}

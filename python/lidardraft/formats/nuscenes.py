@@ -22,7 +22,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import MAX_BYTES, expecting, named, read_bytes, read_text, written_whole
-from lidardraft.formats.frame import Annotation, Drives, Frame, timed
+from lidardraft.formats.frame import Annotation, Drives, Frame, by_split, timed
 from lidardraft.formats.point_fields import SCALES
 from lidardraft.json_fields import parse_list
 from lidardraft.scene.box import Box
@@ -213,8 +213,12 @@ def write_nuscenes(folder: Path, drives: Drives, first: int) -> None:
     Image.new("L", (1, 1)).save(folder / "maps" / "none.png")
     tables, start = _fixed_tables(), _START + _APART * first
     scenes = (scene for drive in drives for _, scene in itertools.groupby(drive, lambda frame: frame.world))
+    splits = dict[str, str]()
     for number, scene in enumerate(scenes, first + 1):
-        start = _write_scene(folder, tables, f"scene-{number:04d}", scene, start)
+        name = f"scene-{number:04d}"
+        start, splits[name] = _write_scene(folder, tables, name, scene, start)
+    if parts := by_split(splits):
+        (folder / VERSION / "splits.json").write_text(json.dumps(parts))  # as nuscenes.utils.splits reads it
     for name, rows in tables.items():
         (folder / VERSION / f"{name}.json").write_text(json.dumps(rows, indent=0))
 
@@ -292,13 +296,13 @@ def _fixed_tables() -> Tables:
     }
 
 
-def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame], start: int) -> int:
-    """Write a scene from the time `start` on; the time from which on the next one may be."""
+def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame], start: int) -> tuple[int, str]:
+    """Write a scene from the time `start` on; the time from which on the next one may be, and the scene's split."""
     samples, tracks = list[dict[str, Any]](), dict[str, list[dict[str, Any]]]()
-    sweeps, time, world = dict[str, list[dict[str, Any]]](), start, ""
+    sweeps, time, world, split = dict[str, list[dict[str, Any]]](), start, "", ""
     leads, moments = itertools.tee(_moments(frames))
     for number, ((after, lead), moment) in enumerate(zip(timed(each[0] for each in leads), moments, strict=True)):
-        time, world = start + round(1e6 * after), lead.world
+        time, world, split = start + round(1e6 * after), lead.world, lead.split
         sample = {"token": _token(name, number), "timestamp": time, "scene_token": _token(name)}
         samples.append(sample)
         for frame in moment:
@@ -321,7 +325,7 @@ def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame
             | {"last_annotation_token": track[-1]["token"]}
         )
         tables["sample_annotation"] += _linked(track)
-    return time - (time - start) % _APART + _APART
+    return time - (time - start) % _APART + _APART, split
 
 
 def _moments(frames: Iterable[Frame]) -> Iterator[list[Frame]]:

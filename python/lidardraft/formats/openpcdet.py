@@ -18,10 +18,12 @@ def write_openpcdet(folder: Path, drives: Drives, first: int) -> None:
     """Write a data set for `CustomDataset`; objects without a point are left out."""
     for part in ("points", "labels"):
         (folder / part).mkdir()
+    splits = dict[str, str]()
     for name, frame in numbered(drives, first):
+        splits[name] = frame.split
         (folder / "points" / f"{name}.npy").write_bytes(npy(np.column_stack([frame.points, frame.intensity])))
         write_text(folder / "labels" / f"{name}.txt", "".join(map(_line, frame.seen())))
-    write_image_sets(folder, folder / "points")
+    write_image_sets(folder, splits)
 
 
 def _line(annotation: Annotation) -> str:

@@ -8,6 +8,7 @@ SemanticKITTI does not have; in a sequence, what is ridden and moves is of the c
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterable
 from pathlib import Path
@@ -16,7 +17,7 @@ import numpy as np
 
 from lidardraft.errors import FormatError
 from lidardraft.files import read_bytes, write_text, written_whole
-from lidardraft.formats.frame import Annotation, Drives, Frame, timed
+from lidardraft.formats.frame import Annotation, Drives, Frame, by_split, timed
 from lidardraft.formats.kitti import write_bin
 from lidardraft.scene.pose import inverse
 from lidardraft.semantics import BY_NAME, CLASSES, NUM_CLASSES
@@ -125,14 +126,18 @@ def write_sequences(folder: Path, drives: Drives, first: int) -> None:
     Poses are those of the camera relative to its first one, as KITTI's odometry has them; `Tr` says where it stands:
     at the sensor, with x right, y down and z ahead.
     """
+    splits = dict[str, str]()
     for number, drive in enumerate(drives, first):
-        _write_sequence(folder / "sequences" / f"{number:02d}", drive)
+        splits[f"{number:02d}"] = _write_sequence(folder / "sequences" / f"{number:02d}", drive)
+    if parts := by_split(splits):
+        write_text(folder / "splits.json", json.dumps(parts))
 
 
-def _write_sequence(folder: Path, drive: Iterable[Frame]) -> None:
+def _write_sequence(folder: Path, drive: Iterable[Frame]) -> str:
+    """Write a sequence; its split."""
     for part in ("velodyne", "labels"):
         (folder / part).mkdir(parents=True)
-    poses, times = list[np.ndarray](), list[float]()
+    poses, times, split = list[np.ndarray](), list[float](), ""
     for number, (time, frame) in enumerate(timed(drive)):
         write_bin(folder / "velodyne" / f"{number:06d}.bin", frame.points, frame.intensity)
         raw = np.zeros(len(frame.label), np.uint32)
@@ -141,11 +146,13 @@ def _write_sequence(folder: Path, drive: Iterable[Frame]) -> None:
         write_label(folder / "labels" / f"{number:06d}.label", frame.label, frame.instance, raw=raw)
         poses.append(frame.pose)
         times.append(time)
+        split = frame.split
     of_camera = [_CAMERA @ inverse(poses[0]) @ pose @ _CAMERA.T for pose in poses]
     write_text(folder / "poses.txt", "".join(f"{_row(pose)}\n" for pose in of_camera))
     write_text(folder / "times.txt", "".join(f"{time:.6e}\n" for time in times))
     flat = {**{f"P{camera}": np.eye(4) for camera in range(4)}, "Tr": _CAMERA}
     write_text(folder / "calib.txt", "".join(f"{key}: {_row(matrix)}\n" for key, matrix in flat.items()))
+    return split
 
 
 def _row(matrix: np.ndarray) -> str:

@@ -52,4 +52,5 @@ def _files(frame: Frame) -> Iterator[tuple[str, bytes]]:
     boxes = [fields_of(a.box) | {"num_points": a.num_points} for a in frame.annotations]
     sensor = json.loads(frame.sensor.to_json())
     said = {"boxes": boxes, "pose": frame.pose.tolist(), "sensor": sensor}
+    said |= {"split": frame.split} if frame.split else {}
     yield "json", json.dumps(said | json.loads(frame.world or "{}")).encode()
