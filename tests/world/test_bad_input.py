@@ -12,7 +12,7 @@ import pytest
 
 from lidardraft import Layout, Primitive, Sensor, layout_from_text
 from lidardraft.errors import LidarDraftError
-from lidardraft.scene.scenario import AlongLane, Straight
+from lidardraft.scene.scenario import AlongLane, Straight, Waypoints
 from lidardraft.world.state import WorldState
 from lidardraft.world.world import World
 
@@ -89,11 +89,11 @@ CASES: dict[str, tuple[Callable[[World], object], str]] = {
     "follow none": (lambda w: w.follow("car_1"), EITHER),
     "follow a tree": (
         lambda w: w.follow("car_1", behind="tree_1"),
-        "behind is 'tree_1'; it must be an object that drives along a lane",
+        "behind is 'tree_1'; it must be another object that stands in a lane",
     ),
     "follow from beside": (
         lambda w: w.follow("tree_1", behind="ego"),
-        "tree_1 does not stand in the lane of ego and look along it",
+        "tree_1 does not stand in the lane of ego behind ego and look",
     ),
     "an unknown lane": (lambda w: w.follow("car_1", lane="lane_99"), "no lane has the id 'lane_99'"),
     "a gap below 0": (lambda w: w.follow("car_1", behind="ego", gap=-1.0), "gap is -1.0; it must be 0 to 100000 m"),
@@ -200,3 +200,26 @@ def test_numbers_of_numpy_and_shapes_of_a_model() -> None:
     assert len({part.instance for part in parts}) == 1
     world[id].motion = Straight(0.0)
     assert world[id].motion is None
+
+
+def test_misspelt_commands_and_way_points_elsewhere_are_refused() -> None:
+    world = World(LAYOUT, FEW, seed=3)
+    name = next(iter(world.ids))
+    with pytest.raises(AttributeError):
+        world.ego.posee = (1.0, 0.0, 0.0)  # type: ignore[attr-defined]
+    x, y, _ = world[name].pose
+    with pytest.raises(LidarDraftError, match=r"its way-points are 9\.0 m away at 0\.00 s; move it first"):
+        world[name].motion = Waypoints(((0.0, x, y + 9.0), (1.0, x, y + 9.0)))
+
+
+def test_who_follows_is_behind() -> None:
+    world = World(layout_from_text("a car 20 m ahead, a bus 40 m ahead", seed=3), FEW, seed=3)
+    world["bus_1"].motion = None
+    world.follow("car_1", behind="bus_1")
+    for _ in range(200):
+        world.step(0.1)
+    assert world["bus_1"].pose[0] - world["car_1"].pose[0] > (world["bus_1"].size[0] + world["car_1"].size[0]) / 2
+    with pytest.raises(LidarDraftError, match="bus_1 does not stand in the lane of car_1 behind car_1"):
+        world.follow("bus_1", behind="car_1")
+    with pytest.raises(LidarDraftError, match="behind is 'car_1'; it must be another object that stands in a lane"):
+        world.follow("car_1", behind="car_1")

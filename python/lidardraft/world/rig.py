@@ -26,7 +26,8 @@ class Mount:
 
     def __post_init__(self) -> None:
         check_type("sensor", self.sensor, Sensor)
-        check_that(are_numbers(self.spot, 4), "spot", self.spot, "four finite numbers: x, y, z and yaw")
+        fits = are_numbers(self.spot, 4) and self.spot[2] > 0.0
+        check_that(fits, "spot", self.spot, "four finite numbers: x, y, z over the road and yaw")
         x, y, z, yaw = map(float, self.spot)
         object.__setattr__(self, "spot", (x, y, z, yaw))
 
@@ -40,6 +41,8 @@ class Rig:
     def __post_init__(self) -> None:
         if not self.mounts:
             raise LayoutError("the rig has no sensors; it needs one at least")
+        for name, mount in self.mounts.items():
+            check_type(f"mount {name!r}", mount, Mount)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the rig as JSON."""

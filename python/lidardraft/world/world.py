@@ -42,6 +42,7 @@ from lidardraft.scene.weather import Weather, weather_of
 from lidardraft.semantics import BY_NAME, GROUND
 from lidardraft.simulation.motion.driving import STEP
 from lidardraft.simulation.motion.motions import DRIVES
+from lidardraft.simulation.motion.tracks import through
 from lidardraft.simulation.recorded.solid_object import sampled_parts
 from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
@@ -55,10 +56,13 @@ _POLICIES = ("allow", "refuse", "stop")
 _MOST_THINGS = 5000  # of which a step and a scan take a second together where all of them drive
 _MOST_INSTANCES = 2**16 - 1
 _LONGEST = 60.0  # s, of a step
+_AWAY = 0.5  # m that way-points may be from where an object is
 
 
 class Handle:
     """One object of a world, or its ego vehicle, as it is now."""
+
+    __slots__ = ("_world", "id")
 
     def __init__(self, world: World, id: str) -> None:
         self._world, self.id = world, id
@@ -76,6 +80,11 @@ class Handle:
     @pose.setter
     def pose(self, pose: Place) -> None:
         self._world._send(self.id, pose)
+
+    @property
+    def size(self) -> tuple[float, float, float]:
+        """Length, width and height of its box [m]."""
+        return self._world._thing(self.id, self._world._actor(self.id)).body.size
 
     @property
     def velocity(self) -> tuple[float, float, float]:
@@ -390,22 +399,26 @@ class World:
             if (lane is None) == (behind is None):
                 raise LayoutError(f"{id} follows a lane or somebody; give one of lane and behind")
             if behind is not None:
-                leader = self._actor(behind).drive
-                check_that(leader is not None, "behind", behind, "an object that drives along a lane")
-                assert leader is not None
-                among, where = [ways[leader.way]], f"the lane of {behind}"
+                leader = self._actor(behind)
+                led = leader if leader.drive else self._stepping.along(behind, leader, AlongLane(), ways)
+                fits = behind != id and led is not None and led.drive is not None
+                check_that(fits, "behind", behind, "another object that stands in a lane and looks along it")
+                assert led is not None
+                assert led.drive is not None
+                among, where, before = [ways[led.drive.way]], f"the lane of {behind}", led.drive.along
             else:
                 roads = self._stepping.roads
                 if roads is None:
                     raise LayoutError("the layout has no roads that are known; nothing can follow a lane")
                 one = lane if isinstance(lane, Lane) else roads.lane(str(lane))
-                among, where = [way for way in ways if _leads_along(way, one)], f"lane {one.id}"
+                among, where, before = [way for way in ways if _leads_along(way, one)], f"lane {one.id}", math.inf
             for way in among:
                 after = self._stepping.along(id, actor, AlongLane(gap=gap, turn=way.turn), [way], to_middle=True)
-                if after is not None:
+                if after is not None and after.drive is not None and after.drive.along < before:
                     self._state = self._state.but({id: after})
                     return
-            raise LayoutError(f"{id} does not stand in {where} and look along it; move it there first")
+            back = f" behind {behind}" if behind else ""
+            raise LayoutError(f"{id} does not stand in {where}{back} and look along it; move it there first")
 
     def _send(self, id: str, pose: Place) -> None:
         with self._alone():
@@ -442,7 +455,12 @@ class World:
         with self._alone():
             if motion is not None:
                 check_type("motion", motion, Straight, AlongLane, Walk, Waypoints)
-            self._state = self._state.but({id: self._stepping.commanded(id, self._movable(id), motion)})
+            actor, time = self._movable(id), self._state.time
+            if isinstance(motion, Waypoints):
+                (x, y, *_), _ = through(np.array(motion.points), 0.0, time + np.array([0.0, STEP])).places.tolist()
+                if (away := math.dist((x, y), actor.spot[:2])) > _AWAY:
+                    raise LayoutError(f"{id}: its way-points are {away:.1f} m away at {time:.2f} s; move it first")
+            self._state = self._state.but({id: self._stepping.commanded(id, actor, motion)})
 
     def step(self, seconds: float) -> None:
         """Go on, in steps of 0.05 s or less. Raises `LayoutError` where `seconds` is not over 0, or over 60."""
@@ -469,7 +487,7 @@ class World:
         return {channel: self.scan(channel) for channel in self.rig.mounts}
 
     def cast(self, channel: str | None = None) -> RangeImage:
-        """The clean returns of all sub-rays of a sensor in the sweep that ends now (`Scanner.cast`)."""
+        """The clean returns of all sub-rays of a sensor in the sweep that ends now (`Sweeper.cast`)."""
         with self._alone():
             channel = self._channel(channel)
             return self._cast(self._state, channel, self._swept(self._state, channel))[0]
