@@ -57,6 +57,7 @@ STREETS = {
     "worker_processes": (),
     "pairs": ("coarse", "ego", "street", "worker_processes"),
     "scans": ("coarse", "pairs", "street"),
+    "drives": ("coarse", "ego", "street"),
 }
 TORCH_ROOMS = {"networks", "diffusion", "perception", "training", "pipeline", "evaluation"}
 FORBIDDEN_NAMES = {"utils", "util", "helpers", "helper", "misc", "common", "tools", "base"}

@@ -160,6 +160,7 @@ def scans(layout: Layout, sensor: Sensor, denoiser: Denoiser) -> Iterator[Scan]:
     yield from pipeline.scans([("a bus ahead", 2), (layout, 3)], sensor=sensor, speed=5.0)
     config = StreetConfig(sensor=sensor, mix=StreetMix(traffic=2.0))
     yield lidardraft.street_scan(3, seed=1, config=config)
+    yield lidardraft.street_drive(3, seed=1, config=config, frames=20).frame(4)
     pair = next(streets.streets(seed=1, config=config, workers=2))
     yield Scan.from_points(pair.scan.points(), sensor, intensity=pair.scan.intensity, layout=pair.layout)
 

@@ -59,7 +59,9 @@ from lidardraft.simulation.motion.sequence import SequenceSimulator as SequenceS
 from lidardraft.simulation.simulate import Simulator as Simulator, simulate as simulate
 from lidardraft.simulation.around.surround import surround as surround
 from lidardraft.simulation.motion.tracks import Tracks as Tracks
-from lidardraft.streets import StreetConfig as StreetConfig, StreetMix as StreetMix, street_scan as street_scan
+from lidardraft.streets import (
+    StreetConfig as StreetConfig, StreetMix as StreetMix, street_drive as street_drive, street_scan as street_scan,
+)
 from lidardraft.world.rig import Mount as Mount, Rig as Rig
 from lidardraft.world.state import (
     Actor as Actor, Collision as Collision, Drive as Drive, WorldState as WorldState,

@@ -10,6 +10,7 @@ import random
 import signal
 import subprocess
 import sys
+import tarfile
 import time
 import zlib
 from collections import Counter
@@ -134,7 +135,7 @@ def test_scenes_sensors_and_weather_come_as_often_as_their_shares_say(recipe: Pa
     text = "".join(layout.format(share) for share in shares)
     text += "".join(sensor.format(share, height) for share, height in zip(shares, (1.5, 2.0, 2.5), strict=True))
     recipe.write_text(f"seed = 3\n{text}[[weather]]\nshare = 1\n[[weather]]\nshare = 7\nwetness = 1.0\n")
-    loaded = Recipe.load(recipe, scans=num)
+    loaded = Recipe.load(recipe, num)
     found: Counter[str] = Counter()
     for scan in map(loaded.scan, range(num)):
         told = scan.layout.provenance["recipe"]
@@ -145,6 +146,93 @@ def test_scenes_sensors_and_weather_come_as_often_as_their_shares_say(recipe: Pa
     assert all(abs(found[name] - num / 8) < bound for name in rare), found
 
 
+DRIVES = """
+drives = 5
+frames = 3
+hz = 5
+format = "{}"
+[split]
+train = 0.6
+val = 0.2
+test = 0.2
+[[scene]]
+street = ["urban", "village"]
+riders = 2.0
+[[scene]]
+text = "a bus 20 m ahead, two cyclists behind it"
+surroundings = "bare"
+[[sensor]]
+name = "small.json"
+"""
+
+
+def test_recipes_of_drives_are_split_by_drive(recipe: Path) -> None:
+    recipe.write_text(DRIVES.format("nuscenes"))
+    whole = made("-o", "set", "--jobs", "1")
+    assert made("-o", "two", "--jobs", "2") == whole
+    tables = {path.stem: json.loads(path.read_text()) for path in Path("set/nuscenes/v1.0-trainval").glob("*.json")}
+    assert [(row["name"], row["nbr_samples"]) for row in tables["scene"]] == [
+        (f"scene-{k:04d}", 3) for k in range(1, 6)
+    ]
+    assert sorted(scene for scenes in tables["splits"].values() for scene in scenes) == [
+        f"scene-{k:04d}" for k in range(1, 6)
+    ]
+    assert {name: len(scenes) for name, scenes in tables["splits"].items()} == {"train": 3, "val": 1, "test": 1}
+    scans = json.loads(Path("set/splits.json").read_text())
+    for name, scenes in tables["splits"].items():
+        numbers = [3 * (int(scene[-4:]) - 1) + k for scene in scenes for k in range(3)]
+        assert scans[name] == [f"{number:06d}" for number in numbers]
+    times = [row["timestamp"] for row in tables["sample"][:3]]
+    assert np.diff(times).tolist() == [200_000, 200_000]
+    card = Path("set/CARD.md").read_text()
+    assert "5 drives of 3 scans at 5 Hz" in card
+    assert "| train | 9 |" in card
+    assert made("-o", "set", "--jobs", "1", "-n", "6").items() > {"set/recipe.json"[4:]: whole["recipe.json"]}.items()
+
+
+@pytest.mark.parametrize("format", ["kitti", "semantickitti", "mmdet3d", "webdataset"])
+def test_splits_of_other_formats(format: str, recipe: Path) -> None:
+    recipe.write_text(DRIVES.format(format))
+    made("-o", "set", "--jobs", "1")
+    scans = json.loads(Path("set/splits.json").read_text())
+    if format in ("kitti", "mmdet3d"):
+        sets = Path("set", format, "ImageSets")
+        assert {name: (sets / f"{name}.txt").read_text().split() for name in scans} == scans
+        assert (sets / "trainval.txt").read_text().split() == sorted(scans["train"] + scans["val"])
+    if format == "mmdet3d":
+        infos = {name: json.loads(Path(f"set/mmdet3d/lidardraft_infos_{name}.json").read_text()) for name in scans}
+        assert {
+            name: [f"{row['sample_idx']:06d}" for row in info["data_list"]] for name, info in infos.items()
+        } == scans
+    if format == "semantickitti":
+        parts = json.loads(Path("set/semantickitti/splits.json").read_text())
+        assert parts == {name: sorted({f"{int(k) // 3:02d}" for k in numbers}) for name, numbers in scans.items()}
+    if format == "webdataset":
+        with tarfile.open("set/000001.tar") as tar:
+            file = tar.extractfile("000003.json")
+            assert file is not None
+            assert json.load(file)["split"] in next(name for name in scans if "000003" in scans[name])
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("val = 0.2", "val = 0.3"), "split: 0.6 + 0.3 + 0.2 is 1.1; it must be 1"),
+        (("drives = 5", "scans = 5"), "scans goes without frames, which make drives"),
+        (("frames = 3\n", ""), "drives goes with frames, which make drives"),
+        (("hz = 5", "hz = 0"), "hz is 0; it must be a number over 0"),
+        (("hz = 5", "poses = 2"), "poses goes without frames"),
+        (("hz = 5", "hz = 50"), "drive 0, scene 1: hz is 50; a sweep of small takes 0.1 s"),
+    ],
+)
+def test_bad_recipes_of_drives(
+    change: tuple[str, str], said: str, recipe: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    recipe.write_text(DRIVES.format("webdataset").replace(*change))
+    assert cli.main(["dataset", "recipe.toml", "-o", "set", "--jobs", "1"]) != 0
+    assert said in capsys.readouterr().err
+
+
 def test_any_processes_make_the_same_shards(capsys: pytest.CaptureFixture[str]) -> None:
     whole = made("-o", "one", "--jobs", "1")
     assert capsys.readouterr().out.endswith("one: 20 scans as webdataset\n")
@@ -153,7 +241,8 @@ def test_any_processes_make_the_same_shards(capsys: pytest.CaptureFixture[str]) 
         assert "summary.json" not in made("-o", "shares", "--jobs", "1", "--shard", share)
     assert made("-o", "shares", "--jobs", "1", "--shard", "1/3") == whole
     assert sorted(whole) == sorted(
-        [f"{k:06d}.{ending}" for k in range(7) for ending in ("tar", "json")] + ["recipe.json", "summary.json"]
+        [f"{k:06d}.{ending}" for k in range(7) for ending in ("tar", "json")]
+        + ["CARD.md", "recipe.json", "summary.json"]
     )
 
 

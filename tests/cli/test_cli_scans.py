@@ -89,7 +89,8 @@ def test_a_layout_without_ground_is_said_in_one_line(capsys: pytest.CaptureFixtu
     assert err == "lidardraft: the layout has no ground (road, sidewalk or terrain): nothing returns from it\n"
 
 
-STREET = ["simulate", "--street", "residential", "--seed", "7", "--poses", "2", *SMALL]
+DRIVES = ["simulate", "--street", "residential", "--seed", "7", *SMALL]
+STREET = [*DRIVES, "--poses", "2"]
 
 
 def test_streets_are_scanned(capsys: pytest.CaptureFixture[str]) -> None:
@@ -109,6 +110,30 @@ def test_streets_are_scanned(capsys: pytest.CaptureFixture[str]) -> None:
         boxes, counts = read_boxes(f"out/00000{number}.boxes.json")
         assert counts == [np.count_nonzero(instance == box.instance) for box in boxes]
         assert sum(counts) > 0.9 * np.isin(label, [row.id for row in CLASSES if row.is_thing]).sum() > 0
+
+
+def test_drives_come_in_folders_and_become_one_data_set(refused: Callable[..., str]) -> None:
+    Path("lines.txt").write_text("a car ahead\na van behind\n")
+    for name, command in {"street": DRIVES, "lines": ["simulate", "--text-file", "lines.txt", *SMALL]}.items():
+        more = ["-n", "2", "--frames", "3", "--pictures", "1"]
+        assert cli.main([*command, *more, "--jobs", "2", "-o", name]) == 0
+        assert cli.main([*command, *more, "--jobs", "1", "-o", f"{name}-again"]) == 0
+        files = [path.relative_to(name) for path in sorted(Path(name).rglob("*")) if path.is_file()]
+        assert {path.parent.name for path in files} == {"000000", "000001"}
+        assert [path.name for path in files if path.suffix == ".png"] == ["000000.png"]
+        for path in files:
+            assert Path(name, path).read_bytes() == Path(f"{name}-again", path).read_bytes()
+        assert cli.main(["export", name, "--format", "nuscenes", "-o", f"{name}-set"]) == 0
+        scenes = json.loads(Path(f"{name}-set/v1.0-trainval/scene.json").read_text())
+        assert [row["nbr_samples"] for row in scenes] == [3, 3]
+    assert "is not empty" in refused(*DRIVES, "--frames", "2", "-n", "2", "-o", "street")
+    assert cli.main([*DRIVES, "--frames", "2", "-n", "1", "-o", "street", "--overwrite"]) == 0
+    assert {path.name for path in Path("street").iterdir() if path.is_dir()} == {"000000"}
+
+
+def test_a_word_that_sentences_know_names_a_district() -> None:
+    assert cli.main(["simulate", "--street", "downtown", *SMALL, "--no-picture", "-o", "out"]) == 0
+    assert Layout.load("out/000000.layout.json").intent.district == "urban"
 
 
 def test_scans_do_not_depend_on_the_number_of_processes_or_of_scans(capsys: pytest.CaptureFixture[str]) -> None:
@@ -138,14 +163,14 @@ def test_every_sentence_of_a_file_becomes_a_scan(refused: Callable[..., str]) ->
     assert "empty.txt holds no sentence" in refused("generate", "--text-file", "empty.txt", "-o", "new", *SMALL)
 
 
-def test_bad_input_of_streets_is_one_line(refused: Callable[..., str], capsys: pytest.CaptureFixture[str]) -> None:
+def test_bad_input_of_streets_is_one_line(refused: Callable[..., str]) -> None:
     assert "--speed goes with a layout" in refused(*STREET, "-o", "out", "--speed", "3")
     assert "--surroundings goes with a layout" in refused(*STREET, "-o", "out", "--surroundings", "bare")
     assert "--poses goes with --street" in refused(*SIMULATE, "--poses", "3")
     assert "--labels goes with --points" in refused(*STREET, "-o", "out", "--labels", "a.label")
-    with pytest.raises(SystemExit):
-        cli.main(["simulate", "--street", "residental", "-o", "out"])
-    assert "did you mean 'residential'?" in capsys.readouterr().err
+    assert "did you mean 'residential'?" in refused("simulate", "--street", "residental", "-o", "out")
+    assert "--scenario goes with a layout" in refused(*DRIVES, "-o", "out", "--frames", "2", "--scenario", "a.json")
+    assert "--poses does not go with --frames" in refused(*STREET, "-o", "out", "--frames", "2", "--poses", "2")
     for command in ("draft", "generate"):
         with pytest.raises(SystemExit):
             cli.main([command, "--street", "any", "-o", "out"])
@@ -439,7 +464,6 @@ def test_a_sequence_says_that_its_lanes_are_guessed(capsys: pytest.CaptureFixtur
     ("more", "said"),
     [
         (["--hz", "5"], "--hz is of a sequence; say with --frames how long it is"),
-        (["--frames", "3", "-n", "2"], "--num does not go with --frames"),
         (["--frames", "3", "--hz", "20"], "hz is 20; a sweep of small takes 0.1 s"),
         (["--frames", "3", "--scenario", "wrong.json"], "wrong.json: the layout has no object 'car_9'"),
         (["--frames", "3", "--scenario", "none.json"], "none.json: No such file"),

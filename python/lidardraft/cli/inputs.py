@@ -7,7 +7,7 @@ import math
 import os
 import re
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -144,11 +144,14 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str) -> argparse._Argumen
 
 def district_named(word: str) -> str:
     """The district of streets of that name, or that a sentence knows by that word, as in "downtown"."""
-    from lidardraft.drafting.text.layout import spec_from_text
+    from lidardraft.drafting.text.lexicon import lexicon
 
-    with suppress(TextError):
-        if (found := word if word in STREET_DISTRICTS else spec_from_text(word).district) is not None:
-            return found
+    if word in STREET_DISTRICTS:
+        return word
+    parts = tuple(word.split())
+    for entry, meaning in lexicon().get(parts[0], ()) if parts else ():
+        if entry == parts and "district" in meaning.features:
+            return str(meaning.features["district"])
     raise FormatError(f"--street is {word!r}; it must be {one_of(('any', *STREET_DISTRICTS), word)}")
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from lidardraft.errors import LayoutError, check_choice, check_choices, check_that
 from lidardraft.files import named
 from lidardraft.json_fields import is_number
@@ -53,6 +55,11 @@ class Lane:
         """The speed [m/s] at a place along it from which a turn can be taken."""
         before = max(0.0, self.bend[0] - along)
         return math.sqrt(_TURNING**2 + 2 * _EASING * before) if along < self.bend[1] else math.inf
+
+    def leads_along(self, lane: Lane) -> bool:
+        """Whether a way leads through a lane."""
+        along, left = self.line.along_across(lane.line.spaced(5)[1:-1])
+        return bool((np.abs(left) < lane.width / 4).all() and (np.diff(along) > 0.0).all())
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -411,7 +411,7 @@ class World:
                 if roads is None:
                     raise LayoutError("the layout has no roads that are known; nothing can follow a lane")
                 one = lane if isinstance(lane, Lane) else roads.lane(str(lane))
-                among, where, before = [way for way in ways if _leads_along(way, one)], f"lane {one.id}", math.inf
+                among, where, before = [way for way in ways if way.leads_along(one)], f"lane {one.id}", math.inf
             for way in among:
                 after = self._stepping.along(id, actor, AlongLane(gap=gap, turn=way.turn), [way], to_middle=True)
                 if after is not None and after.drive is not None and after.drive.along < before:
@@ -583,12 +583,6 @@ class World:
 
 def _same(some: Sequence[object], others: Sequence[object]) -> bool:
     return len(some) == len(others) and all(one is other for one, other in zip(some, others, strict=True))
-
-
-def _leads_along(way: Lane, lane: Lane) -> bool:
-    """Whether a way leads through a lane."""
-    along, left = way.line.along_across(lane.line.spaced(5)[1:-1])
-    return bool((np.abs(left) < lane.width / 4).all() and (np.diff(along) > 0.0).all())
 
 
 def _check_number(things: int) -> None:

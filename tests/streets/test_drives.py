@@ -1,0 +1,84 @@
+"""Drives through streets: everything moves, what is scanned is what the layouts say, and each call gives the same."""
+
+import dataclasses
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+
+from lidardraft import Scan, Sensor, StreetConfig, StreetMix, street_drive
+from lidardraft.arranging.street_mix import only
+from lidardraft.errors import LidarDraftError
+from lidardraft.semantics import BY_NAME
+from lidardraft.simulation.motion.sequence import SequenceSimulator
+
+SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(4, -24, 24)).tolist()), columns=512)
+CONFIG = StreetConfig(sensor=SMALL, half_length=200.0)
+FRAMES = 12
+
+
+@cache
+def drive(number: int) -> SequenceSimulator:
+    return street_drive(number, seed=4, config=CONFIG, frames=FRAMES)
+
+
+@cache
+def frame(number: int, of: int) -> Scan:
+    return drive(number).frame(of)
+
+
+def test_the_ego_vehicle_and_others_move() -> None:
+    for number in range(3):
+        assert drive(number).tracks.actors
+        x, y = np.ptp([frame(number, k).pose[:2, 3] for k in (0, FRAMES - 1)], axis=0)
+        assert math.hypot(x, y) > 0.5
+
+
+def test_points_of_things_lie_in_the_boxes_of_the_layout() -> None:
+    """Details reach a little over the boxes; what moves is as far from its box as it goes in half a sweep."""
+    inside = total = 0
+    for number in range(3):
+        scan = frame(number, FRAMES // 2)
+        points, instances = scan.points(), scan.instances()
+        for box in scan.boxes():
+            own = points[instances == box.instance]
+            assert box.velocity is not None
+            inside += int(box.contains(own, 0.15 + 0.05 * math.hypot(*box.velocity)).sum())
+            total += len(own)
+    assert total > 500
+    assert inside > 0.98 * total
+
+
+def test_wheels_stand_on_the_ground() -> None:
+    gaps = []
+    for number in range(3):
+        scan = frame(number, FRAMES // 2)
+        road = scan.points()[scan.labels() == BY_NAME["road"].id]
+        for box in scan.boxes():
+            near = road[np.hypot(*(road[:, :2] - box.center[:2]).T) < 4.0]
+            if box.label == "car" and len(near) > 5:
+                gaps.append(box.center[2] - box.size[2] / 2 - float(np.median(near[:, 2])))
+    assert len(gaps) > 2
+    assert max(map(abs, gaps)) < 0.25
+
+
+def test_a_drive_depends_on_seed_and_number_alone() -> None:
+    again = street_drive(1, seed=4, config=CONFIG, frames=FRAMES, threads=1)
+    assert again.frame(5).image.depth.tobytes() == frame(1, 5).image.depth.tobytes()
+    assert again.layout == drive(1).layout
+    assert street_drive(2, seed=4, config=CONFIG, frames=FRAMES).layout != drive(1).layout
+
+
+def test_every_district_has_drives() -> None:
+    few = dataclasses.replace(SMALL, name="few", elevations=SMALL.elevations[:8], columns=64)
+    for name in ("motorway", "village", "school"):
+        config = StreetConfig(sensor=few, half_length=200.0, mix=StreetMix(**only(name)))
+        assert street_drive(0, seed=1, config=config, frames=3).layout.intent.district == name
+
+
+def test_bad_drives_are_refused() -> None:
+    with pytest.raises(LidarDraftError, match="number is -1"):
+        street_drive(-1, config=CONFIG)
+    with pytest.raises(LidarDraftError, match="hz is 0"):
+        street_drive(0, config=CONFIG, hz=0)
