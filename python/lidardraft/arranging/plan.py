@@ -8,7 +8,7 @@ import numpy as np
 
 from lidardraft.arranging.building_rows import place_buildings
 from lidardraft.arranging.car_parks import CarPark, place_in_car_park, sample_car_park
-from lidardraft.arranging.district import STREET_DISTRICTS, District, sample_road
+from lidardraft.arranging.district import CALM, STREET_DISTRICTS, District, sample_road
 from lidardraft.arranging.gardens import (
     place_driveways,
     place_front_fences,
@@ -37,6 +37,10 @@ from lidardraft.scene.street import StreetFrame, paths_of
 # Closed fronts behind front gardens: their share among closed fronts, and what is different there. Numbers without a
 # source are estimates of ours, here and below.
 _GREEN = 0.35
+# Streets along parks and open land, country roads with sidewalks, and calm streets without any: estimates of ours.
+_OPEN, _COUNTRY_WALKS, _NO_WALKS = 0.15, 0.3, 0.08
+_OPEN_FENCES, _OPEN_THICKETS = 0.15, 2.0  # a side
+_OPEN_SETBACK, _OPEN_GAP, _WALKS = (6.0, 14.0), (4.0, 20.0), (1.5, 2.5)  # m
 _GREEN_SETBACK, _GREEN_FENCES, _GREEN_THICKETS = (2.5, 6.0), 0.5, 1.5  # m, a side, mean number a side
 _TWO_AISLES = 0.35  # share of car parks with two aisles
 
@@ -66,7 +70,7 @@ def plan_street(rng: np.random.Generator, half_length: float, mix: StreetMix = U
 def sample_frame(rng: np.random.Generator, half_length: float, mix: StreetMix) -> tuple[Frame, str]:
     """The frame of a street that nothing is said of, and the name of its district."""
     name = mix.sample_district(rng)
-    district = applied(mix, greened(STREET_DISTRICTS[name], rng))
+    district = applied(mix, walked(greened(STREET_DISTRICTS[name], rng), rng))
     parking = tuple(side for side in SIDES if rng.random() < district.parked)
     oneway, wants_car_park = bool(rng.random() < district.oneway), bool(rng.random() < district.car_park)
     road = sample_road(district, parking, half_length, rng, oneway=oneway, car_park=wants_car_park)
@@ -91,6 +95,22 @@ def greened(district: District, rng: np.random.Generator) -> District:
         return replace(
             district, setback=_GREEN_SETBACK, front_fences=_GREEN_FENCES, paved=0.0, thickets=_GREEN_THICKETS
         )
+    return district
+
+
+def walked(district: District, rng: np.random.Generator) -> District:
+    """The district, whose sidewalks are now and then where no buildings are: along parks, open land and country roads;
+    and whose buildings, more seldom, are where no sidewalks are."""
+    draw = rng.random()
+    if not district.junction:  # a motorway
+        return district
+    if not district.built_up:
+        return replace(district, sidewalk=_WALKS) if draw < _COUNTRY_WALKS else district
+    if draw < _OPEN:
+        district = replace(district, built=0.0, paved=0.0, setback=_OPEN_SETBACK, gap=_OPEN_GAP)
+        return replace(district, front_fences=_OPEN_FENCES, thickets=_OPEN_THICKETS)
+    if draw > 1.0 - _NO_WALKS and district.speed < CALM:
+        return replace(district, sidewalk=(0.0, 0.0))
     return district
 
 
