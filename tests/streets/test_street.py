@@ -126,8 +126,8 @@ def test_the_ego_pose_is_rigid_and_lies_on_the_road():
 
 def test_the_road_passes_under_the_wheels():
     for occupancy, ego in egos():
-        if occupancy.road.curvature or ego.lane.kind == ROUNDABOUT:
-            continue
+        if occupancy.road.curvature or ego.lane.kind == ROUNDABOUT or ego.lane.width < 2.2:
+            continue  # in the narrowest lanes a wheel may be on the kerb
         # on a straight road the frame is the layout's, but for the place of the ego lane
         shift = occupancy.road.lane(occupancy.road.ego_lane)
         wheels = np.array([(sx * 1.35, sy * 0.8, 0.0) for sx in (-1, 1) for sy in (-1, 1)])
