@@ -14,7 +14,6 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
-from types import MappingProxyType
 
 import numpy as np
 from PIL import Image, ImageDraw
@@ -365,14 +364,13 @@ def fields_of(image: RangeImage) -> dict[str, np.ndarray]:
     return {"row": row, "column": column, "range": image.depth[image.valid], "time": image.times(), **known}
 
 
-def html_page(
-    points: np.ndarray, fields: Mapping[str, np.ndarray] = MappingProxyType({}), *, boxes: Sequence[Box] = (), title: str = ""
-) -> str:
-    """One page of HTML that turns, colours and explains points [N, 3] with boxes; it needs no other file and no host.
+def html_page(points: np.ndarray, fields: Mapping[str, np.ndarray], *, boxes: Sequence[Box], title: str) -> str:
+    """One page of HTML that turns points [N, 3] with boxes, and tells of each what is known; it needs no other file
+    and no host.
 
-    `fields` are what is known of each point [N]: `label`, a class id; `instance`, the number of an object, as boxes have
-    it; `intensity`, 0 to 1; `row` and `column`; `range` [m]; `time` in the sweep [s]. Points more than 1000 m away are
-    left out, and coordinates rounded to the 32767th part of the furthest. Raises `LayoutError` where arrays do not fit.
+    `fields` [N] are class ids (`label`), numbers of objects as boxes have them (`instance`), `intensity` of 0 to 1,
+    `row`, `column`, `range` [m] and `time` in the sweep [s]; all may be missing. Points more than 1000 m away are left
+    out, and coordinates rounded to the 32767th part of the furthest. Raises `LayoutError` where arrays do not fit.
     """
     fields = {"label": np.zeros(len(points), np.uint8), **fields}
     if wrong := [name for name, values in fields.items() if values.shape != (len(points),)]:
@@ -384,24 +382,16 @@ def html_page(
     sent |= {name: (values, *_SENT[name]) for name, values in fields.items()}
     packed = zlib.compress(b"".join(_planes(*each) for each in sent.values()), 6)
     near = min(boxes, key=lambda box: math.hypot(*box.center[:2]), default=None)
-    seen = set(fields.get("instance", np.zeros(1)).tolist())
     data = {
         "title": title or "LiDAR scan",
         "count": len(points),
         "fields": [(name, np.dtype(kind).itemsize, unit) for name, (_, kind, unit) in sent.items()],
         "packed": base64.b64encode(packed).decode(),
-        "classes": [(row.name or "unlabelled", _colour_of(row.id) if row.id else _WHITE, row.is_thing) for row in CLASSES],
+        "classes": [(row.name, _colour_of(row.id) if row.id else _WHITE, row.is_thing) for row in CLASSES],
         "levels": list(zip(_LEVELS, _LEVEL_COLOURS, strict=True)),
-        "ramp": _RAMP.tolist(),
         "boxes": [
-            {
-                "id": box.id,
-                "label": BY_NAME[box.label].id,
-                "instance": box.instance,
-                "empty": seen != {0} and box.instance not in seen,  # a recording need not say whose its returns are
-                "corners": box.corners().round(3).tolist(),
-            }
-            for box in boxes
+            {"id": box.id, "label": BY_NAME[box.label].id, "instance": box.instance, "corners": corners}
+            for box, corners in zip(boxes, corners_of(boxes).round(3).tolist(), strict=True)
         ],
         "reach": min(furthest, 100.0),
         "target": list(near.center) if near and math.hypot(*near.center[:2]) < _SHOWN_WITHIN else [0.0, 0.0, 0.0],
@@ -413,7 +403,7 @@ def html_page(
 def _planes(values: np.ndarray, kind: str, unit: float) -> bytes:
     """The bytes of values in units, each less the one before it: all lowest bytes first, as zlib likes them."""
     steps = np.diff(np.round(values / unit).astype(kind), prepend=np.zeros(1, kind))
-    return steps.view(np.uint8).reshape(len(values), -1).T.tobytes()
+    return steps.view(np.uint8).reshape(len(values), steps.itemsize).T.tobytes()
 
 
 def save_png(path: str | os.PathLike[str], picture: np.ndarray) -> None:

@@ -126,7 +126,8 @@ def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
     beside = path.with_suffix(".npz")  # of a scan of ours, which a .bin holds in the same order
     if image is None and path.suffix == ".bin" and beside.exists() and "depth" in names_in(beside):
         image = RangeImage.load(beside)
-    known = fields if image is None or image.valid.sum() != len(points) else fields_of(image) | fields
+    known = {"range": np.linalg.norm(points, axis=1)}
+    known |= fields if image is None or image.valid.sum() != len(points) else fields_of(image) | fields
     points, boxes = np.add(points, (0.0, 0.0, sensor.mount_height)), _boxes(path, arguments, sensor)
     return {"points": points, "fields": known, "boxes": boxes, "title": _title(path)}
 
