@@ -58,7 +58,7 @@ _SHOWN, _SHOWN_WITHIN, _SEEN = 10, 30.0, 5  # boxes that an eye shows: so many, 
 _LONGEST_TITLE = 120
 _FURTHEST = 1000.0  # m of a page: what is further is not a return
 _SENT: dict[str, tuple[str, float]] = {  # the integers and the unit that a page has of each field
-    "label": ("<i2", 1.0), "instance": ("<i4", 1.0), "intensity": ("<i2", 1 / 255), "row": ("<i4", 1.0),
+    "label": ("<i2", 1.0), "instance": ("<u4", 1.0), "intensity": ("<i2", 1 / 255), "row": ("<i4", 1.0),
     "column": ("<i4", 1.0), "range": ("<i4", 0.01), "time": ("<i4", 1e-6),
 }  # fmt: skip
 _FILM_COLOURS = 64  # of all frames of a GIF
