@@ -254,10 +254,10 @@ def _describe(drawing: Drawing, image: RangeImage, boxes: Sequence[Box], title: 
     small, edge, step = 13 * line, 12 * line, 19 * line
     row = float(edge)
     if title:
-        drawing.text((edge, row), textwrap.shorten(title, _LONGEST_TITLE, placeholder=" ..."), 18 * line)
+        drawing.title((edge, row), textwrap.shorten(title, _LONGEST_TITLE, placeholder=" ..."), 18 * line)
         row += 26 * line
     beams, columns = image.sensor.shape
-    drawing.text((edge, row), f"{image.sensor.name}, {beams} x {columns}, {int(image.valid.sum()):,} returns", small)
+    drawing.title((edge, row), f"{image.sensor.name}, {beams} x {columns}, {int(image.valid.sum()):,} returns", small)
     labels = np.bincount(image.label[image.valid], minlength=len(CLASSES))
     numbers = [k for k in np.argsort(-labels).tolist() if k and labels[k] and (by_label or _IS_THING[k])]
     counts = Counter(BY_NAME[box.label].id for box in boxes)
