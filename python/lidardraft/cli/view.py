@@ -20,6 +20,7 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 
 _PAIRS_SHOWN = 6
+_MOVED = 5.0  # m, more than a sensor moves in half a sweep
 _SHOWN_FOR = 0.5  # s, of scans that are not a sequence
 
 
@@ -126,8 +127,11 @@ def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
     beside = path.with_suffix(".npz")  # of a scan of ours, which a .bin holds in the same order
     if image is None and path.suffix == ".bin" and beside.exists() and "depth" in names_in(beside):
         image = RangeImage.load(beside)
-    known = {"range": np.linalg.norm(points, axis=1)}
-    known |= fields if image is None or image.valid.sum() != len(points) else fields_of(image) | fields
+    ranges = np.linalg.norm(points, axis=1)
+    depth = np.zeros(0) if image is None else image.depth[image.valid]
+    known = {"range": ranges, **fields}
+    if image is not None and len(depth) == len(ranges) and np.abs(depth - ranges).max(initial=0.0) < _MOVED:
+        known = fields_of(image) | fields
     points, boxes = np.add(points, (0.0, 0.0, sensor.mount_height)), _boxes(path, arguments, sensor)
     return {"points": points, "fields": known, "boxes": boxes, "title": _title(path)}
 
