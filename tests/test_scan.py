@@ -89,7 +89,7 @@ def test_an_image_without_intensity_is_not_saved_as_a_scan(tmp_path: Path) -> No
         with pytest.raises(SensorError, match=said):
             refused()
     assert not list(tmp_path.iterdir())
-    assert '"intensities": null' in bare.html()
+    assert '["intensity", ' not in bare.html()
     assert bare.picture().shape == (712, 1400, 3)  # with two range images
 
 

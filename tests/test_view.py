@@ -2,6 +2,7 @@ import base64
 import html
 import json
 import re
+import zlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -158,24 +159,47 @@ def page_data(page: str) -> dict:
     return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)[1])
 
 
+def fields_of_page(page: str) -> dict[str, np.ndarray]:
+    """What a page holds of each point, in metres and seconds."""
+    data, start, found = page_data(page), 0, {}
+    packed = np.frombuffer(zlib.decompress(base64.b64decode(data["packed"])), np.uint8)
+    for name, width, unit in data["fields"]:
+        planes = packed[start : start + width * data["count"]].reshape(width, -1)
+        steps = np.ascontiguousarray(planes.T).view(f"<i{width}")[:, 0]
+        found[name], start = np.cumsum(steps, dtype=steps.dtype) * unit, start + planes.size
+    assert start == len(packed)
+    return found
+
+
 def test_a_page_of_html_holds_a_whole_scan() -> None:
-    scan = simulate(Layout((ROAD, CAR)), Sensor.preset("vlp16"))
+    scan = simulate(Layout((ROAD, CAR)), Sensor.preset("vlp16"), speed=9.0)
     page = scan.html()
     assert not re.search(r"(src|href)=|https?:|import |fetch\(", page)  # no other file and no host
-    data = page_data(page)
-    points = np.frombuffer(base64.b64decode(data["points"]), "<i2").reshape(-1, 3) * data["step"]
-    np.testing.assert_allclose(points, np.add(scan.points(), (0, 0, scan.pose[2, 3])), atol=data["step"])
-    assert data["step"] < 0.004
-    assert base64.b64decode(data["labels"]) == scan.labels().tobytes()
-    (box,) = data["boxes"]
+    held, image = fields_of_page(page), scan.image
+    points = np.add(scan.points(), (0, 0, scan.pose[2, 3]))
+    np.testing.assert_allclose(np.stack([held[axis] for axis in "xyz"], axis=1), points, atol=0.004)
+    for name, values in {"label": scan.labels(), "instance": scan.instances(), "row": image.beams()}.items():
+        np.testing.assert_array_equal(held[name], values)
+    np.testing.assert_array_equal(held["column"], np.nonzero(image.valid)[1])
+    np.testing.assert_allclose(held["range"], image.depth[image.valid], atol=0.006)  # and not that of the points
+    np.testing.assert_allclose(held["time"], image.times(), atol=1e-6)
+    np.testing.assert_allclose(held["intensity"], scan.intensities(), atol=0.002)
+    (box,) = page_data(page)["boxes"]
     np.testing.assert_allclose(box["corners"], np.add(scan.boxes()[0].corners(), (0, 0, scan.pose[2, 3])), atol=1e-3)
-    hostile = view.html_page(points, title="</script><script>alert(1)</script>")
+
+
+def test_a_page_holds_titles_and_numbers_of_any_kind() -> None:
+    points = np.array([[1.0, 2.0, 3.0], [-4.0, 5.0, 6.0], [7.0, 8.0, 9.0]])
+    hostile = view.html_page(points, {}, boxes=[], title="</script><script>alert(1)</script>")
     assert page_data(hostile)["title"] == "</script><script>alert(1)</script>"
     assert hostile.count("<script") == 2
-    stray = page_data(view.html_page(np.append(points, [[1e7, 0, 0]], axis=0), label=np.append(scan.labels(), 0)))
-    assert [stray[name] for name in ("points", "labels")] == [data[name] for name in ("points", "labels")]
-    with pytest.raises(LayoutError, match=r"must have a value for each of \d+ points"):
-        view.html_page(points, label=np.zeros(3, np.uint8))
+    instance = np.array([2**32 - 1, 0, 2**31], np.uint32)
+    (large,) = (fields_of_page(view.html_page(points, {"instance": instance}, boxes=[], title=""))["instance"],)
+    np.testing.assert_array_equal(large.astype(np.int64) % 2**32, instance)
+    stray = view.html_page(np.append(points, [[1e7, 0, 0]], axis=0), {"row": np.arange(4)}, boxes=[], title="")
+    np.testing.assert_array_equal(fields_of_page(stray)["row"], [0, 1, 2])
+    with pytest.raises(LayoutError, match="label must have a value for each of 3 points"):
+        view.html_page(points, {"label": np.zeros(2, np.uint8)}, boxes=[], title="")
 
 
 def test_a_notebook_shows_a_scan_that_fits_into_it() -> None:
@@ -184,5 +208,5 @@ def test_a_notebook_shows_a_scan_that_fits_into_it() -> None:
     shown = scan._repr_html_()
     assert shown.startswith('<iframe srcdoc="')
     data = page_data(html.unescape(shown.split('"')[1]))
-    assert 10_000 < len(base64.b64decode(data["labels"])) <= 40_000 < len(scan.labels())
+    assert 10_000 < data["count"] <= 40_000 < len(scan.labels())
     assert len(shown) < 600_000

@@ -171,6 +171,12 @@ class Drawing:
         """A line of text whose upper left corner is at `place`, column and row."""
         self._pen.text(place, text, fill=colour, font=font(size))
 
+    def title(self, place: tuple[float, float], text: str, size: int) -> None:
+        """As `text`, on a dark ground, which hides the points behind it."""
+        left, top, right, bottom = self._pen.textbbox(place, text, font=font(size))
+        self._pen.rectangle((left - size / 2, top - size / 2, right + size / 2, bottom + size / 2), fill=_TOP)
+        self.text(place, text, size)
+
     def legend(self, place: tuple[float, float], entries: Sequence[tuple[str, Colour]], size: int) -> None:
         """Names beside their colours, in one row on a dark ground from `place` on, as many as the picture has room
         for."""

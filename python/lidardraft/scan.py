@@ -200,10 +200,9 @@ class Scan:
         step = 1 if most is None else -(-len(self.labels()) // most)
         up = np.array([0.0, 0.0, self.image.sensor.mount_height])
         boxes = [box.raised(up[2]) for box in self.boxes()]
-        label = self.labels()[::step]
-        intensity = None if self.image.intensity is None else self.intensities()[::step]
+        fields = {name: values[::step] for name, values in view.fields_of(self.image).items()}
         title = view.title_of(self.layout) or self.image.sensor.name
-        return view.html_page(self.points()[::step] + up, label=label, intensity=intensity, boxes=boxes, title=title)
+        return view.html_page(self.points()[::step] + up, fields, boxes=boxes, title=title)
 
     def _repr_html_(self) -> str:
         page = escape(self.html(_MOST_IN_NOTEBOOKS))

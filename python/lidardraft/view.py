@@ -11,7 +11,7 @@ import struct
 import textwrap
 import zlib
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from pathlib import Path
 
@@ -57,6 +57,10 @@ _REACH = 50.0  # m, what a view from above shows ahead and behind
 _SHOWN, _SHOWN_WITHIN, _SEEN = 10, 30.0, 5  # boxes that an eye shows: so many, within m, with so many returns
 _LONGEST_TITLE = 120
 _FURTHEST = 1000.0  # m of a page: what is further is not a return
+_SENT: dict[str, tuple[str, float]] = {  # the integers and the unit that a page has of each field
+    "label": ("<i2", 1.0), "instance": ("<u4", 1.0), "intensity": ("<i2", 1 / 255), "row": ("<i4", 1.0),
+    "column": ("<i4", 1.0), "range": ("<i4", 0.01), "time": ("<i4", 1e-6),
+}  # fmt: skip
 _FILM_COLOURS = 64  # of all frames of a GIF
 _FILM_LOSS = "26"  # of H.264, 0 to 51; points are still told apart
 _EYE = np.array(  # 16 m behind and 11 m over the ego vehicle, looking 24 degrees down
@@ -250,10 +254,10 @@ def _describe(drawing: Drawing, image: RangeImage, boxes: Sequence[Box], title: 
     small, edge, step = 13 * line, 12 * line, 19 * line
     row = float(edge)
     if title:
-        drawing.text((edge, row), textwrap.shorten(title, _LONGEST_TITLE, placeholder=" ..."), 18 * line)
+        drawing.title((edge, row), textwrap.shorten(title, _LONGEST_TITLE, placeholder=" ..."), 18 * line)
         row += 26 * line
     beams, columns = image.sensor.shape
-    drawing.text((edge, row), f"{image.sensor.name}, {beams} x {columns}, {int(image.valid.sum()):,} returns", small)
+    drawing.title((edge, row), f"{image.sensor.name}, {beams} x {columns}, {int(image.valid.sum()):,} returns", small)
     labels = np.bincount(image.label[image.valid], minlength=len(CLASSES))
     numbers = [k for k in np.argsort(-labels).tolist() if k and labels[k] and (by_label or _IS_THING[k])]
     counts = Counter(BY_NAME[box.label].id for box in boxes)
@@ -352,41 +356,42 @@ def caption(picture: np.ndarray, text: str, *, size: int = 18) -> np.ndarray:
     return np.asarray(image)
 
 
-def html_page(
-    points: np.ndarray,
-    *,
-    label: np.ndarray | None = None,
-    intensity: np.ndarray | None = None,
-    boxes: Sequence[Box] = (),
-    title: str = "",
-) -> str:
-    """One page of HTML that turns and colours points [N, 3] with boxes; it needs no other file and no host.
+def fields_of(image: RangeImage) -> dict[str, np.ndarray]:
+    """What an image knows of each of its returns [N], by the names that `html_page` has for it."""
+    row, column = np.nonzero(image.valid)
+    kept = {name: getattr(image, name) for name in ("label", "instance", "intensity")}
+    known = {name: values[image.valid] for name, values in kept.items() if values is not None}
+    return {"row": row, "column": column, "range": image.depth[image.valid], "time": image.times(), **known}
 
-    `label` u8 [N] holds class ids, `intensity` f32 [N] is 0 to 1. Points more than 1000 m away are left out, and
-    coordinates rounded to the 32767th part of the furthest. Raises `LayoutError` where the arrays do not fit."""
-    count = len(points)
-    label = np.zeros(count, np.uint8) if label is None else label
-    if label.shape != (count,) or (intensity is not None and intensity.shape != (count,)):
-        raise LayoutError(f"label and intensity must have a value for each of {count} points")
+
+def html_page(points: np.ndarray, fields: Mapping[str, np.ndarray], *, boxes: Sequence[Box], title: str) -> str:
+    """One page of HTML that turns points [N, 3] with boxes, and tells of each what is known; it needs no other file
+    and no host.
+
+    `fields` [N] are class ids (`label`), numbers of objects as boxes have them (`instance`), `intensity` of 0 to 1,
+    `row`, `column`, `range` [m] and `time` in the sweep [s]; all may be missing. Points more than 1000 m away are left
+    out, and coordinates rounded to the 32767th part of the furthest. Raises `LayoutError` where arrays do not fit.
+    """
+    fields = {"label": np.zeros(len(points), np.uint8), **fields}
+    if wrong := [name for name, values in fields.items() if values.shape != (len(points),)]:
+        raise LayoutError(f"{' and '.join(wrong)} must have a value for each of {len(points)} points")
     within = np.abs(points).max(axis=1, initial=0.0) <= _FURTHEST
-    points, label, intensity = points[within], label[within], None if intensity is None else intensity[within]
+    points, fields = points[within], {name: values[within] for name, values in fields.items()}
     furthest = float(np.abs(points).max(initial=1.0))
-    step = furthest / 32767
+    sent = {axis: (points[:, c], "<i2", furthest / 32767) for c, axis in enumerate("xyz")}
+    sent |= {name: (values, *_SENT[name]) for name, values in fields.items()}
+    packed = zlib.compress(b"".join(_planes(*each) for each in sent.values()), 6)
     near = min(boxes, key=lambda box: math.hypot(*box.center[:2]), default=None)
     data = {
         "title": title or "LiDAR scan",
-        "step": step,
-        "points": _base64(np.round(points / step).astype("<i2")),
-        "labels": _base64(label.astype(np.uint8)),
-        "intensities": None
-        if intensity is None
-        else _base64(np.round(255 * np.clip(intensity, 0, 1)).astype(np.uint8)),
-        "classes": [
-            (row.name if row.id else "", _colour_of(row.id) if row.id else _WHITE, row.is_thing) for row in CLASSES
-        ],
+        "count": len(points),
+        "fields": [(name, np.dtype(kind).itemsize, unit) for name, (_, kind, unit) in sent.items()],
+        "packed": base64.b64encode(packed).decode(),
+        "classes": [(row.name, _colour_of(row.id) if row.id else _WHITE, row.is_thing) for row in CLASSES],
         "levels": list(zip(_LEVELS, _LEVEL_COLOURS, strict=True)),
         "boxes": [
-            {"id": box.id, "label": BY_NAME[box.label].id, "corners": box.corners().round(3).tolist()} for box in boxes
+            {"id": box.id, "label": BY_NAME[box.label].id, "instance": box.instance, "corners": corners}
+            for box, corners in zip(boxes, corners_of(boxes).round(3).tolist(), strict=True)
         ],
         "reach": min(furthest, 100.0),
         "target": list(near.center) if near and math.hypot(*near.center[:2]) < _SHOWN_WITHIN else [0.0, 0.0, 0.0],
@@ -395,8 +400,10 @@ def html_page(
     return page.replace("DATA", json.dumps(data).replace("<", "\\u003c"), 1)
 
 
-def _base64(array: np.ndarray) -> str:
-    return base64.b64encode(array.tobytes()).decode()
+def _planes(values: np.ndarray, kind: str, unit: float) -> bytes:
+    """The bytes of values in units, each less the one before it: all lowest bytes first, as zlib likes them."""
+    steps = np.diff(np.round(values / unit).astype(kind), prepend=np.zeros(1, kind))
+    return steps.view(np.uint8).reshape(len(values), steps.itemsize).T.tobytes()
 
 
 def save_png(path: str | os.PathLike[str], picture: np.ndarray) -> None:

@@ -115,6 +115,22 @@ def test_a_scan_becomes_a_page(capsys: pytest.CaptureFixture[str], refused: Call
     assert "000000.layout.json is not a scan; a page of HTML shows scans alone" in said
 
 
+def test_a_page_knows_rows_and_columns_from_the_image_of_the_same_scan_alone() -> None:
+    options = ["--sensor", "small.json", "--speed", "20", "--no-picture"]
+    assert cli.main(["simulate", "--text", "a bus ahead", *options, "-o", "out"]) == 0
+    assert cli.main(["simulate", "--text", "a wall on the left", *options, "-o", "other"]) == 0
+    held = []
+    for image in ("out/000000.npz", "other/000000.npz", None):
+        if image is None:
+            Path("out/000000.npz").unlink()
+        else:
+            Path("out/000000.npz").write_bytes(Path(image).read_bytes())
+        assert cli.main(["view", "out/000000.bin", "-o", "scan.html"]) == 0
+        page = Path("scan.html").read_text()
+        held.append([name for name in ("range", "row", "column", "time", "instance") if f'["{name}", ' in page])
+    assert held == [["range", "row", "column", "time", "instance"], *[["range", "instance"]] * 2]
+
+
 @pytest.mark.parametrize("name", ["a.ply", "a.npy", "a.las"])
 def test_clouds_of_other_formats_are_shown(image: RangeImage, name: str) -> None:
     points = image.points()

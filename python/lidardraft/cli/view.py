@@ -20,6 +20,7 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 
 _PAIRS_SHOWN = 6
+_MOVED = 5.0  # m, more than a sensor moves in half a sweep
 _SHOWN_FOR = 0.5  # s, of scans that are not a sequence
 
 
@@ -39,7 +40,7 @@ def view(arguments: argparse.Namespace) -> None:
         raise FormatError(f"{output} would hold a picture or a page; its name must end in .png or .html")
     if output.suffix == ".html":
         shown = _shown(path, arguments)
-        write_text(output, html_page(shown.pop("points"), **shown))
+        write_text(output, html_page(**shown))
     else:
         save_png(output, _pictured(path, arguments))
     print(output)
@@ -118,13 +119,21 @@ def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
 def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
     """What `html_page` shows of a scan: every return, over the road."""
     from lidardraft.formats.pairs import is_shard
+    from lidardraft.view import fields_of
 
     if path.suffix == ".json" or (not _holds_points(path) and is_shard(path)):
         raise FormatError(f"{path} is not a scan; a page of HTML shows scans alone")
-    points, fields, sensor, _ = _read_scan(path, arguments)
-    found: dict[str, Any] = {field: fields[field] for field in ("label", "intensity") if field in fields}
-    found |= {"points": np.add(points, (0.0, 0.0, sensor.mount_height)), "boxes": _boxes(path, arguments, sensor)}
-    return found | {"title": _title(path)}
+    points, fields, sensor, image = _read_scan(path, arguments)
+    beside = path.with_suffix(".npz")  # of a scan of ours, which a .bin holds in the same order
+    if image is None and path.suffix == ".bin" and beside.exists() and "depth" in names_in(beside):
+        image = RangeImage.load(beside)
+    ranges = np.linalg.norm(points, axis=1)
+    depth = np.zeros(0) if image is None else image.depth[image.valid]
+    known = {"range": ranges, **fields}
+    if image is not None and len(depth) == len(ranges) and np.abs(depth - ranges).max(initial=0.0) < _MOVED:
+        known = fields_of(image) | fields
+    points, boxes = np.add(points, (0.0, 0.0, sensor.mount_height)), _boxes(path, arguments, sensor)
+    return {"points": points, "fields": known, "boxes": boxes, "title": _title(path)}
 
 
 def _holds_points(path: Path) -> bool:
