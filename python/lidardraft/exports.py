@@ -26,8 +26,9 @@ def export(
     """Write a scan, a drive of scans or of names of saved ones, all of a folder, or several drives, one scan after the
     other, into the new folder `output` in a format of docs/formats.md ("kitti", "nuscenes", ...).
 
-    Points and boxes are those of `Scan.frame`, by default `as_seen` for "mcap" and "ros2". No box at all is a `UserWarning`
-    if the format has boxes. Raises `FormatError` for an unknown format, no scans, or an `output` that is there already.
+    Points and boxes are those of `Scan.frame`, by default `as_seen` for "mcap" and "ros2". No box at all is a
+    `UserWarning` if the format has boxes. Raises `FormatError` for an unknown format, no scans, or an `output` that is
+    there already.
     """
     write, boxes, seen = writer_of(format), 0, format in AS_SEEN if as_seen is None else as_seen
 

@@ -7,6 +7,8 @@ import itertools
 import math
 import os
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -99,6 +101,19 @@ def read_ouster_capture(path: str | os.PathLike[str], frame: int = 0) -> tuple[n
     255. Of two returns of a firing, the first.
 
     Raises `FormatError` where the capture has no such frame of the sensor of `metadata_beside`."""
+    (sensor, fields), packets, wanted = _packets(path)
+    with named(path):
+        whole, most = -1, 0
+        for ranges, reflectivity, measured in packets.frames(path):
+            most = max(most, int(np.count_nonzero(measured)))
+            whole += bool(measured[wanted].all())
+            if whole == frame and measured[wanted].all():
+                return _returns(sensor, fields, ranges[:, wanted], reflectivity[:, wanted])
+        raise FormatError(_missing(frame, whole + 1, most, metadata_beside(path)))
+
+
+def _packets(path: str | os.PathLike[str]) -> tuple[tuple[Sensor, dict[str, Any]], Packets, np.ndarray]:
+    """The sensor of a capture with its fields, its packets, and the columns that it measures."""
     regular_size(path, _LARGEST)
     metadata = metadata_beside(path)
     sensor, text = read_ouster_metadata(metadata), read_text(metadata)
@@ -108,14 +123,17 @@ def read_ouster_capture(path: str | os.PathLike[str], frame: int = 0) -> tuple[n
         if type(packed) is not int or not 1 <= packed <= _MOST_COLUMNS:
             raise FormatError(f"columns_per_packet is {packed!r:.50}; it must be a number of columns")
         packets = Packets(len(sensor.elevations), fields["columns_per_frame"], packed, str(profile))
+    return (sensor, fields), packets, _columns(fields, sensor)
+
+
+def count_frames(path: str | os.PathLike[str]) -> int:
+    """The number of whole frames of a capture, or of frames of an .osf file."""
+    if Path(path).suffix == ".osf":
+        with _opened(path) as (source, _):
+            return sum(1 for group in source if group[0] is not None)
+    _, packets, wanted = _packets(path)
     with named(path):
-        wanted, whole, most = _columns(fields, sensor), -1, 0
-        for ranges, reflectivity, measured in packets.frames(path):
-            most = max(most, int(np.count_nonzero(measured)))
-            whole += bool(measured[wanted].all())
-            if whole == frame and measured[wanted].all():
-                return _returns(sensor, fields, ranges[:, wanted], reflectivity[:, wanted])
-        raise FormatError(_missing(frame, whole + 1, most, metadata))
+        return sum(bool(measured[wanted].all()) for *_, measured in packets.frames(path))
 
 
 def _columns(fields: dict[str, Any], sensor: Sensor) -> np.ndarray:
@@ -154,26 +172,38 @@ def _missing(frame: int, whole: int, most: int, metadata: Path) -> str:
     return f"it has no packet of the sensor of {metadata.name}"
 
 
-def read_osf(path: str | os.PathLike[str], frame: int = 0) -> tuple[np.ndarray, dict[str, np.ndarray], Sensor]:
-    """As `read_ouster_capture`, with the sensor, of a frame of an Ouster's .osf file; of several sensors, the first.
+def read_osf(path: str | os.PathLike[str], frame: int = 0) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """As `read_ouster_capture`, of a frame of an Ouster's .osf file; of several sensors, the first.
 
     Raises `FormatError` where it has no such frame, `MissingExtraError` where ouster-sdk, which reads it, is missing.
     """
+    with _opened(path) as (source, text):
+        sensor, fields = sensor_of_metadata(text), _fields(text)
+        scans = (found for group in source if (found := group[0]) is not None)
+        found = next(itertools.islice(scans, frame, None), None)
+        if found is None:
+            raise FormatError(f"frame is {frame}; there are fewer frames, counted from 0")
+        wanted = _columns(fields, sensor)
+        images = (np.asarray(found.field(name))[:, wanted] for name in ("RANGE", "REFLECTIVITY"))
+        return _returns(sensor, fields, *(image.astype(np.int64) for image in images))
+
+
+def sensor_of_osf(path: str | os.PathLike[str]) -> Sensor:
+    """The sensor of an .osf file, of several the first; raises as `read_osf`."""
+    with _opened(path) as (_, text):
+        return sensor_of_metadata(text)
+
+
+@contextmanager
+def _opened(path: str | os.PathLike[str]) -> Iterator[tuple[Any, str]]:
+    """The frames of an .osf file, as Ouster's SDK reads them, and the metadata of its first sensor."""
     regular_size(path, _LARGEST)
     with extra():
         from ouster.sdk import open_source
     with named(path), expecting("an .osf file that Ouster's SDK reads"):
         source = open_source(os.fspath(path))
         try:
-            text = source.sensor_info[0].to_json_string()
-            sensor, fields = sensor_of_metadata(text), _fields(text)
-            scans = (found for group in source if (found := group[0]) is not None)
-            found = next(itertools.islice(scans, frame, None), None)
-            if found is None:
-                raise FormatError(f"frame is {frame}; it has no so many frames")
-            wanted = _columns(fields, sensor)
-            images = (np.asarray(found.field(name))[:, wanted] for name in ("RANGE", "REFLECTIVITY"))
-            return *_returns(sensor, fields, *(image.astype(np.int64) for image in images)), sensor
+            yield source, source.sensor_info[0].to_json_string()
         finally:
             source.close()
 

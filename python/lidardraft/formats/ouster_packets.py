@@ -22,7 +22,7 @@ _MOST_OPEN = 64  # datagrams whose fragments are waited for
 _LINKS = {1: 14, 101: 0, 113: 16, 228: 0, 276: 20}  # bytes before IP: Ethernet, raw, Linux's two kinds of "any"
 _VALID = 1  # the bit of a column's status: it was measured
 _SINGLE = ("<u4", 0x7FFFF, 1, 4, "u1")
-# Of a packet's profile: type, bits and millimetres of a range, the place and type of its reflectivity, bytes of a pixel.
+# By profile: type, bits and millimetres of a range, place and type of the reflectivity; bytes of a pixel.
 _PROFILES = {
     "LEGACY": (("<u4", 0xFFFFF, 1, 4, "<u2"), 12),
     "RNG19_RFL8_SIG16_NIR16": (_SINGLE, 12),
