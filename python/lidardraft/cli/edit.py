@@ -125,9 +125,7 @@ def edit_options(parser: argparse.ArgumentParser) -> None:
         "returns are marked in the .npz (made_up: 1 of inserted objects, 2 where one was removed), the latter as "
         "outliers in the .label."
     )
-    text = (
-        "KITTI .bin, nuScenes .pcd.bin, .pcd, .ply, .npz, .npy, .las, PandaSet .pkl.gz, ROS 2 bag, Ouster .pcap, .osf"
-    )
+    text = "KITTI .bin, nuScenes .pcd.bin, .pcd, .ply, .npz, .npy, .las, PandaSet .pkl.gz, ROS 2 bag, Ouster .pcap/.osf"
     parser.add_argument("scan", metavar="SCAN", help=text)
     text = "labels of the scan: SemanticKITTI's .label, lidarseg or masks (default: those in it or beside it)"
     parser.add_argument("--labels", metavar="FILE", help=text)

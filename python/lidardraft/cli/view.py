@@ -24,8 +24,8 @@ _SHOWN_FOR = 0.5  # s, of scans that are not a sequence
 
 
 def view(arguments: argparse.Namespace) -> None:
-    """Render a picture of a scan (.bin with the .label beside it, .pcd.bin, .pcd, .ply, .npy, .las, .npz, .pkl.gz,
-    .pcap, .osf or a ROS 2 bag), a range image (.npz), a file of training pairs (.npz) or a layout (.json); a page of HTML of a scan, to
+    """Render a picture of a scan (.bin with the .label beside it, .pcd.bin, .pcd, .ply, .npy, .las, .npz, .pkl.gz or
+    a log), a range image (.npz), a file of training pairs (.npz) or a layout (.json); a page of HTML of a scan, to
     turn it; or a film of a folder of scans."""
     from lidardraft.formats.rosbag import is_bag
     from lidardraft.view import html_page, save_png

@@ -166,7 +166,7 @@ def _returns(
 def _missing(frame: int, whole: int, most: int, metadata: Path) -> str:
     """What a message says of a capture without a frame of that number."""
     if whole:
-        return f"frame is {frame}; it has {whole} whole frames, from 0 on"
+        return f"there is no whole frame {frame}; it has {whole}, from 0 on"
     if most:
         return f"no frame is whole: the fullest has {most} columns; record a full turn, or it was cut"
     return f"it has no packet of the sensor of {metadata.name}"
@@ -182,7 +182,7 @@ def read_osf(path: str | os.PathLike[str], frame: int = 0) -> tuple[np.ndarray, 
         scans = (found for group in source if (found := group[0]) is not None)
         found = next(itertools.islice(scans, frame, None), None)
         if found is None:
-            raise FormatError(f"frame is {frame}; there are fewer frames, counted from 0")
+            raise FormatError(f"there is no frame {frame}")
         wanted = _columns(fields, sensor)
         images = (np.asarray(found.field(name))[:, wanted] for name in ("RANGE", "REFLECTIVITY"))
         return _returns(sensor, fields, *(image.astype(np.int64) for image in images))

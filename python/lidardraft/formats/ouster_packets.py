@@ -61,7 +61,7 @@ class Packets:
         whole = start + size * self.beams + end
         names, formats = ["number", "frame", "status", "pixels"], ["<u2", "<u2", "<u2", pixels]
         offsets = [8, 10, whole - 4 if self.is_old else 10, start]
-        return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": whole})  # type: ignore[call-overload]
+        return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": whole})
 
     def frames(self, path: str | os.PathLike[str]) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
         """Of each turn the ranges [beams, turn] in millimetres, 0 where there is none, the reflectivities, and which

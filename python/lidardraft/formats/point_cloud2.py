@@ -48,9 +48,11 @@ def cloud_columns(cloud: Any) -> dict[str, np.ndarray]:
         if field.offset + formats[-1][1] * np.dtype(formats[-1][0]).itemsize > step:
             raise FormatError(f"the field {field.name} goes over the {step} bytes of a point")
     line = width * step if height == 1 else cloud.row_step  # of one row, drivers say anything
-    if not 0 < height * width * step <= _MOST_BYTES or line < width * step or height * line > len(cloud.data):
+    if not height * width * step:
+        raise FormatError("the cloud has no points")
+    if height * width * step > _MOST_BYTES or line < width * step or height * line > len(cloud.data):
         said = f"{height} rows of {width} points of {step} bytes, {line} a row"
-        raise FormatError(f"a cloud of {said}, has {len(cloud.data)} bytes; clouds of 1 to {_MOST_BYTES} are read")
+        raise FormatError(f"a cloud of {said}, has {len(cloud.data)} bytes; clouds of up to {_MOST_BYTES} are read")
     rows = np.asarray(cloud.data, np.uint8)[: height * line].reshape(height, line)[:, : width * step]
     kinds = [kind if count == 1 else (kind, (count,)) for kind, count in formats]
     layout = {"names": names, "formats": kinds, "offsets": [field.offset for field in fields], "itemsize": step}

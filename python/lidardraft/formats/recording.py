@@ -86,8 +86,8 @@ def read_recording(
     image; that of a scan that lidardraft wrote is read in place of its `.bin`, which does not say the lasers.
     `intensity_scale` is the number that stands for an intensity of 1, by default that of the format, and `carla_tags`
     are the tags of a cloud of CARLA. Of a log the scan is that of number `frame`, by default 0, and of a bag with
-    several topics of points that of `topic`. Raises `FormatError` if the file is something else or has no points, or if nothing
-    says their lasers or the scale of their intensities.
+    several topics of points that of `topic`. Raises `FormatError` if the file is something else or has no points, or if
+    nothing says their lasers or the scale of their intensities.
     """
     path = Path(path)
     image = path.with_suffix(".npz")

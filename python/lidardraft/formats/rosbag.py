@@ -83,7 +83,7 @@ class _Bag:
         message = next(itertools.islice(self.messages(connections), frame, None), None)
         if message is None:
             count = sum(each.msgcount for each in connections)
-            raise FormatError(f"frame is {frame}; {connections[0].topic} has {count} frames, from 0 on")
+            raise FormatError(f"there is no frame {frame}; {connections[0].topic} has {count}, from 0 on")
         _, cloud = message
         columns = cloud_columns(cloud)
         stamp, middle = _seconds(cloud.header.stamp), sweep_middle(columns)
@@ -170,8 +170,8 @@ def ego_scenario(path: str | os.PathLike[str], frame: int = 0, topic: str | None
             warnings.warn(f"{os.fspath(path)}: {said}", stacklevel=2)
             chain = _chain(edges, vehicle)
         known = np.unique(np.concatenate([edge.times for edge in chain if edge.moves()]))
-        later = known[known > cloud.time]
-        kept = later[np.unique((later - cloud.time) // _STEP, return_index=True)[1]]
+        later = known[known > cloud.time + _STEP / 2]
+        kept = later[np.unique(np.round((later - cloud.time) / _STEP), return_index=True)[1]]
         times = np.concatenate([[cloud.time], kept])
         poses = np.tile(np.eye(4), (len(times), 1, 1))
         for edge in chain:
