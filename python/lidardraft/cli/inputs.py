@@ -113,18 +113,7 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
 _OTHERS = {"intensity_scale": ("points",), "carla_tags": ("points",), "poses": ("street",)}
 
 # In folders, where an .npy may be anything.
-_SCANS = (
-    ".bin",
-    ".pcd",
-    ".ply",
-    ".npz",
-    ".las",
-    ".pkl.gz",
-    ".pcap",
-    ".osf",
-    ".mcap",
-    ".db3",
-)
+_SCANS = (".bin", ".pcd", ".ply", ".npz", ".las", ".pkl.gz", ".pcap", ".osf", ".mcap", ".db3")
 
 _SENSORS = {".pcd.bin": "hdl32e", ".pkl.gz": "pandar64"}  # of nuScenes and PandaSet, by endings
 _STREET_AROUND = ("text", "sketch", "boxes", "image")  # inputs that get one unless --surroundings says otherwise

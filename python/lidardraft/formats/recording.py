@@ -95,8 +95,7 @@ def read_recording(
         path = image
     if path.suffix == ".npz" and {"depth", "sensor"}.issubset(array_files.names_in(path)):
         return _of_image(os.fspath(path), RangeImage.load(path))
-    how = {"frame": frame, "topic": topic}
-    points, fields = read_points(path, intensity_scale=intensity_scale, carla_tags=carla_tags, **how)  # type: ignore[arg-type]
+    points, fields = read_points(path, intensity_scale=intensity_scale, carla_tags=carla_tags, frame=frame, topic=topic)
     fields = {field: values for field, values in fields.items() if field not in ("instance", "made_up")}
     try:
         with named(path):
@@ -123,6 +122,8 @@ def read_points(
     scale = stated if intensity_scale is None else intensity_scale
     if topic is not None and not is_bag(path):
         raise FormatError(f"{os.fspath(path)} is no ROS 2 bag; --topic (topic) is for those")
+    if frame is not None and frame < 0:
+        raise FormatError(f"frame is {frame}; it must be 0 or more")
     if is_log(path):
         points, fields = _from_log(path, frame or 0, topic, carla_tags)
     elif frame is not None:
