@@ -49,7 +49,7 @@ from lidardraft.formats.pickled_table import read_pickled_table
 from lidardraft.formats.picture import read_picture
 from lidardraft.formats.ply import read_ply, write_ply
 from lidardraft.formats.recording import read_labels, read_points, read_recording, read_returns, read_semantic_map
-from lidardraft.formats.rosbag import ego_scenario
+from lidardraft.formats.rosbag import ego_scenario, read_cloud
 from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
@@ -298,6 +298,7 @@ def readers() -> dict[str, Reader]:
         **drives,
         "capture": Reader(_capture, ".pcap", capture),
         "bag": Reader(_points, ".mcap", _written(_bag, ".mcap")),
+        "cloud": Reader(read_cloud, ".mcap", _written(_bag, ".mcap")),
         "way": Reader(ego_scenario, ".mcap", _written(_bag, ".mcap")),
         "picture": Reader(read_picture, ".jpg", _picture("jpeg")),
         "train ids": Reader(read_semantics, ".png", _picture("png")),

@@ -172,7 +172,7 @@ def _missing(frame: int, whole: int, most: int, metadata: Path) -> str:
     return f"it has no packet of the sensor of {metadata.name}"
 
 
-def read_osf(path: str | os.PathLike[str], frame: int = 0) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+def osf_frame(path: str | os.PathLike[str], frame: int = 0) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """As `read_ouster_capture`, of a frame of an Ouster's .osf file; of several sensors, the first.
 
     Raises `FormatError` where it has no such frame, `MissingExtraError` where ouster-sdk, which reads it, is missing.
@@ -189,7 +189,7 @@ def read_osf(path: str | os.PathLike[str], frame: int = 0) -> tuple[np.ndarray, 
 
 
 def sensor_of_osf(path: str | os.PathLike[str]) -> Sensor:
-    """The sensor of an .osf file, of several the first; raises as `read_osf`."""
+    """The sensor of an .osf file, of several the first; raises as `osf_frame`."""
     with _opened(path) as (_, text):
         return sensor_of_metadata(text)
 

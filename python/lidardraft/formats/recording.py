@@ -25,7 +25,7 @@ from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.las import read_las
 from lidardraft.formats.masks import read_masks
 from lidardraft.formats.nuscenes import lidarseg_of, read_lidarseg, read_pcd_bin
-from lidardraft.formats.ouster import count_frames, read_osf, read_ouster_capture
+from lidardraft.formats.ouster import count_frames, osf_frame, read_ouster_capture
 from lidardraft.formats.pandaset import read_sweep
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.ply import read_ply
@@ -188,7 +188,7 @@ def _from_log(
     path: str | os.PathLike[str], frame: int, topic: str | None, tags: Tags
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     if not is_bag(path):
-        return read_ouster_capture(path, frame) if Path(path).suffix == ".pcap" else read_osf(path, frame)
+        return read_ouster_capture(path, frame) if Path(path).suffix == ".pcap" else osf_frame(path, frame)
     cloud = read_cloud(path, frame, topic)
     return _with_rows(*_from_columns(path, cloud.columns, tags), cloud.rows)
 
