@@ -192,6 +192,33 @@ def mcap_pose(place: Any, turn: Any) -> np.ndarray:
     return _matrix(Rotation.from_quat([getattr(turn, axis) for axis in "xyzw"]), [place.x, place.y, place.z])
 
 
+def ros2(folder: Path) -> Iterator[Found]:
+    """By mcap and mcap-ros2-support."""
+    from mcap.reader import make_reader
+    from mcap_ros2.decoder import DecoderFactory
+
+    kinds = {2: "u1", 4: "<u2", 6: "<u4", 7: "<f4"}  # of PointField
+    for path in sorted(folder.glob("*/*.mcap")):
+        with path.open("rb") as file:
+            said = list(make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages())
+        clouds, found = ([each[3] for each in said if each[1].topic == topic] for topic in ("/lidar", "/boxes"))
+        for cloud, detections in zip(clouds, found, strict=True):
+            layout = {
+                "names": [field.name for field in cloud.fields],
+                "formats": [kinds[field.datatype] for field in cloud.fields],
+                "offsets": [field.offset for field in cloud.fields],
+                "itemsize": cloud.point_step,
+            }
+            records = np.frombuffer(bytes(cloud.data), np.dtype(layout))  # type: ignore[call-overload]
+            boxes = []
+            for one in detections.detections:
+                pose = mcap_pose(one.bbox.center.position, one.bbox.center.orientation)
+                size = np.array([one.bbox.size.x, one.bbox.size.y, one.bbox.size.z])
+                label = one.results[0].hypothesis.class_id
+                boxes.append(Box(label, pose[:3, 3], size, math.atan2(pose[1, 0], pose[0, 0])))
+            yield _columns(records, boxes)
+
+
 def webdataset(folder: Path) -> Iterator[Found]:
     """By webdataset."""
     import webdataset as library
@@ -214,5 +241,6 @@ READERS = {
     "ply": ply,
     "las": las,
     "mcap": mcap,
+    "ros2": ros2,
     "webdataset": webdataset,
 }

@@ -17,7 +17,6 @@ import zipfile
 import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from importlib.util import find_spec
 from pathlib import Path
 
 import laspy
@@ -50,6 +49,7 @@ from lidardraft.formats.pickled_table import read_pickled_table
 from lidardraft.formats.picture import read_picture
 from lidardraft.formats.ply import read_ply, write_ply
 from lidardraft.formats.recording import read_labels, read_points, read_recording, read_returns, read_semantic_map
+from lidardraft.formats.rosbag import ego_scenario, read_cloud
 from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
@@ -154,6 +154,16 @@ def _las(path: Path) -> None:
     points.write(os.fspath(path))
 
 
+def _bag(path: Path) -> None:
+    """The file of a bag of one scan."""
+    folder = path.with_suffix("")
+    road = Primitive(shape="plane", center=(0, 0, 0), size=(90, 90, 0), label="road", id="road")
+    points = lidardraft.raycast(Layout((road, CAR)), SENSOR).points()
+    scan = lidardraft.Scan.from_points(points, SENSOR, layout=LAYOUT, intensity=np.ones(len(points), np.float32))
+    lidardraft.export(scan, "ros2", folder)
+    (folder / "000000/000000.mcap").rename(path)
+
+
 def _annotations(path: Path) -> object:
     """A sweep whose annotations are the file."""
     token, upright = {"token": "a"}, {"translation": [0, 0, 0], "rotation": [1, 0, 0, 0]}
@@ -234,10 +244,7 @@ def readers() -> dict[str, Reader]:
             )
             for part in parts
         }
-    captures = {}
-    if find_spec("ouster"):  # an extra that stands beside no other
-        capture = _written(lambda p: write_capture(p, [np.full((BEAMS, COLUMNS), 5000, np.uint32)]), ".pcap")
-        captures["capture"] = Reader(_capture, ".pcap", capture)
+    capture = _written(lambda p: write_capture(p, [np.full((BEAMS, COLUMNS), 5000, np.uint32)]), ".pcap")
     packed = PCD[: PCD.index(b"ascii")] + b"binary_compressed\n" + struct.pack("<2I", 17, 16) + bytes([15, *range(16)])
     return {
         "bin": Reader(read_bin, ".bin", _written(lambda p: write_bin(p, points, np.ones(100)), ".bin")),
@@ -289,7 +296,10 @@ def readers() -> dict[str, Reader]:
         ),
         "pickled table": Reader(_program, ".pkl", pandas_pickle(a=np.arange(3), b=np.array(["c", None, 1.5], object))),
         **drives,
-        **captures,
+        "capture": Reader(_capture, ".pcap", capture),
+        "bag": Reader(_points, ".mcap", _written(_bag, ".mcap")),
+        "cloud": Reader(read_cloud, ".mcap", _written(_bag, ".mcap")),
+        "way": Reader(ego_scenario, ".mcap", _written(_bag, ".mcap")),
         "picture": Reader(read_picture, ".jpg", _picture("jpeg")),
         "train ids": Reader(read_semantics, ".png", _picture("png")),
         "masks": Reader(read_masks, ".npz", _zip("masks", _npy(np.ones((2, 3, 4), bool)))),

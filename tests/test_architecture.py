@@ -41,6 +41,7 @@ ALLOWED = {
     "view": BASE | {"scene", "drawing"},
     "scan": BASE | {"scene", "formats", "view"},
     "exports": BASE | {"formats", "scan"},
+    "ros": {"formats", "scan"},
     "pipeline": BASE | {"scene", "drafting", "networks", "diffusion", "simulation", "scan"},
     "evaluation": BASE | {"scene", "streets", "networks", "diffusion", "metrics", "simulation", "pipeline"},
     "protocols": BASE | {"formats", "metrics", "perception"},

@@ -37,9 +37,9 @@ def export(
     Of several sensors of one vehicle, `scans` are those of each channel, by its name. "nuscenes" makes one data set of
     them, in which a sample has a sweep of each channel; other formats get a folder OUTPUT/CHANNEL for each.
 
-    Points and boxes are those of `Scan.frame`, by default `as_seen` for "mcap" alone. No box at all is a `UserWarning`
-    if the format has boxes. Raises `FormatError` for an unknown format, no scans, or an `output` that is there already;
-    for invalid names of channels, and channels with different numbers of scans in a sample.
+    Points and boxes are those of `Scan.frame`, by default `as_seen` for "mcap" and "ros2". No box at all is a
+    `UserWarning` if the format has boxes. Raises `FormatError` for an unknown format, no scans, or an `output` that is
+    there already, for invalid names of channels, and for channels with different numbers of scans.
     """
     write, boxes, seen = writer_of(format), 0, format in AS_SEEN if as_seen is None else as_seen
 

@@ -72,7 +72,7 @@ def frames() -> list[Frame]:
 _MARGIN = 0.12  # m around boxes: noise
 KITTI = {"car": "Car", "truck": "Truck", "rider": "Cyclist"}
 UNBOXED = ("semantickitti", "pcd", "ply", "las")
-WITH_UNSEEN = ("nuscenes", "mcap", "webdataset")  # formats that keep objects without a point
+WITH_UNSEEN = ("nuscenes", "mcap", "ros2", "webdataset")  # formats that keep objects without a point
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # webdataset leaves its files open

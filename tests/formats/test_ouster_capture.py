@@ -13,7 +13,7 @@ from lidardraft.cli.inputs import sensor_of_file
 from lidardraft.cli.main import main
 from lidardraft.errors import FormatError, MissingExtraError
 from lidardraft.formats.ouster import metadata_beside, read_ouster_capture, read_ouster_metadata
-from lidardraft.formats.recording import read_recording
+from lidardraft.formats.recording import frames_in, read_points, read_recording
 from ouster_files import BEAMS, COLUMNS, METADATA, write_capture
 from ouster_packets import read_sweep
 
@@ -26,9 +26,8 @@ def sdk() -> None:
 
 
 @pytest.fixture
-def capture(request: pytest.FixtureRequest, tmp_path: Path) -> Path:
+def capture(tmp_path: Path) -> Path:
     """Two frames: rings of lasers 5 m to 20 m away, a beam without returns, then all 1 m further."""
-    request.getfixturevalue("sdk")
     first = np.repeat(np.arange(5000, 5000 + 1000 * BEAMS, 1000, np.uint32)[:, None], COLUMNS, axis=1)
     first[3] = 0
     path = tmp_path / "drive.pcap"
@@ -45,6 +44,18 @@ def test_the_first_whole_frame_is_read(capture: Path) -> None:
     assert read_recording(capture).intensity == pytest.approx(0.2)
     assert set(fields["column"]) == set(range(COLUMNS))
     assert (points[fields["ring"] == 0, 2] > 0).all()
+
+
+def test_a_frame_is_chosen_and_fragments_of_datagrams_are_joined(tmp_path: Path) -> None:
+    path = tmp_path / "drive.pcap"
+    ranges = np.full((BEAMS, COLUMNS), 9000, np.uint32)
+    write_capture(path, [ranges, ranges + 1000, ranges + 2000], largest=1480)
+    assert frames_in(path) == 3
+    for frame in range(3):
+        points = read_recording(path, frame=frame).points
+        np.testing.assert_allclose(np.linalg.norm(points, axis=1), 9 + frame, atol=1e-3)
+    with pytest.raises(FormatError, match=r"drive\.pcap: there is no whole frame 3; it has 3, from 0 on"):
+        read_points(path, frame=3)
 
 
 def test_a_capture_that_begins_within_a_frame(capture: Path) -> None:
@@ -67,7 +78,6 @@ def test_points_lie_in_the_pixels_of_the_sensor_of_the_metadata(capture: Path) -
     np.testing.assert_array_equal(column, recording.column)
 
 
-@pytest.mark.usefixtures("sdk")
 @pytest.mark.parametrize("window", [(400, 100), (256, 255), (100, 400)])
 def test_points_of_a_window_lie_in_its_pixels_over_the_seam_too(tmp_path: Path, window: tuple[int, int]) -> None:
     path = tmp_path / "drive.pcap"
@@ -102,8 +112,8 @@ def test_a_capture_is_viewed_and_edited(capture: Path, monkeypatch: pytest.Monke
 def test_captures_that_are_none(capture: Path) -> None:
     whole = capture.read_bytes()
     for data, message in [
-        (b"", "not a capture of Ouster packets"),
-        (bytes(100), "not a capture of Ouster packets"),
+        (b"", "not a capture of packets, a pcap"),
+        (bytes(100), "not a capture of packets, a pcap"),
         (whole[:24], r"it has no packet of the sensor of drive\.json"),
     ]:
         capture.write_bytes(data)
@@ -132,13 +142,24 @@ def test_metadata_are_found_beside_a_capture(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(find_spec("ouster") is not None, reason="ouster-sdk is installed")
 def test_the_extra_is_named(tmp_path: Path) -> None:
-    (tmp_path / "drive.pcap").touch()
-    (tmp_path / "drive.json").write_text(json.dumps(METADATA))
+    (tmp_path / "drive.osf").touch()
     with pytest.raises(MissingExtraError, match=r"ouster is not installed; run: pip install 'lidardraft\[ouster\]'"):
-        read_ouster_capture(tmp_path / "drive.pcap")
+        read_points(tmp_path / "drive.osf")
 
 
 @pytest.mark.usefixtures("sdk")
+@pytest.mark.parametrize(("name", "count"), [("single_scan_016", 101762), ("pose_delta_2_128", 203569)])
+def test_real_osf_files_lie_in_the_rows_of_their_sensor(name: str, count: int) -> None:
+    path = Path(os.environ.get("LIDARDRAFT_DATA", ""), "permissive", "ouster", f"{name}.osf")
+    if not path.exists():
+        pytest.skip("no recordings: LIDARDRAFT_DATA is not set")
+    recording, sensor = read_recording(path), sensor_of_file(path)
+    assert sensor is not None
+    assert len(recording.points) == count
+    row, _, _ = sensor.pattern.project(recording.points.astype(np.float64))
+    assert (row == recording.ring).mean() > 0.999
+
+
 @pytest.mark.parametrize(
     ("name", "count"), [("OS-0-128-U1_v2.3.0_1024x10", 97299), ("OS-1-32-G_v2.1.1_1024x10", 27310)]
 )

@@ -26,6 +26,8 @@ DEFAULT_SENSOR = "hdl64e"
 _MOST_PIXELS = 2**22  # of the images of a sensor in a file, eight times those of the largest sensors
 # What --weather calls each number of `Weather`, and the unit that may stand behind the amount.
 _WEATHER = {"rain": ("rain", "mm"), "snow": ("snow", "mm"), "fog": ("visibility", "m"), "wet": ("wetness", "")}
+FRAME_HELP = "scan of a log, .mcap, .db3, .pcap or .osf, by its number, from 0 (default 0)"
+TOPIC_HELP = "topic of points in a ROS 2 bag that has several"
 
 
 def whole_number(least: int, most: int | None = None) -> Callable[[str], int]:
@@ -94,6 +96,12 @@ def add_reading(parser: Options) -> None:
     add_carla_tags(parser)
 
 
+def add_log(parser: Options) -> None:
+    """Which scan of a log is read: --frame and --topic, which `reading` reads."""
+    parser.add_argument("--frame", type=whole_number(0), metavar="N", help=FRAME_HELP)
+    parser.add_argument("--topic", metavar="NAME", help=TOPIC_HELP)
+
+
 def add_carla_tags(parser: Options) -> None:
     """--carla-tags."""
     text = "tags in a cloud of CARLA's semantic LiDAR: of 0.9.13 and before, or of 0.9.14 and later (default)"
@@ -102,7 +110,8 @@ def add_carla_tags(parser: Options) -> None:
 
 def reading(arguments: argparse.Namespace) -> dict[str, Any]:
     """The arguments of `read_points` that options of `add_reading` give."""
-    return {"intensity_scale": arguments.intensity_scale, "carla_tags": VERSIONS.get(arguments.carla_tags, TAGS)}
+    said = {"intensity_scale": arguments.intensity_scale, "carla_tags": VERSIONS.get(arguments.carla_tags, TAGS)}
+    return said | {name: getattr(arguments, name, None) for name in ("frame", "topic")}
 
 
 def read_sensor(name: str) -> Sensor:

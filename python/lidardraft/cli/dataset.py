@@ -99,7 +99,8 @@ def export_options(parser: argparse.ArgumentParser) -> None:
     text = "; ".join(f"{name}: {what}" for name, (_, _, what) in FORMATS.items())
     parser.add_argument("--format", required=True, choices=FORMATS, metavar="NAME", help=text)
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where it goes: new or empty")
-    text = "points as the sensor saw them while it moved, and their times where the format has any; always of mcap"
+    text = "points as the sensor saw them while it moved, and their times where the format has any; always of "
+    text += "mcap and ros2"
     parser.add_argument("--as-seen", action="store_true", default=None, help=text)
     text = "make boxes larger by M metres on each side, against the noise of points (0.05 holds nearly all; default 0)"
     parser.add_argument("--box-margin", type=number, default=0.0, metavar="M", help=text)

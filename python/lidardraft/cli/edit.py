@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_seed, add_sensor, reading
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_log, add_reading, add_seed, add_sensor, reading
 from lidardraft.cli.command import say
 from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
 from lidardraft.errors import FormatError
@@ -125,7 +125,7 @@ def edit_options(parser: argparse.ArgumentParser) -> None:
         "returns are marked in the .npz (made_up: 1 of inserted objects, 2 where one was removed), the latter as "
         "outliers in the .label."
     )
-    text = "KITTI .bin, nuScenes .pcd.bin, .pcd, .ply, .npz, .npy, .las, PandaSet .pkl.gz or Ouster .pcap"
+    text = "KITTI .bin, nuScenes .pcd.bin, .pcd, .ply, .npz, .npy, .las, PandaSet .pkl.gz, ROS 2 bag, Ouster .pcap/.osf"
     parser.add_argument("scan", metavar="SCAN", help=text)
     text = "labels of the scan: SemanticKITTI's .label, lidarseg or masks (default: those in it or beside it)"
     parser.add_argument("--labels", metavar="FILE", help=text)
@@ -134,6 +134,7 @@ def edit_options(parser: argparse.ArgumentParser) -> None:
     text = f" that took the scan (default that beside it, hdl32e of nuScenes, or {DEFAULT_SENSOR})"
     add_sensor(parser, default=None, of=text)
     add_reading(parser)
+    add_log(parser)
     for option, names, text in (
         ("insert", ("TEXT",), "an object: 'car at 12,3 yaw 90', 'truck at 30,-2 size 8,2.5,3'; repeatable"),
         ("remove", ("ID",), "take an object away; repeatable"),

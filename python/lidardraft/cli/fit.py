@@ -5,13 +5,14 @@ from __future__ import annotations
 import argparse
 import itertools
 import math
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from lidardraft.cli.arguments import add_reading, read_sensor, reading, whole_number
+from lidardraft.cli.arguments import add_log, add_reading, read_sensor, reading, whole_number
 from lidardraft.cli.command import say
 from lidardraft.cli.inputs import scan_files
 from lidardraft.errors import FormatError, LidarDraftError
@@ -25,6 +26,7 @@ _MOST_LOST = 0.1  # of the points; of right recordings less than 0.01 are
 _DARK, _NOISE_AT = 0.10, 30.0  # a reflectance, and a range [m], at which figures are printed
 _LOOKED_AT = 4  # scans, evenly spread, whose points are projected
 _MOST_JUDGED = 24  # scans of either side, evenly spread, and of streets
+_MOST_OF_LOG = 32  # scans, evenly spread
 _HELD_BACK = 0.25  # of the scans judge, the last ones, where no others are named
 
 
@@ -57,30 +59,48 @@ def _sound_recordings(arguments: argparse.Namespace, *paths: list[Path]) -> tupl
     from lidardraft.calibration.odd_scans import odd_scans, without_rare_lasers
     from lidardraft.formats.recording import Recording, read_recording, with_fields
 
-    def tried(path: Path) -> Recording | LidarDraftError:
+    def tried(path: Path, frame: int | None) -> Recording | LidarDraftError:
         try:
-            return read_recording(path, **reading(arguments))
+            return read_recording(path, **(reading(arguments) | {"frame": frame}))
         except LidarDraftError as error:
             return error
 
-    found = {path: tried(path) for path in itertools.chain(*paths)}
-    read = {path: one for path, one in found.items() if isinstance(one, Recording)}
+    scans = [_scans_of(arguments, each) for each in paths]
+    found = {one: tried(*one) for one in itertools.chain(*scans)}
+    read = {key: one for key, one in found.items() if isinstance(one, Recording)}
     refused = [one for one in found.values() if isinstance(one, LidarDraftError)]
     odd = odd_scans(list(read.values()))
-    refused += [FormatError(f"{list(read)[number]}: {why}") for number, why in odd.items()]
-    sound = [path for number, path in enumerate(read) if number not in odd]
-    if not set(sound).intersection(paths[0]):
+    refused += [FormatError(f"{list(read.values())[number].name}: {why}") for number, why in odd.items()]
+    sound = [key for number, key in enumerate(read) if number not in odd]
+    if not set(sound).intersection(scans[0]):
         raise refused[0]
     for error in refused:
         say(f"left out: {error}")
-    if all(read[path].intensity is None for path in sound):
-        say(f"{sound[0]}: there are no intensities{with_fields(sound[0])}: none are fitted")
-    kept, rare = without_rare_lasers([read[path] for path in sound])
+    if all(read[key].intensity is None for key in sound):
+        say(f"{sound[0][0]}: there are no intensities{with_fields(sound[0][0])}: none are fitted")
+    kept, rare = without_rare_lasers([read[key] for key in sound])
     if rare:
         rings = ", ".join(map(str, rare))
         say(f"left out: rings {rings}, each with fewer than {FEWEST_POINTS} returns in all of the scans together")
-    by_path = dict(zip(sound, kept, strict=True))
-    return tuple([by_path[path] for path in each if path in by_path] for each in paths)
+    by_scan = dict(zip(sound, kept, strict=True))
+    return tuple([by_scan[key] for key in each if key in by_scan] for each in scans)
+
+
+def _scans_of(arguments: argparse.Namespace, paths: list[Path]) -> list[tuple[Path, int | None]]:
+    """The scans of files with their numbers in logs: that of --frame, or some of all, evenly spread."""
+    from lidardraft.formats.recording import frames_in, is_log
+
+    found = list[tuple[Path, int | None]]()
+    for path in paths:
+        numbers: list[int] | list[int | None] = [arguments.frame]
+        if arguments.frame is None and is_log(path):
+            with suppress(LidarDraftError):  # which reading it raises again, and says
+                count = frames_in(path, arguments.topic)
+                numbers = sorted({round(at) for at in np.linspace(0, count - 1, min(count, _MOST_OF_LOG))})
+                if count > _MOST_OF_LOG:
+                    say(f"{path}: of its {count} scans {_MOST_OF_LOG} are read, evenly spread; --frame takes one")
+        found += [(path, number) for number in numbers]
+    return found
 
 
 def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
@@ -150,7 +170,7 @@ def fit_options(parser: argparse.ArgumentParser) -> None:
     """The options of `fit`."""
     text = (
         "scans of one sensor, or folders of them: KITTI .bin (and labels beside it), nuScenes .pcd.bin, PandaSet "
-        ".pkl.gz, .pcd with rings or rows, .npz, Ouster .pcap"
+        ".pkl.gz, .pcd with rings or rows, .npz, ROS 2 bags, Ouster .pcap and .osf"
     )
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
     parser.add_argument("-o", "--output", required=True, metavar="SENSOR.json", help="where the sensor goes")
@@ -159,6 +179,7 @@ def fit_options(parser: argparse.ArgumentParser) -> None:
     text = "preset or sensor file for constants that no scan shows, such as the divergence (default: typical values)"
     parser.add_argument("--like", metavar="SENSOR", help=text)
     add_reading(parser)
+    add_log(parser)
     text = "firings in a turn of the sensor that is written (default: those of the scans, in fours)"
     parser.add_argument("--columns", type=whole_number(8), metavar="N", help=text)
     text = "streets to compare the scans with (default 32)"

@@ -14,12 +14,22 @@ from typing import Any
 import numpy as np
 
 from lidardraft.arranging.district import STREET_DISTRICTS
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_seed, assignments, number, read_sensor, reading
+from lidardraft.cli.arguments import (
+    DEFAULT_SENSOR,
+    TOPIC_HELP,
+    add_reading,
+    add_seed,
+    assignments,
+    number,
+    read_sensor,
+    reading,
+)
 from lidardraft.cli.command import say
 from lidardraft.errors import FormatError, LidarDraftError, MissingExtraError, TextError, extra, one_of
 from lidardraft.files import named
 from lidardraft.scene.box import Box
 from lidardraft.scene.layout import AROUND, Layout
+from lidardraft.scene.scenario import Scenario
 from lidardraft.scene.sensor import Sensor
 
 _PICTURES = (".png", ".jpg", ".jpeg", ".webp")
@@ -31,9 +41,9 @@ _FILE, _METRES, _FLAG = {"metavar": "FILE"}, {"type": number, "metavar": "M"}, {
 _INPUTS: dict[str, tuple[str, tuple[str, ...], str]] = {
     "text": ("SENTENCE", (), 'what is on the road, in English: "two cars on the left"'),
     "image": ("PHOTO.jpg", _PICTURES, "a picture of a road: JPEG, PNG or WebP"),
-    "points": ("SCAN", (".bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".gz", ".pcap"),
+    "points": ("SCAN", (".bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".gz", ".pcap", ".osf", ".mcap", ".db3"),
         "a scan: KITTI .bin (float32 x y z [m] and intensity), nuScenes .pcd.bin, PandaSet .pkl.gz, .pcd, .ply, .npz, "
-        ".npy, .las, or an Ouster's .pcap with its metadata .json beside it"),
+        ".npy, .las, a ROS 2 bag (.mcap, .db3 or its folder), or an Ouster's .osf, or .pcap with its .json beside it"),
     "sketch": ("FILE", (".svg", *_PICTURES), "a sketch from above: .svg, or a painted picture (.png, .jpg)"),
     "boxes": ("FILE", (".json", ".txt", ".gz"), "boxes around objects: .boxes.json, KITTI's label_2, ..."),
     "obj": ("FILE.obj", (".obj",), "a 3D model: Wavefront OBJ with the ego vehicle at its origin"),
@@ -68,7 +78,9 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
         "move --obj, --glb or --blender: the middle of its ground becomes the origin, where the sensor stands"),
     "as_is": ((*_MODELS, "boxes"), _FLAG,
         "read --obj, --glb, --blender or --boxes whatever the sizes of vehicles and people in it say of its unit"),
-    "frame": (("boxes",), {"type": int, "metavar": "N"}, "frame of KITTI's tracking labels in --boxes (default 0)"),
+    "frame": (("boxes", "points"), {"type": int, "metavar": "N"},
+        "frame of KITTI's tracking labels in --boxes, or of a log in --points, from 0 (default 0)"),
+    "topic": (("points",), {"metavar": "NAME"}, TOPIC_HELP),
     "explain": (_TEXTS, _FLAG, "say what each word of --text became, and which were not understood"),
     "depth": (("image",), {"metavar": "MODEL"},
         "depth of --image: a metric depth network (id or folder), or an .npy file [m], 0 where unknown (default: Depth "
@@ -100,7 +112,8 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
 # Those of `add_reading` and of commands.
 _OTHERS = {"intensity_scale": ("points",), "carla_tags": ("points",), "poses": ("street",)}
 
-_SCANS = (".bin", ".pcd", ".ply", ".npz", ".las", ".pkl.gz", ".pcap")  # in folders, where an .npy may be anything
+# In folders, where an .npy may be anything.
+_SCANS = (".bin", ".pcd", ".ply", ".npz", ".las", ".pkl.gz", ".pcap", ".osf", ".mcap", ".db3")
 
 _SENSORS = {".pcd.bin": "hdl32e", ".pkl.gz": "pandar64"}  # of nuScenes and PandaSet, by endings
 _STREET_AROUND = ("text", "sketch", "boxes", "image")  # inputs that get one unless --surroundings says otherwise
@@ -216,7 +229,8 @@ def _name_of_input(arguments: argparse.Namespace) -> str:
 def sensor_of_file(file: str | Path) -> Sensor | None:
     """The sensor of a scan, where its file says it: by NAME.sensor.json beside NAME.bin and NAME.boxes.json, as
     `generate` writes it, by the metadata of an Ouster's capture, or by an ending of its data set."""
-    from lidardraft.formats.ouster import metadata_beside
+    from lidardraft.formats.ouster import metadata_beside, sensor_of_osf
+    from lidardraft.formats.rosbag import is_bag, sensor_of_bag
 
     path = Path(file)
     beside = path.with_name(f"{path.name.removesuffix(path.suffix).removesuffix('.boxes')}.sensor.json")
@@ -224,6 +238,8 @@ def sensor_of_file(file: str | Path) -> Sensor | None:
         return Sensor.load(beside)
     if path.suffix == ".pcap":
         return read_sensor(str(metadata_beside(path)))
+    if path.suffix == ".osf" or is_bag(path):
+        return sensor_of_osf(path) if path.suffix == ".osf" else sensor_of_bag(path)
     return next((Sensor.preset(name) for ending, name in _SENSORS.items() if path.name.endswith(ending)), None)
 
 
@@ -251,12 +267,14 @@ def scan_files(given: Sequence[str]) -> list[Path]:
 
     Raises `FormatError` for a folder with none, and for what is not there.
     """
+    from lidardraft.formats.rosbag import is_bag
+
     files = list[Path]()
     for path in map(Path, given):
         if not path.exists():
             raise FormatError(f"{path}: there is no such file or folder")
         inside = (sorted(filter(_is_scan, path.glob(pattern))) for pattern in ("*", "**/*"))
-        found = next(filter(None, inside), []) if path.is_dir() else [path]
+        found = next(filter(None, inside), []) if path.is_dir() and not is_bag(path) else [path]
         if not found:
             kinds = f"{', '.join(_SCANS[:-1])} or {_SCANS[-1]}"
             raise FormatError(f"{path}: there is no {kinds} file in this folder or below it")
@@ -338,6 +356,15 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     if len(layout) == 1:
         say(f"{path}: the layout is a bare plane: the {len(points)} points show no ground and no object")
     return layout
+
+
+def ego_of_points(arguments: argparse.Namespace) -> Scenario | None:
+    """The trajectory that a bag in --points says after its frame; None where there is none."""
+    from lidardraft.formats.rosbag import ego_scenario, is_bag
+
+    if arguments.points is None or not is_bag(arguments.points):
+        return None
+    return ego_scenario(arguments.points, arguments.frame or 0, arguments.topic)
 
 
 def _predicted(

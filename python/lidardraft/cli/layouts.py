@@ -11,7 +11,7 @@ import numpy as np
 
 from lidardraft.cli.arguments import add_sensor, read_sensor
 from lidardraft.cli.command import say
-from lidardraft.cli.inputs import add_inputs, around_it, input_of, read_layout
+from lidardraft.cli.inputs import add_inputs, around_it, ego_of_points, input_of, read_layout
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named
 from lidardraft.scene.layout import Layout
@@ -30,13 +30,17 @@ def draft(arguments: argparse.Namespace) -> None:
         raise FormatError(f"{arguments.output}: a layout is written as {', '.join(_ENDINGS)}; the ending says which")
     check_other_file(arguments.output, input_of(arguments))
     sensor = read_sensor(arguments.sensor)
-    layout = read_layout(arguments)
+    layout, scenario = read_layout(arguments), ego_of_points(arguments)
     # before anything is written: what cannot be simulated replaces no layout that is there
     with named(f"{input_of(arguments)}: no preview can be made (--no-preview leaves it out)"):
         picture = None if arguments.no_preview else _preview(layout, sensor, arguments.seed)
     _writer(ending)(arguments.output, layout)
     objects = len(layout.boxes())
     print(f"{arguments.output}: shapes: {len(layout)}, objects with a box: {objects}{around_it(layout)}")
+    if scenario is not None:
+        replay = Path(arguments.output).with_suffix(".scenario.json")
+        scenario.save(replay)
+        print(f"{replay}: how the ego vehicle went on, for `simulate --scenario`")
     path = Path(arguments.output.removesuffix(".json") + ".preview.png")  # of x.glb, another than that of x.json
     if picture is not None:
         from lidardraft.view import save_png

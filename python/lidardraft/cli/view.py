@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft.array_files import names_in
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_reading, add_sensor, read_sensor, reading
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_log, add_reading, add_sensor, read_sensor, reading
 from lidardraft.cli.command import progress, say
 from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
 from lidardraft.errors import FormatError
@@ -26,12 +26,13 @@ _SHOWN_FOR = 0.5  # s, of scans that are not a sequence
 
 def view(arguments: argparse.Namespace) -> None:
     """Render a picture of a scan (.bin with the .label beside it, .pcd.bin, .pcd, .ply, .npy, .las, .npz, .pkl.gz or
-    .pcap), a range image (.npz), a file of training pairs (.npz) or a layout (.json); a page of HTML of a scan, to
+    a log), a range image (.npz), a file of training pairs (.npz) or a layout (.json); a page of HTML of a scan, to
     turn it; or a film of a folder of scans."""
+    from lidardraft.formats.rosbag import is_bag
     from lidardraft.view import html_page, save_png
 
     path = Path(arguments.path)
-    if path.is_dir():
+    if path.is_dir() and not is_bag(path):
         _film(path, arguments)
         return
     output = Path(arguments.output) if arguments.output else path.with_suffix(".view.png")
@@ -85,6 +86,7 @@ def view_options(parser: argparse.ArgumentParser) -> None:
     text = f" that took a scan or sees a layout (default the scan's own, or {DEFAULT_SENSOR})"
     add_sensor(parser, default=None, of=text)
     add_reading(parser)
+    add_log(parser)
     text = "colour the points by class, in place of height; objects always have the colours of their classes"
     parser.add_argument("--classes", action="store_true", help=text)
     parser.add_argument("--large", action="store_true", help="one large and smooth view of a scan alone")
@@ -137,9 +139,9 @@ def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
 
 
 def _holds_points(path: Path) -> bool:
-    from lidardraft.formats.recording import SCAN_ENDINGS
+    from lidardraft.formats.recording import SCAN_ENDINGS, is_log
 
-    if not path.name.endswith(SCAN_ENDINGS):
+    if not path.name.endswith(SCAN_ENDINGS) and not is_log(path):
         kind = path.suffix or "a file without an ending"
         raise FormatError(f"{path}: there is no picture of {kind}; it must be {', '.join(SCAN_ENDINGS)} or .json")
     return path.suffix != ".npz" or "xyz" in names_in(path)

@@ -31,10 +31,11 @@ FORMATS = {
     "ply": ("ply", "write_ply_folder", "PLY files with the same"),
     "las": ("las", "write_las", "LAS files with the same"),
     "mcap": ("mcap", "write_mcap", "MCAP files with Foxglove's messages, one a folder"),
+    "ros2": ("ros2", "write_ros2", "ROS 2 bags (MCAP), one a folder"),
     "webdataset": ("webdataset", "write_webdataset", "WebDataset shards"),
 }
-AS_SEEN = ("mcap",)  # formats whose points are as the sensor saw them, for consumers that take its motion out
-BY_DRIVE = ("semantickitti", "nuscenes", "mcap")  # formats that number drives, and not frames
+AS_SEEN = ("mcap", "ros2")  # formats whose points are as the sensor saw them, for consumers that take its motion out
+BY_DRIVE = ("semantickitti", "nuscenes", "mcap", "ros2")  # formats that number drives, and not frames
 UNBOXED = ("semantickitti", "pcd", "ply", "las")  # formats that have no place for boxes
 MOVING = 0.3  # m/s from which on what stands in one place is thought to move; estimate
 VALIDATION_SHARE = 0.2  # of a data set's frames, its last ones

@@ -20,7 +20,7 @@ from lidardraft.formats.frame import Annotation, Drives, Frame, point_records, t
 from lidardraft.scene.pose import upright
 from lidardraft.semantics import BY_NAME
 
-_START = 1_600_000_000_000_000_000  # ns, the first frame's time
+START = 1_600_000_000_000_000_000  # ns, the first frame's time
 _TYPES = {"f4": "Float32", "u1": "Uint8", "u2": "Uint16", "u4": "Uint32"}
 
 
@@ -46,7 +46,7 @@ def _log_drive(drive: Iterable[Frame], context: Any) -> None:
     boxes = channels.SceneUpdateChannel("/boxes", context=context)
     transforms = channels.FrameTransformsChannel("/tf", context=context)
     for time, frame in timed(drive):
-        begun = _START + round(1e9 * time)
+        begun = START + round(1e9 * time)
         at = begun + round(1e9 * frame.sensor.sweep_time / 2)
         poses = (("map", "base_link", frame.world_from_ego()), ("base_link", "lidar", frame.ego_from_sensor()))
         transforms.log(FrameTransforms(transforms=[_transform(at, *pose) for pose in poses]), log_time=at)

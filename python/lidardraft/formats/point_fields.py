@@ -21,7 +21,8 @@ NAMES = {
     "ring": ("ring", "channel", "laser_id", "laser", "line"),
 }
 # By the ending of a file, else by the type of whole numbers, as in LAS.
-SCALES = {".pcd.bin": 255.0, ".bin": 1.0, ".pkl.gz": 255.0, ".pcap": 255.0, "uint8": 255.0, "uint16": 65535.0}
+SCALES = dict.fromkeys((".pcd.bin", ".pkl.gz", ".pcap", ".osf"), 255.0) | {".bin": 1.0}
+SCALES |= {"uint8": 255.0, "uint16": 65535.0}
 _LIKELY = (255.0, 4095.0, 65535.0)
 _MOST_CLIPPED = 0.01  # of the intensities may be over their scale
 

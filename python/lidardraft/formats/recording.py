@@ -25,11 +25,12 @@ from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.las import read_las
 from lidardraft.formats.masks import read_masks
 from lidardraft.formats.nuscenes import lidarseg_of, read_lidarseg, read_pcd_bin
-from lidardraft.formats.ouster import read_ouster_capture
+from lidardraft.formats.ouster import count_frames, osf_frame, read_ouster_capture
 from lidardraft.formats.pandaset import read_sweep
 from lidardraft.formats.pcd import read_pcd
 from lidardraft.formats.ply import read_ply
 from lidardraft.formats.point_fields import SCALES, named_fields, unit_intensity
+from lidardraft.formats.rosbag import BAG_ENDINGS, count_clouds, is_bag, read_cloud
 from lidardraft.formats.semantickitti import read_label
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
@@ -38,7 +39,8 @@ from lidardraft.semantics import NUM_CLASSES
 _NEAREST = 0.1  # m: what is nearer is not a return (zeros stand for those of organised clouds)
 _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
-SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pkl.gz", ".pcap")
+LOG_ENDINGS = (*BAG_ENDINGS, ".pcap", ".osf")  # files of many scans, as is a folder with a bag
+SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pkl.gz", *LOG_ENDINGS)
 _FIELDS = ("label", "instance", "column", "made_up")  # of an .npz file, beside those of `NAMES`
 _OFF, _FURTHEST = 50.0, 1000.0  # m from the sensor: its nearest returns are hardly so far off, and never further
 _NEAR = 0.05  # of the returns are its nearest: a few of a map may lie near the map's origin
@@ -69,7 +71,12 @@ class Recording:
 
 
 def read_recording(
-    path: str | os.PathLike[str], *, intensity_scale: float | None = None, carla_tags: Tags = TAGS
+    path: str | os.PathLike[str],
+    *,
+    intensity_scale: float | None = None,
+    carla_tags: Tags = TAGS,
+    frame: int | None = None,
+    topic: str | None = None,
 ) -> Recording:
     """A scan out of a file of one of `SCAN_ENDINGS`, with the labels that data sets have beside it.
 
@@ -78,8 +85,9 @@ def read_recording(
     [N, 3], and `ring`, `intensity`, `label` (our classes), `instance`, `column` [N] where they are known, or is a range
     image; that of a scan that lidardraft wrote is read in place of its `.bin`, which does not say the lasers.
     `intensity_scale` is the number that stands for an intensity of 1, by default that of the format, and `carla_tags`
-    are the tags of a cloud of CARLA. Raises `FormatError` if the file is something else or has no points, or if nothing
-    says their lasers or the scale of their intensities.
+    are the tags of a cloud of CARLA. Of a log the scan is that of number `frame`, by default 0, and of a bag with
+    several topics of points that of `topic`. Raises `FormatError` if the file is something else or has no points, or if
+    nothing says their lasers or the scale of their intensities.
     """
     path = Path(path)
     image = path.with_suffix(".npz")
@@ -87,11 +95,11 @@ def read_recording(
         path = image
     if path.suffix == ".npz" and {"depth", "sensor"}.issubset(array_files.names_in(path)):
         return _of_image(os.fspath(path), RangeImage.load(path))
-    points, fields = read_points(path, intensity_scale=intensity_scale, carla_tags=carla_tags)
+    points, fields = read_points(path, intensity_scale=intensity_scale, carla_tags=carla_tags, frame=frame, topic=topic)
     fields = {field: values for field, values in fields.items() if field not in ("instance", "made_up")}
     try:
         with named(path):
-            return recording_of(os.fspath(path), points, **fields)
+            return recording_of(f"{path}, frame {frame}" if frame is not None else str(path), points, **fields)
     except FormatError as error:
         raise FormatError(f"{error}{with_fields(path)}" if _NO_LASERS in str(error) else str(error)) from None
 
@@ -102,14 +110,26 @@ def read_points(
     intensity_scale: float | None = None,
     carla_tags: Tags = TAGS,
     needs_intensity: bool | None = True,
+    frame: int | None = None,
+    topic: str | None = None,
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The points [N, 3] of such a file in the sensor's frame and what it says of each, `instance` too; which laser took
     them need not be known. What is applied, clipped or odd is a `UserWarning`. Intensities whose scale nothing says
     are a `FormatError`; if `needs_intensity` is False they are left out, which is a `UserWarning`, if None in silence.
+    `frame` and `topic` are those of `read_recording`.
     """
     stated = next((scale for ending, scale in SCALES.items() if os.fspath(path).endswith(ending)), None)
     scale = stated if intensity_scale is None else intensity_scale
-    points, fields = _read(path, 1.0 if scale is None else scale, carla_tags)
+    if topic is not None and not is_bag(path):
+        raise FormatError(f"{os.fspath(path)} is no ROS 2 bag; --topic (topic) is for those")
+    if frame is not None and frame < 0:
+        raise FormatError(f"frame is {frame}; it must be 0 or more")
+    if is_log(path):
+        points, fields = _from_log(path, frame or 0, topic, carla_tags)
+    elif frame is not None:
+        raise FormatError(f"{os.fspath(path)} is one scan; --frame (frame) is for logs, {', '.join(LOG_ENDINGS)}")
+    else:
+        points, fields = _read(path, 1.0 if scale is None else scale, carla_tags)
     if points.ndim != 2 or any(values.shape != points.shape[:1] for values in fields.values()):
         return points, fields  # which `returns` refuses
     ranges = _ranges(points)
@@ -149,11 +169,38 @@ def _read(path: str | os.PathLike[str], scale: float, tags: Tags) -> tuple[np.nd
         return _from_npy(path, tags)
     if suffix == ".las":
         return read_las(path)
-    if suffix == ".pcap":
-        return read_ouster_capture(path)
     if Path(path).name.endswith(".pkl.gz"):
         return read_sweep(path)
     raise FormatError(f"{os.fspath(path)}: a recorded scan is one of {', '.join(SCAN_ENDINGS)}")
+
+
+def is_log(path: str | os.PathLike[str]) -> bool:
+    """Whether a path is that of many scans in one: a bag of ROS 2, or a log of an Ouster."""
+    return is_bag(path) or Path(path).suffix in LOG_ENDINGS
+
+
+def frames_in(path: str | os.PathLike[str], topic: str | None = None) -> int:
+    """The number of scans of a log; raises `FormatError` where it is broken."""
+    return count_clouds(path, topic) if is_bag(path) else count_frames(path)
+
+
+def _from_log(
+    path: str | os.PathLike[str], frame: int, topic: str | None, tags: Tags
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    if not is_bag(path):
+        return read_ouster_capture(path, frame) if Path(path).suffix == ".pcap" else osf_frame(path, frame)
+    cloud = read_cloud(path, frame, topic)
+    return _with_rows(*_from_columns(path, cloud.columns, tags), cloud.rows)
+
+
+def _with_rows(
+    points: np.ndarray, fields: dict[str, np.ndarray], rows: int
+) -> tuple[np.ndarray, dict[str, np.ndarray]]:
+    """An organised cloud whose rows are lasers, where no field says these."""
+    if "ring" not in fields and rows > 1 and len(points) % rows == 0:
+        width = len(points) // rows
+        fields = fields | {"ring": np.arange(len(points)) // width, "column": np.arange(len(points)) % width}
+    return points, fields
 
 
 def read_returns(
@@ -337,9 +384,7 @@ def _from_pcd(path: str | os.PathLike[str], tags: Tags) -> tuple[np.ndarray, dic
             seen, said = points, "is not applied: the points lie around their origin, and far from it"
         warnings.warn(f"{os.fspath(path)}: VIEWPOINT {file.viewpoint.round(3).tolist()} {said}", stacklevel=2)
         points = seen
-    if "ring" not in fields and file.height > 1 and file.width * file.height == len(points):
-        fields |= {"ring": np.arange(len(points)) // file.width, "column": np.arange(len(points)) % file.width}
-    return points, fields
+    return _with_rows(points, fields, file.height if file.width * file.height == len(points) else 1)
 
 
 def _from_columns(
