@@ -150,6 +150,7 @@ class MissingExtraError(LidarDraftError, ImportError):
 EXTRAS = {
     "torch": ("generate", "train", "image"), "transformers": ("image",), "huggingface_hub": ("image",),
     "laspy": ("export",), "foxglove": ("export",), "av": ("video",), "ray": ("cluster",), "ouster": ("ouster",),
+    "viser": ("studio",),
 }  # fmt: skip
 
 

@@ -1,0 +1,80 @@
+"""`lidardraft studio`: a page in the browser in which scenes are made, changed, scanned and kept."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from pathlib import Path
+
+from lidardraft.cli.arguments import add_sensor, add_weather, read_sensor, read_weather, whole_number
+from lidardraft.cli.command import Parser, say
+from lidardraft.cli.inputs import ENDINGS, add_inputs, gives_input, layout_of_input, recorded_points
+from lidardraft.files import named
+from lidardraft.scene.layout import Layout
+
+_PORT = 8080
+
+
+def studio(arguments: argparse.Namespace) -> None:
+    """Open a page in the browser: type a sentence or drop a file, drag objects, and the scan follows; play it, and keep
+    scans, data sets and the commands that make them again."""
+    from lidardraft.studio.editor import Editor
+    from lidardraft.studio.page import SENTENCE, Inputs
+    from lidardraft.studio.server import served
+    from lidardraft.studio.session import Draft
+    from lidardraft.world.state import WorldState
+    from lidardraft.world.world import World
+
+    sensor, weather, seed = read_sensor(arguments.sensor), read_weather(arguments.weather), arguments.seed
+    if arguments.world is not None:
+        first: Layout | WorldState = WorldState.load(arguments.world)
+        seed = first.seed
+    else:
+        given = arguments if gives_input(arguments) else _asked(["--text", SENTENCE], arguments)
+        first = layout_of_input(given)
+    with named(arguments.world or "the scene"):
+        World(first, sensor, seed=seed)  # what cannot be scanned ends the command, and no page
+
+    def read(kind: str, value: str, seed: int) -> Draft:
+        asked = _asked([f"--{kind}={value}", f"--seed={seed}"], arguments)
+        layout = layout_of_input(asked)
+        return Draft(layout, recorded_points(asked)) if kind == "points" else Draft(layout)
+
+    def generator() -> object:
+        from lidardraft.pipeline import Pipeline
+
+        return Pipeline.from_pretrained()
+
+    folder = None if arguments.output is None else Path(arguments.output)
+    inputs = Inputs(read, read_sensor, ENDINGS, generator, folder)
+    with served(lambda: Editor(first, (sensor,), seed=seed, weather=weather), inputs, arguments.port) as running:
+        if running.port != arguments.port:
+            say(f"port {arguments.port} is taken; the studio is on {running.port}")
+        print(f"{running.url}  (Ctrl-C ends it)", flush=True)
+        while True:
+            time.sleep(10.0)
+            running.tidy()
+
+
+def _asked(words: list[str], arguments: argparse.Namespace) -> argparse.Namespace:
+    """The arguments of an input alone, as the command line has them."""
+    parser = Parser(add_help=False)
+    add_inputs(parser)
+    add_sensor(parser)
+    return parser.parse_args([*words, "--sensor", arguments.sensor])
+
+
+def studio_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `studio`."""
+    parser.epilog = (
+        "The page is on this machine alone. From another one, open a tunnel first, as in `ssh -L 8080:localhost:8080 "
+        "HOST`. Each visitor has a scene of their own. Where $LIDARDRAFT_LLM_URL names a language model, it reads the "
+        "sentences."
+    )
+    add_inputs(parser, "world", required=False)
+    add_sensor(parser.add_argument_group("sensor"))
+    add_weather(parser)
+    text = f"port of the page, or the next one that is free (default {_PORT})"
+    parser.add_argument("--port", type=whole_number(1, 65535), default=_PORT, metavar="P", help=text)
+    text = "where files that visitors keep may go on this machine (default: they are downloads)"
+    parser.add_argument("-o", "--output", metavar="FOLDER", help=text)

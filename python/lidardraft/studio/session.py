@@ -1,0 +1,314 @@
+"""One visitor's studio without its page: edits come from any thread, one thread carries them out and makes frames."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+import time
+import traceback
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from lidardraft.errors import LidarDraftError
+from lidardraft.scan import Scan
+from lidardraft.scene.check import Finding, check
+from lidardraft.scene.layout import Layout
+from lidardraft.studio.document import Look
+from lidardraft.studio.editor import Editor
+from lidardraft.studio.frame import Frame, Pick, frame_of
+from lidardraft.world.state import WorldState
+
+if TYPE_CHECKING:
+    from lidardraft.pipeline import Pipeline
+
+STEP = 0.1  # s, of the time line
+_MOST_CHECKED = 5000  # shapes whose faults are looked for after each edit
+
+Edit = Callable[["Session"], object]
+
+
+@dataclass(frozen=True, eq=False)
+class Draft:
+    """What an input became: a layout, or the state of a world, and the points float32 [N, 3] of the scan that it is
+    of."""
+
+    source: Layout | WorldState
+    recorded: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), np.float32))
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What a page shows besides the frame: the objects, the one that is selected, and what is wrong with which."""
+
+    names: tuple[str, ...]
+    selected: str | None
+    findings: tuple[Finding, ...]
+    recorded: np.ndarray
+    is_generated: bool
+    is_stale: bool
+    seconds: float
+
+
+class Page:
+    """What a session tells; a page of a browser shows it, and this one does not."""
+
+    def show(self, session: Session, frame: Frame) -> None:
+        """Points, at once."""
+
+    def settle(self, session: Session, frame: Frame, scene: Scene) -> None:
+        """All else, where no edit waits."""
+
+    def tell(self, message: str, *, is_error: bool = False) -> None:
+        """A line."""
+
+    def progress(self, share: float | None) -> None:
+        """How much is generated; None where nothing is."""
+
+
+class Session:
+    """An editor and the thread that uses it.
+
+    Of edits with the same key only the newest is carried out, such as the places of one drag. After all that wait one
+    frame is made, so none queues up.
+    """
+
+    def __init__(self, editor: Editor) -> None:
+        self.editor, self.look, self.selected = editor, Look(), None if not editor.names else editor.names[0]
+        self.recorded = np.zeros((0, 3), np.float32)
+        self.page: Page | None = None
+        self.snaps, self.is_dragging, self.is_running = False, False, False
+        self.used, self.frames, self.seconds = time.monotonic(), 0, 0.0
+        self._edits: dict[object, Edit] = {}
+        self._changed, self._ended, self._unsettled = threading.Condition(), False, True
+        self._generated: tuple[WorldState, Scan] | None = None
+        self._frame: Frame | None = None
+        self._checked: tuple[WorldState, tuple[Finding, ...]] | None = None
+        self._number = itertools.count()
+        self._thread = threading.Thread(target=self._run, name="studio", daemon=True)
+        self._thread.start()
+
+    def post(self, edit: Edit, key: object = None) -> None:
+        """Have an edit carried out, in place of one with the same key that still waits; without a key it is no
+        other's."""
+        with self._changed:
+            key = next(self._number) if key is None else key
+            self._edits.pop(key, None)
+            self._edits[key] = edit
+            self.used = time.monotonic()
+            self._changed.notify()
+
+    def leave(self) -> None:
+        """Go on without a page: what was dragged stays where it is, and time stands."""
+        self.page = None
+
+        def end(session: Session) -> None:
+            session.is_dragging = session.is_running = False
+            session.editor.commit()
+
+        self.post(end)
+
+    def end(self) -> None:
+        """End the thread, after the edit that it is at."""
+        with self._changed:
+            self._ended = True
+            self._changed.notify()
+
+    def join(self) -> None:
+        """Wait until all is carried out that was posted before, and shown."""
+        done = threading.Event()
+        self.post(lambda _: None)
+        self.post(lambda session: session._when_settled.append(done))
+        done.wait(60.0)
+
+    _when_settled: list[threading.Event]
+
+    def _run(self) -> None:
+        self._when_settled = []
+        while True:
+            with self._changed:
+                if not self._edits and not self._ended and not self.is_running and not self._unsettled:
+                    self._changed.wait()
+                if self._ended:
+                    return
+                edits, self._edits = list(self._edits.values()), {}
+            begin = time.monotonic()
+            for edit in edits:
+                self._carry_out(edit)
+            if self.is_running:
+                self._carry_out(_step)
+            if edits or self.is_running:
+                self._unsettled = True
+                self._carry_out(_show)
+            elif self._unsettled and not self.is_dragging:
+                self._unsettled = False
+                self._carry_out(_settle)
+                for done in self._when_settled:
+                    done.set()
+                self._when_settled = []
+            else:
+                self._unsettled = False
+            if self.is_running:
+                left = STEP - (time.monotonic() - begin)
+                with self._changed:
+                    if not self._edits and left > 0:
+                        self._changed.wait(left)
+
+    def _carry_out(self, edit: Edit) -> None:
+        """An edit that fails is a message, and the scene before it stays."""
+        try:
+            edit(self)
+        except LidarDraftError as error:
+            self.is_running = False
+            self.tell(str(error), is_error=True)
+        except Exception as error:  # a page must outlive our own faults
+            self.is_running = False
+            traceback.print_exc()
+            self.tell(f"This is a fault of the studio's: {type(error).__name__}: {error}", is_error=True)
+
+    def tell(self, message: str, *, is_error: bool = False) -> None:
+        """Say a line in the page, where there is one."""
+        if self.page is not None:
+            self.page.tell(message, is_error=is_error)
+
+    def frame(self) -> Frame:
+        """That of now, whole unless something is dragged."""
+        state = self.editor.world.state()
+        generated = self._generated is not None and self._generated[0] is state
+        scans = (self._generated[1],) if generated and self._generated else self.editor.scans()
+        whole = not (self.is_dragging or self.is_running)
+        last = self._frame
+        if last and last.scans == scans and last.look == self.look and (last.whole or not whole):
+            return last
+        self._frame = frame_of(scans, self.look, whole=whole)
+        return self._frame
+
+    def scene(self) -> Scene:
+        """What there is besides the frame."""
+        state = self.editor.world.state()
+        if self._checked is None or self._checked[0] is not state:
+            layout = self.editor.world.layout()
+            few = len(layout) <= _MOST_CHECKED and not self.is_running
+            self._checked = state, tuple(check(layout)) if few else ()
+        generated = self._generated
+        return Scene(
+            self.editor.names,
+            self.selected,
+            self._checked[1],
+            self.recorded,
+            generated is not None and generated[0] is state,
+            generated is not None and generated[0] is not state,
+            self.seconds,
+        )
+
+    def begin(self, read: Callable[[], Draft], seed: int) -> None:
+        """Another scene, of what `read` gives."""
+        draft = read()
+        self.editor.begin(draft.source, seed)
+        self.recorded, self.is_running = draft.recorded, False
+        self.selected = self.editor.names[0]
+        notes = draft.source.notes if isinstance(draft.source, Layout) else ()
+        self.tell("\n\n".join(notes[:8]) if notes else "")
+
+    def select(self, name: str | None) -> None:
+        """Make an object the selected one, where there is such a one."""
+        if name is None or name in self.editor.world:
+            self.selected = name
+
+    def drag(self, x: float, y: float, yaw: float, *, ends: bool) -> None:
+        """Place the selected object; the end of a drag is an edit that can be undone."""
+        self.is_dragging = not ends
+        if self.selected is not None:
+            self.editor.move(self.selected, x, y, yaw, snaps=self.snaps)
+        if ends:
+            self.editor.commit()
+
+    def pick(self, origin: tuple[float, float, float], direction: tuple[float, float, float]) -> Pick | None:
+        """Select the object of the return on a ray; that return."""
+        pick = self.frame().picked(origin, direction)
+        if pick is not None and pick.object:
+            self.select(pick.object)
+        return pick
+
+    def look_at(self, **changes: object) -> None:
+        """Change how it is looked at."""
+        self.look = replace(self.look, **changes)  # type: ignore[arg-type]
+
+    def go(self, by: int) -> None:
+        """Undo or redo so many edits."""
+        self.is_running = False
+        self.editor.go(by)
+        self.select_any()
+
+    def select_any(self) -> None:
+        """Select an object where the selected one is gone."""
+        if self.selected is None or self.selected not in self.editor.world:
+            self.selected = self.editor.names[0]
+
+    def scrub(self, position: int) -> None:
+        """Show a moment of the time line."""
+        self.is_running = False
+        self.editor.show(position)
+
+    def pause(self) -> None:
+        """Let time stand; where it has passed is an edit."""
+        self.is_running = False
+        self.editor.commit()
+
+    def generate(self, pipeline: Callable[[], Pipeline]) -> None:
+        """Have the diffusion model make the scan of the layout as it stands; the next edit marks it stale."""
+        state, scan = self.editor.world.state(), self.editor.scans()[0]
+        self.tell("The diffusion model is loaded ...")
+
+        def made(_: Session) -> None:
+            run, done = pipeline(), itertools.count(1)
+
+            def on_step() -> None:
+                if self.page is not None:
+                    self.page.progress(min(1.0, next(done) / run.steps))
+
+            made = run.from_simulated(scan, on_step=on_step)
+            self.post(lambda session: session._accept(state, made))
+
+        self.aside(made)
+
+    def aside(self, work: Edit) -> None:
+        """Do what takes long in a thread of its own; it may not touch the editor."""
+
+        def run() -> None:
+            self._carry_out(work)
+            if self.page is not None:
+                self.page.progress(None)
+
+        threading.Thread(target=run, name="studio-aside", daemon=True).start()
+
+    def _accept(self, state: WorldState, scan: Scan) -> None:
+        self._generated = state, scan
+        self.tell("This is the diffusion model's scan; the next edit shows the simulated one again.")
+
+
+def _step(session: Session) -> None:
+    session.editor.step(STEP)
+
+
+def _show(session: Session) -> None:
+    begin = time.perf_counter()
+    frame = session.frame()
+    session.seconds = time.perf_counter() - begin
+    session.frames += 1
+    if session.page is not None:
+        session.page.show(session, frame)
+
+
+def _settle(session: Session) -> None:
+    if session.page is not None:
+        session.page.settle(session, session.frame(), session.scene())
+
+
+def suffix_of(name: str) -> str:
+    """The ending of a file's name that its reader goes by, as in ".pcd.bin"; "" for a name without one."""
+    endings = [one for one in Path(name).suffixes[-2:] if one[1:].isalnum() and len(one) < 9]
+    return "".join(endings)
