@@ -6,6 +6,7 @@ import argparse
 import math
 import os
 import re
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -338,7 +339,9 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
             detail=arguments.detail or "fine",
         )
     if len(layout) == 1:
-        say(f"{path}: the layout is a bare plane: the {len(points)} points show no ground and no object")
+        warnings.warn(
+            f"{path}: the layout is a bare plane: the {len(points)} points show no ground and no object", stacklevel=2
+        )
     return layout
 
 
@@ -366,7 +369,7 @@ def _predicted(
     label, probability = Segmenter.from_pretrained(weights or "segmenter").predict(points, intensity, height)
     by, unsure = "the packaged segmenter" if weights is None else weights, probability < SURE
     said = f"{path} has no labels: {by} predicted them, with a mean probability of {probability.mean():.2f}"
-    say(f"{said}; {unsure.mean():.0%} of the points are less than half sure and have no class")
+    warnings.warn(f"{said}; {unsure.mean():.0%} of the points are less than half sure and have no class", stacklevel=2)
     return np.where(unsure, np.uint8(0), label)
 
 

@@ -23,7 +23,6 @@ def studio(arguments: argparse.Namespace) -> None:
     from lidardraft.studio.server import served
     from lidardraft.studio.session import Draft
     from lidardraft.world.state import WorldState
-    from lidardraft.world.world import World
 
     sensor, weather, seed = read_sensor(arguments.sensor), read_weather(arguments.weather), arguments.seed
     if arguments.world is not None:
@@ -32,8 +31,11 @@ def studio(arguments: argparse.Namespace) -> None:
     else:
         given = arguments if gives_input(arguments) else _asked(["--text", SENTENCE], arguments)
         first = layout_of_input(given)
-    with named(arguments.world or "the scene"):
-        World(first, sensor, seed=seed)  # what cannot be scanned ends the command, and no page
+    with named(arguments.world or "the scene"):  # what cannot be scanned ends the command, and no page
+        ready = [Editor(first, (sensor,), seed=seed, weather=weather)]
+
+    def begin() -> Editor:
+        return ready.pop() if ready else Editor(first, (sensor,), seed=seed, weather=weather)
 
     def read(kind: str, value: str, seed: int) -> Draft:
         asked = _asked([f"--{kind}={value}", f"--seed={seed}"], arguments)
@@ -47,7 +49,7 @@ def studio(arguments: argparse.Namespace) -> None:
 
     folder = None if arguments.output is None else Path(arguments.output)
     inputs = Inputs(read, read_sensor, ENDINGS, generator, folder)
-    with served(lambda: Editor(first, (sensor,), seed=seed, weather=weather), inputs, arguments.port) as running:
+    with served(begin, inputs, arguments.port) as running:
         if running.port != arguments.port:
             say(f"port {arguments.port} is taken; the studio is on {running.port}")
         print(f"{running.url}  (Ctrl-C ends it)", flush=True)

@@ -19,7 +19,7 @@ from lidardraft.world.state import EGO_NAME
 
 _LABELLED = 40  # boxes with a name over them, the nearest ones
 _WHITE, _RED, _YELLOW, _GREY = (255, 255, 255), (255, 60, 60), (255, 220, 60), (150, 155, 170)
-_GIZMO = 0.75  # of the length of an object
+_GIZMO, _GIZMOS = 0.75, (1.6, 4.5)  # of the length of an object; m, the smallest and the largest
 Drag = Callable[[float, float, float, str], None]
 
 
@@ -31,7 +31,7 @@ class Canvas:
         self._nodes: dict[str, Any] = {}
         self._gizmo: tuple[str, viser.TransformControlsHandle] | None = None
         self._shown: dict[str, object] = {}
-        self.camera, self.point_size = "Behind", 0.07
+        self.camera, self.point_size = "Behind", 0.06
         self.see(None, None)
 
     def show(self, session: Session, frame: Frame) -> None:
@@ -89,7 +89,9 @@ class Canvas:
 
     def _points(self, name: str, points: np.ndarray, colours: np.ndarray, size: float) -> None:
         node = self._nodes.get(name)
-        if node is None:
+        if not len(points):  # which viser cannot draw
+            self._remove(name)
+        elif node is None:
             self._nodes[name] = self._client.scene.add_point_cloud(
                 f"/{name}", points, colours, point_size=size, point_shape="circle", precision="float32",
                 point_shading="flat",
@@ -153,7 +155,7 @@ class Canvas:
         place, turn = (*box.center[:2], box.center[2] - box.size[2] / 2 + 0.3), _quaternion(box.yaw)
         if self._gizmo is None:
             gizmo = self._client.scene.add_transform_controls(
-                "/gizmo", scale=max(1.6, _GIZMO * max(box.size[:2])), active_axes=(True, True, False),
+                "/gizmo", scale=float(np.clip(_GIZMO * max(box.size[:2]), *_GIZMOS)), active_axes=(True, True, False),
                 depth_test=False, position=place, wxyz=turn,
             )  # fmt: skip
             self._gizmo = name, gizmo

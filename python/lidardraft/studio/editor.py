@@ -177,12 +177,9 @@ def _world(source: Layout | WorldState, sensors: tuple[Sensor, ...], weather: We
         seed = 0
     if len(sensors) == 1:
         return World(source, sensors[0], seed=seed, weather=weather)
-    names = [
-        sensor.name if sensor.name != sensors[0].name or not k else f"{sensor.name} ({k + 1})"
-        for k, sensor in enumerate(sensors)
-    ]
     mounts = {
-        name: Mount(sensor, (0.0, 0.0, sensor.mount_height, 0.0)) for name, sensor in zip(names, sensors, strict=True)
+        f"{sensor.name} ({k})" if k else sensor.name: Mount(sensor, (0.0, 0.0, sensor.mount_height, 0.0))
+        for k, sensor in enumerate(sensors)
     }
     return World(source, Rig(mounts), seed=seed, weather=weather)
 

@@ -21,6 +21,7 @@ MOST_WHILE_DRAGGED = 32_000  # points: as many as are drawn in time
 _SEEN = 5  # returns of an object whose box is shown
 _BESIDE = 90.0  # m to the right, where the second sensor's points are shown
 _PICKED_WITHIN = 0.012  # rad between a click and a point
+_FRONT = 1.0  # m behind the first of them, from which on points are behind it
 _EDGES = np.array([(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)])
 _RANGES = (2.0, 80.0)  # m, of the ramp of ranges
 _STRIP = 1024  # columns of a range image that is shown
@@ -52,14 +53,15 @@ class Frame:
         return [box for box in self.layout.boxes() if counts[box.instance] >= _SEEN and box.label not in hidden]
 
     def picked(self, origin: Sequence[float], direction: Sequence[float]) -> Pick | None:
-        """The return nearest to the eye on a ray, or none."""
+        """The return that a ray meets, or none: of those beside it that are nearest to the eye, that on it."""
         ways = self.points - np.array(origin, np.float32)
         along = ways @ np.array(direction, np.float32)
         off = np.linalg.norm(ways - along[:, None] * np.array(direction, np.float32), axis=1)
         near = np.flatnonzero((along > 0.5) & (off < np.maximum(along * _PICKED_WITHIN, 0.05)))
         if not len(near):
             return None
-        number = near[np.argmin(along[near])]
+        near = near[along[near] < along[near].min() + _FRONT]
+        number = near[np.argmin(off[near] / along[near])]
         which, row, column = self.pixels[number].tolist()
         return self._at(which, row, column, self.points[number] + (0.0, _BESIDE * which, 0.0))
 

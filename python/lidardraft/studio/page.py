@@ -94,7 +94,7 @@ class BrowserPage(Page):
         gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, brand_color=(64, 160, 255))
         gui.set_panel_label("lidardraft studio")
         gui.main_panel.dock_right()
-        gui.main_panel.set_width(350)
+        gui.main_panel.set_width(390)
         self._status = gui.add_markdown("")
         self._progress = gui.add_progress_bar(0.0, visible=False, animated=True)
         tabs = gui.add_tab_group()
@@ -111,7 +111,7 @@ class BrowserPage(Page):
         with panel.add_tab("Range image"):
             self._strip = gui.add_image(np.zeros((64, 1024, 3), np.uint8), format="jpeg")
             self._bar = gui.add_html("")
-        panel.float(x=12, y=-12, width=760)
+        panel.float(x=12, y=-12, width=640)
 
     def _scene_tab(self) -> None:
         gui = self.gui
@@ -163,7 +163,7 @@ class BrowserPage(Page):
         for name in ("points", "boxes", "labels", "layout", "recorded"):
             label = "Recorded scan" if name == "recorded" else name.capitalize()
             self._on(gui.add_checkbox(label, getattr(look, name)), lambda s, on, name=name: s.look_at(**{name: on}))
-        size = gui.add_slider("Point size", 0.02, 0.2, 0.01, 0.07)
+        size = gui.add_slider("Point size", 0.02, 0.2, 0.01, 0.06)
         self._on(size, lambda _, value: setattr(self._canvas, "point_size", value), "point size")
         cameras = gui.add_button_group("Camera", ("Behind", "Seat", "Above"))
         cameras.on_click(lambda event: self._post(lambda session: self._see_from(session, event.target.value)))

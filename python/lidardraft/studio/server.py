@@ -15,7 +15,7 @@ import viser
 
 from lidardraft.studio.editor import Editor
 from lidardraft.studio.page import BrowserPage, Inputs
-from lidardraft.studio.session import Session
+from lidardraft.studio.session import Session, hear
 
 MOST_VISITORS = 16
 KEPT, IDLE = 600.0, 3600.0  # s, of a session that nobody looks at, and of one in which nothing is edited
@@ -109,7 +109,9 @@ class Studio:
 def served(begin: Callable[[], Editor], inputs: Inputs, port: int = 8080) -> Iterator[Studio]:
     """A studio that ends with the block."""
     with warnings.catch_warnings():
+        warnings.simplefilter("always", UserWarning)
         warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")  # who left sees nothing
+        warnings.showwarning = lambda message, *_, **__: hear(str(message))
         studio = Studio(begin, inputs, port)
         try:
             yield studio

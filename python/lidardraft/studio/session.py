@@ -7,6 +7,7 @@ import threading
 import time
 import traceback
 from collections.abc import Callable
+from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -27,6 +28,9 @@ if TYPE_CHECKING:
 
 STEP = 0.1  # s, of the time line
 _MOST_CHECKED = 5000  # shapes whose faults are looked for after each edit
+
+_MOST_NOTES = 8  # that a page shows
+_HEARING: ContextVar[Session | None] = ContextVar("hearing", default=None)
 
 Edit = Callable[["Session"], object]
 
@@ -87,7 +91,7 @@ class Session:
         self._generated: tuple[WorldState, Scan] | None = None
         self._frame: Frame | None = None
         self._checked: tuple[WorldState, tuple[Finding, ...]] | None = None
-        self._number = itertools.count()
+        self._number, self._heard = itertools.count(), list[str]()
         self._thread = threading.Thread(target=self._run, name="studio", daemon=True)
         self._thread.start()
 
@@ -128,6 +132,7 @@ class Session:
 
     def _run(self) -> None:
         self._when_settled = []
+        _HEARING.set(self)
         while True:
             with self._changed:
                 if not self._edits and not self._ended and not self.is_running and not self._unsettled:
@@ -206,12 +211,12 @@ class Session:
 
     def begin(self, read: Callable[[], Draft], seed: int) -> None:
         """Another scene, of what `read` gives."""
+        self._heard.clear()
         draft = read()
         self.editor.begin(draft.source, seed)
         self.recorded, self.is_running = draft.recorded, False
         self.selected = self.editor.names[0]
-        notes = draft.source.notes if isinstance(draft.source, Layout) else ()
-        self.tell("\n\n".join(notes[:8]) if notes else "")
+        self.tell("\n\n".join([*dict.fromkeys((*self.editor.scans()[0].notes, *self._heard))][:_MOST_NOTES]))
 
     def select(self, name: str | None) -> None:
         """Make an object the selected one, where there is such a one."""
@@ -288,6 +293,12 @@ class Session:
     def _accept(self, state: WorldState, scan: Scan) -> None:
         self._generated = state, scan
         self.tell("This is the diffusion model's scan; the next edit shows the simulated one again.")
+
+
+def hear(message: str) -> None:
+    """Keep a warning for the notes of the session whose thread it comes from."""
+    if (session := _HEARING.get()) is not None:
+        session._heard.append(message)
 
 
 def _step(session: Session) -> None:
