@@ -22,7 +22,7 @@ from lidardraft.studio import keep
 from lidardraft.studio.document import MOST_STATES, Document, Look
 from lidardraft.studio.editor import Editor
 from lidardraft.studio.frame import MOST_WHILE_DRAGGED, colour_bar, frame_of
-from lidardraft.studio.session import Draft, Session
+from lidardraft.studio.session import Draft, Session, hear
 
 SENSOR = Sensor.preset("vlp16")
 
@@ -302,6 +302,19 @@ def test_a_refused_sentence_is_a_message_and_the_scene_stays(session: Session) -
     assert session.page.lines[-1][1]
     assert "qwertz" in session.page.lines[-1][0]
     assert session.editor.document is before
+
+
+def test_notes_of_a_layout_and_warnings_of_its_reader_are_shown(session: Session, layout: Layout) -> None:
+    def read() -> Draft:
+        hear("two points were left out")
+        return Draft(layout.noted("the road is assumed to be straight"))
+
+    session.post(lambda one: one.begin(read, 0))
+    session.join()
+    said, is_error = session.page.lines[-1]
+    assert "two points were left out" in said
+    assert "the road is assumed" in said
+    assert not is_error
 
 
 def test_a_layout_of_too_many_things_is_a_message_and_the_scene_stays(session: Session, layout: Layout) -> None:

@@ -5,12 +5,16 @@ from __future__ import annotations
 import argparse
 import time
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from lidardraft.cli.arguments import add_sensor, add_weather, read_sensor, read_weather, whole_number
 from lidardraft.cli.command import Parser, say
 from lidardraft.cli.inputs import ENDINGS, add_inputs, gives_input, layout_of_input, recorded_points
 from lidardraft.files import named
 from lidardraft.scene.layout import Layout
+
+if TYPE_CHECKING:
+    from lidardraft.studio.page import Inputs
 
 _PORT = 8080
 
@@ -19,9 +23,8 @@ def studio(arguments: argparse.Namespace) -> None:
     """Open a page in the browser: type a sentence or drop a file, drag objects, and the scan follows; play it, and keep
     scans, data sets and the commands that make them again."""
     from lidardraft.studio.editor import Editor
-    from lidardraft.studio.page import SENTENCE, Inputs
+    from lidardraft.studio.page import SENTENCE
     from lidardraft.studio.server import served
-    from lidardraft.studio.session import Draft
     from lidardraft.world.state import WorldState
 
     sensor, weather, seed = read_sensor(arguments.sensor), read_weather(arguments.weather), arguments.seed
@@ -29,7 +32,7 @@ def studio(arguments: argparse.Namespace) -> None:
         first: Layout | WorldState = WorldState.load(arguments.world)
         seed = first.seed
     else:
-        given = arguments if gives_input(arguments) else _asked(["--text", SENTENCE], arguments)
+        given = arguments if gives_input(arguments) else _asked(arguments.sensor, seed, f"--text={SENTENCE}")
         first = layout_of_input(given)
     with named(arguments.world or "the scene"):  # what cannot be scanned ends the command, and no page
         ready = [Editor(first, (sensor,), seed=seed, weather=weather)]
@@ -37,18 +40,7 @@ def studio(arguments: argparse.Namespace) -> None:
     def begin() -> Editor:
         return ready.pop() if ready else Editor(first, (sensor,), seed=seed, weather=weather)
 
-    def read(kind: str, value: str, seed: int) -> Draft:
-        asked = _asked([f"--{kind}={value}", f"--seed={seed}"], arguments)
-        layout = layout_of_input(asked)
-        return Draft(layout, recorded_points(asked)) if kind == "points" else Draft(layout)
-
-    def generator() -> object:
-        from lidardraft.pipeline import Pipeline
-
-        return Pipeline.from_pretrained()
-
-    folder = None if arguments.output is None else Path(arguments.output)
-    inputs = Inputs(read, read_sensor, ENDINGS, generator, folder)
+    inputs = inputs_of(arguments.sensor, None if arguments.output is None else Path(arguments.output))
     with served(begin, inputs, arguments.port) as running:
         if running.port != arguments.port:
             say(f"port {arguments.port} is taken; the studio is on {running.port}")
@@ -58,12 +50,32 @@ def studio(arguments: argparse.Namespace) -> None:
             running.tidy()
 
 
-def _asked(words: list[str], arguments: argparse.Namespace) -> argparse.Namespace:
+def inputs_of(sensor: str, folder: Path | None) -> Inputs:
+    """The readers of all inputs, as commands have them; files without a sensor of their own are of `sensor`."""
+    from lidardraft.studio.page import Inputs
+    from lidardraft.studio.session import Draft
+
+    def read(kind: str, value: str, seed: int, scale: float = 0.0) -> Draft:
+        unit = {"sketch": "metres-per-pixel", "obj": "scale", "glb": "scale", "blender": "scale"}.get(kind)
+        more = [f"--{unit}={scale}"] if unit and scale else []
+        asked = _asked(sensor, seed, f"--{kind}={value}", *more)
+        layout = layout_of_input(asked)
+        return Draft(layout, recorded_points(asked)) if kind == "points" else Draft(layout)
+
+    def generator() -> object:
+        from lidardraft.pipeline import Pipeline
+
+        return Pipeline.from_pretrained()
+
+    return Inputs(read, read_sensor, ENDINGS, generator, folder)
+
+
+def _asked(sensor: str, seed: int, *given: str) -> argparse.Namespace:
     """The arguments of an input alone, as the command line has them."""
     parser = Parser(add_help=False)
     add_inputs(parser)
     add_sensor(parser)
-    return parser.parse_args([*words, "--sensor", arguments.sensor])
+    return parser.parse_args([*given, f"--sensor={sensor}", f"--seed={seed}"])
 
 
 def studio_options(parser: argparse.ArgumentParser) -> None:

@@ -41,11 +41,12 @@ _CLEAR_SIGHT = 2000.0  # m, from which on a visibility is none
 
 @dataclass(frozen=True)
 class Inputs:
-    """How inputs are read: `layout` of an option of the command line, its value and a seed, `sensor` of a file;
+    """How inputs are read: `layout` of an option of the command line, its value, a seed and the length of a unit [m],
+    or 0, where the file says it; `sensor` of a file;
     `endings` are those of the files of each input. `generator` loads the diffusion model, and `folder` is where files
     go on the server, or None."""
 
-    layout: Callable[[str, str, int], Draft]
+    layout: Callable[[str, str, int, float], Draft]
     sensor: Callable[[str], Sensor]
     endings: dict[str, tuple[str, ...]]
     generator: Callable[[], Any]
@@ -124,6 +125,9 @@ class BrowserPage(Page):
             self._notes = gui.add_markdown("")
         with gui.add_folder("or open a file", expand_by_default=False):
             self._kind = gui.add_dropdown("It is", ("what its name says", *self.inputs.endings))
+            self._scale = gui.add_number(
+                "A unit is [m]", 0.0, min=0.0, step=0.01, hint="Of sketches and models; 0: as the file says."
+            )
             upload = gui.add_upload_button(
                 "Open a scan, picture, sketch, model, script, layout ...", icon=viser.Icon.UPLOAD
             )
@@ -246,20 +250,20 @@ class BrowserPage(Page):
 
     def _draft(self, session: Session) -> None:
         text, seed = self._text.value, int(self._seed.value)
-        session.begin(lambda: self.inputs.layout("text", text, seed), seed)
+        session.begin(lambda: self.inputs.layout("text", text, seed, 0.0), seed)
 
     def _roll(self, session: Session) -> None:
         self._seed.value = (int(self._seed.value) * 31 + 17) % 10_000
         self._draft(session)
 
     def _uploaded(self, event: Any) -> None:
-        file, chosen, seed = event.target.value, self._kind.value, int(self._seed.value)
+        file, chosen, seed, scale = event.target.value, self._kind.value, int(self._seed.value), self._scale.value
         kind = chosen if chosen in self.inputs.endings else self.inputs.kind_of(file.name)
 
         def read(path: str) -> Draft:
             if file.name.endswith(".world.json"):
                 return Draft(WorldState.load(path))
-            return self.inputs.layout(kind, path, seed)
+            return self.inputs.layout(kind, path, seed, scale)
 
         self._post(lambda session: session.begin(lambda: _read(file, read), seed))
 
