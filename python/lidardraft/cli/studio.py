@@ -29,8 +29,9 @@ def studio(arguments: argparse.Namespace) -> None:
 
     sensor, weather, seed = read_sensor(arguments.sensor), read_weather(arguments.weather), arguments.seed
     if arguments.world is not None:
-        first: Layout | WorldState = WorldState.load(arguments.world)
-        seed = first.seed
+        state = WorldState.load(arguments.world)
+        first: Layout | WorldState = state
+        seed = state.seed
     else:
         given = arguments if gives_input(arguments) else _asked(arguments.sensor, seed, f"--text={SENTENCE}")
         first = layout_of_input(given)

@@ -64,7 +64,8 @@ class BrowserPage(Page):
 
     def __init__(self, client: viser.ClientHandle, session: Session, inputs: Inputs) -> None:
         self.client, self.session, self.inputs = client, session, inputs
-        self.gui, self._pick, self._own = client.gui, None, dict[str, Sensor]()
+        self.gui, self._own = client.gui, dict[str, Sensor]()
+        self._pick: Pick | None = None
         self._canvas = Canvas(client, self._dragged)
         self._build()
         client.scene.on_click()(self._clicked)
@@ -82,16 +83,14 @@ class BrowserPage(Page):
                 value = event.target.value
                 self._post(lambda session: edit(session, value), key)
 
-        widget.on_update(changed)
+        (widget.on_click if hasattr(widget, "on_click") else widget.on_update)(changed)
         return widget
 
-    def _button(self, label: str, edit: Callable[[Session], object], icon: Any = None, **more: Any) -> Any:
-        button = self.gui.add_button(label, icon=icon, **more)
-        button.on_click(lambda _: self._post(lambda session: edit(session)))
-        return button
+    def _button(self, label: str, icon: Any, edit: Callable[[Session], object], colour: Any = None) -> None:
+        self.gui.add_button(label, icon=icon, color=colour).on_click(lambda _: self._post(edit))
 
     def _build(self) -> None:
-        gui = self.gui
+        gui: Any = self.gui
         gui.configure_theme(dark_mode=True, show_logo=False, show_share_button=False, brand_color=(64, 160, 255))
         gui.set_panel_label("lidardraft studio")
         gui.main_panel.dock_right()
@@ -99,154 +98,107 @@ class BrowserPage(Page):
         self._status = gui.add_markdown("")
         self._progress = gui.add_progress_bar(0.0, visible=False, animated=True)
         tabs = gui.add_tab_group()
-        for name, icon, fill in (
-            ("Scene", viser.Icon.EDIT, self._scene_tab),
-            ("Look", viser.Icon.EYE, self._look_tab),
-            ("Sensor", viser.Icon.RADAR, self._sensor_tab),
-            ("Play", viser.Icon.PLAYER_PLAY, self._play_tab),
-            ("Keep", viser.Icon.DOWNLOAD, self._keep_tab),
-        ):
+        icons = viser.Icon
+        rows = {"Scene": (icons.EDIT, self._scene_tab), "Look": (icons.EYE, self._look_tab),
+                "Sensor": (icons.RADAR, self._sensor_tab), "Play": (icons.PLAYER_PLAY, self._play_tab),
+                "Keep": (icons.DOWNLOAD, self._keep_tab)}  # fmt: skip
+        for name, (icon, fill) in rows.items():
             with tabs.add_tab(name, icon):
-                fill()
+                fill(gui)
         panel = gui.add_panel()
         with panel.add_tab("Range image"):
             self._strip = gui.add_image(np.zeros((64, 1024, 3), np.uint8), format="jpeg")
             self._bar = gui.add_html("")
         panel.float(x=12, y=-12, width=640)
 
-    def _scene_tab(self) -> None:
-        gui = self.gui
+    # fmt: off
+    def _scene_tab(self, gui: Any) -> None:
         with gui.add_folder("1. Describe a scene"):
-            self._text = gui.add_text("Sentence", SENTENCE, multiline=True, hint="In English; what stands and drives.")
+            self._text = gui.add_text("Sentence", SENTENCE, multiline=True, hint="In English: what stands and drives.")
             examples = gui.add_dropdown("Examples", ("choose one ...", *_EXAMPLES))
             self._seed = gui.add_number("Seed", 0, min=0, max=_SEED, step=1, hint="Another seed, another scene.")
-            self._button("Make the scene", self._draft, viser.Icon.WAND, color="blue")
-            self._button("Roll the dice", self._roll, viser.Icon.DICE)
+            self._button("Make the scene", viser.Icon.WAND, self._draft, "blue")
+            self._button("Roll the dice", viser.Icon.DICE, self._roll)
             self._notes = gui.add_markdown("")
         with gui.add_folder("or open a file", expand_by_default=False):
             self._kind = gui.add_dropdown("It is", ("what its name says", *self.inputs.endings))
-            self._scale = gui.add_number(
-                "A unit is [m]", 0.0, min=0.0, step=0.01, hint="Of sketches and models; 0: as the file says."
-            )
-            upload = gui.add_upload_button(
-                "Open a scan, picture, sketch, model, script, layout ...", icon=viser.Icon.UPLOAD
-            )
+            self._scale = gui.add_number("A unit is [m]", 0.0, min=0.0, step=0.01,
+                                         hint="Of sketches and models; 0: as the file says.")
+            upload = gui.add_upload_button("Scan, picture, sketch, boxes, model, layout ...", icon=viser.Icon.UPLOAD)
         with gui.add_folder("2. Change it"):
             self._objects = self._on(gui.add_dropdown("Object", ("-",)), Session.select)
             gui.add_markdown("*Click an object, then drag its arrows or its arc.*")
-            self._size = self._on(
-                gui.add_vector3("L, W, H [m]", (1.0, 1.0, 1.0), min=(0.05,) * 3, step=0.05),
-                lambda session, size: session.selected and session.editor.resize(session.selected, size),
-                "size",
-            )
+            self._size = self._on(gui.add_vector3("L, W, H [m]", (1.0, 1.0, 1.0), min=(0.05,) * 3, step=0.05),
+                                  lambda s, size: s.of_selected(s.editor.resize, size), "size")
             self._become = self._on(gui.add_dropdown("Make it a", ("-", *WORDS)), self._change)
-            buttons = gui.add_button_group("It", ("Duplicate", "Delete"))
-            buttons.on_click(
-                lambda event: self._post(lambda session: self._copy_or_delete(session, event.target.value))
-            )
-            self._snaps = self._on(
-                gui.add_checkbox("Snap to lanes", False), lambda session, on: setattr(session, "snaps", on)
-            )
+            self._on(gui.add_button_group("It", ("Duplicate", "Delete")), self._copy_or_delete)
+            self._on(gui.add_checkbox("Snap to lanes", False), lambda s, on: setattr(s, "snaps", on))
             self._new = gui.add_dropdown("New", WORDS, initial_value="car")
-            self._button(
-                "Add it",
-                lambda session: session.select(session.editor.add(self._new.value, *self._free_place(session))),
-                viser.Icon.PLUS,
-            )
-            history = gui.add_button_group("History", ("Undo", "Redo"))
-            history.on_click(
-                lambda event: self._post(lambda session: session.go(-1 if event.target.value == "Undo" else 1))
-            )
+            self._button("Add it", viser.Icon.PLUS, self._add)
+            self._on(gui.add_button_group("History", ("Undo", "Redo")), lambda s, to: s.go(-1 if to == "Undo" else 1))
             self._findings = gui.add_markdown("")
         upload.on_upload(self._uploaded)
         examples.on_update(lambda _: setattr(self._text, "value", examples.value))
 
-    def _look_tab(self) -> None:
-        gui, look = self.gui, self.session.look
+    def _look_tab(self, gui: Any) -> None:
+        look = self.session.look
         self._on(gui.add_dropdown("Colours", COLOURS, initial_value=look.colour), lambda s, to: s.look_at(colour=to))
         for name in ("points", "boxes", "labels", "layout", "recorded"):
             label = "Recorded scan" if name == "recorded" else name.capitalize()
-            self._on(gui.add_checkbox(label, getattr(look, name)), lambda s, on, name=name: s.look_at(**{name: on}))
-        size = gui.add_slider("Point size", 0.02, 0.2, 0.01, 0.06)
-        self._on(size, lambda _, value: setattr(self._canvas, "point_size", value), "point size")
-        cameras = gui.add_button_group("Camera", ("Behind", "Seat", "Above"))
-        cameras.on_click(lambda event: self._post(lambda session: self._see_from(session, event.target.value)))
-        self._button("Frame the object", lambda session: self._see_from(session, "Object"), viser.Icon.FOCUS_2)
+            self._on(gui.add_checkbox(label, getattr(look, name)), _part_shown(name))
+        self._on(gui.add_slider("Point size", 0.02, 0.2, 0.01, self._canvas.point_size),
+                 lambda _, size: setattr(self._canvas, "point_size", size), "point size")
+        self._on(gui.add_button_group("Camera", ("Behind", "Seat", "Above", "Object")), self._see_from)
         self._picked = gui.add_markdown("*Click a point: its row, column, range, class and object.*")
         with gui.add_folder("Classes", expand_by_default=False):
             for row in CLASSES[1:]:
-                self._on(
-                    gui.add_checkbox(row.name, row.id not in look.hidden, hint=_hex(row.id)),
-                    lambda s, on, id=row.id: s.look_at(hidden=s.look.hidden - {id} if on else s.look.hidden | {id}),
-                )
+                self._on(gui.add_checkbox(row.name, row.id not in look.hidden), _class_shown(row.id))
 
-    def _sensor_tab(self) -> None:
-        gui, document = self.gui, self.session.editor.document
-        first, *second = [sensor.name for sensor in document.sensors]
-        names = tuple(dict.fromkeys((*PRESETS, *(sensor.name for sensor in document.sensors))))
+    def _sensor_tab(self, gui: Any) -> None:
+        first, *second = [sensor.name for sensor in self.session.editor.document.sensors]
+        names = tuple(dict.fromkeys((*PRESETS, first, *second)))
         self._first = self._on(gui.add_dropdown("Sensor", names, initial_value=first), self._equip)
-        self._second = self._on(
-            gui.add_dropdown("Beside it", ("none", *names), initial_value=(second or ["none"])[0]), self._equip
-        )
-        upload = gui.add_upload_button("A sensor of your own (.json)", icon=viser.Icon.UPLOAD)
-        upload.on_upload(self._uploaded_sensor)
+        self._second = self._on(gui.add_dropdown("Beside it", ("none", *names), initial_value=[*second, "none"][0]),
+                                self._equip)
+        gui.add_upload_button("A sensor of your own (.json)", icon=viser.Icon.UPLOAD).on_upload(self._uploaded_sensor)
         self._weather = self._on(gui.add_dropdown("Weather", (_AS_SAID, _CLEAR, *WEATHERS, _OWN)), self._set_weather)
-        self._amounts = [
-            self._on(gui.add_slider(*limits), self._set_amounts, "weather")
-            for limits in (
-                ("Rain [mm/h]", 0.0, 50.0, 0.5, 0.0), ("Snow [mm/h]", 0.0, 10.0, 0.1, 0.0),
-                ("Visibility [m]", 20.0, 2000.0, 10.0, 2000.0), ("Wetness", 0.0, 1.0, 0.05, 0.0),
-            )
-        ]  # fmt: skip
-        self._speed = self._on(
-            gui.add_number("Own speed [m/s]", 0.0, min=0.0, max=60.0, step=0.5),
-            lambda session, speed: session.editor.set_own_speed(speed),
-            "own speed",
-        )
-        self._button(
-            "Generate with the diffusion model",
-            lambda session: session.generate(self.inputs.generator),
-            viser.Icon.SPARKLES,
-        )
+        limits = (("Rain [mm/h]", 0.0, 50.0, 0.5, 0.0), ("Snow [mm/h]", 0.0, 10.0, 0.1, 0.0),
+                  ("Visibility [m]", 20.0, _CLEAR_SIGHT, 10.0, _CLEAR_SIGHT), ("Wetness", 0.0, 1.0, 0.05, 0.0))
+        self._amounts = [self._on(gui.add_slider(*row), self._set_amounts, "weather") for row in limits]
+        self._speed = self._on(gui.add_number("Own speed [m/s]", 0.0, min=0.0, max=60.0, step=0.5),
+                               lambda s, speed: s.editor.set_own_speed(speed), "own speed")
+        self._button("Generate with the diffusion model", viser.Icon.SPARKLES,
+                     lambda s: s.generate(self.inputs.generator))
         self._stale = gui.add_markdown("")
 
-    def _play_tab(self) -> None:
-        gui = self.gui
-        run = gui.add_button_group("Time", ("Run", "Pause", "Step"))
-        run.on_click(lambda event: self._post(lambda session: self._play(session, event.target.value)))
+    def _play_tab(self, gui: Any) -> None:
+        self._on(gui.add_button_group("Time", ("Run", "Pause", "Step")), self._play)
         self._time = self._on(gui.add_slider("Time line", 0, 1, 1, 0, disabled=True), lambda s, k: s.scrub(k), "time")
         self._clock = gui.add_markdown("0.0 s")
-        self._actor_speed = self._on(
-            gui.add_number("Its speed [m/s]", 0.0, min=-60.0, max=60.0, step=0.5, hint="Of the selected object."),
-            lambda s, speed: s.selected and s.editor.set_speed(s.selected, speed),
-            "speed",
-        )
-        actor = gui.add_button_group("Let it", ("Drive its lane", "Stop"))
-        actor.on_click(lambda event: self._post(lambda session: self._command(session, event.target.value)))
-        cameras = gui.add_button_group("Camera", ("Free", "Seat", "Above"))
-        cameras.on_click(lambda event: self._post(lambda session: self._see_from(session, event.target.value)))
+        self._on(gui.add_button_group("Camera", ("Free", "Seat", "Above")), self._see_from)
+        self._actor = gui.add_markdown("")
+        self._pace = self._on(gui.add_number("Its speed [m/s]", 0.0, min=-60.0, max=60.0, step=0.5),
+                              lambda s, speed: s.of_selected(s.editor.set_speed, speed), "speed")
+        self._on(gui.add_button_group("Let it", ("Drive its lane", "Stop")), self._command)
 
-    def _keep_tab(self) -> None:
-        gui = self.gui
+    def _keep_tab(self, gui: Any) -> None:
         self._what = gui.add_dropdown("What", ("this scan", "the time line"))
-        self._format = gui.add_dropdown("As", keep.KINDS)
-        self._button("Save", lambda session: self._save_scans(session), viser.Icon.DOWNLOAD, color="blue")
-        self._button(
-            "Save the layout",
-            lambda session: self._save("studio.layout.json", session.editor.world.layout().to_json().encode()),
-        )
-        self._button(
-            "Save the state",
-            lambda session: self._save(keep.STATE_FILE, session.editor.world.state().to_json().encode()),
-        )
-        copy = gui.add_button_group("Copy as", ("Command", "Python"))
-        copy.on_click(lambda event: self._post(lambda session: self._copy(session, event.target.value)))
+        self._format = gui.add_dropdown("As", keep.KINDS, hint="lidardraft: the files of `lidardraft simulate`")
+        self._button("Save", viser.Icon.DOWNLOAD, self._save_scans, "blue")
+        self._button("Save the layout", None,
+                     lambda s: self._save("studio.layout.json", s.editor.world.layout().to_json().encode()))
+        self._on(gui.add_button_group("Copy as", ("Command", "Python")), self._copy)
         self._words = gui.add_markdown("")
-        if self.inputs.folder is not None:
-            self._into = gui.add_checkbox(f"Into {self.inputs.folder.name}/ on the server", True)
-        else:
-            self._into = None
+        folder = self.inputs.folder
+        self._into = None if folder is None else gui.add_checkbox(f"Into {folder.name}/ on the server", True)
+        if folder is None:
             gui.add_markdown("*Files are downloads. Start with `-o FOLDER` to have them in a folder.*")
+    # fmt: on
+
+    def _add(self, session: Session) -> None:
+        """Put an object where the view is turned to, within reach of the sensor."""
+        x, y, _ = np.clip(self.client.camera.look_at, -100.0, 100.0).tolist()
+        session.select(session.editor.add(self._new.value, x, y))
 
     def _draft(self, session: Session) -> None:
         text, seed = self._text.value, int(self._seed.value)
@@ -304,23 +256,16 @@ class BrowserPage(Page):
         session.editor.equip(session.editor.document.sensors, weather)
 
     def _change(self, session: Session, kind: str) -> None:
-        if kind in WORDS and session.selected is not None:
-            session.editor.become(session.selected, kind)
+        if kind in WORDS:
+            session.of_selected(session.editor.become, kind)
         self._become.value = "-"
 
     def _copy_or_delete(self, session: Session, what: str) -> None:
-        if session.selected is None:
-            return
         if what == "Delete":
-            session.editor.remove(session.selected)
+            session.of_selected(session.editor.remove)
             session.select_any()
         else:
-            session.select(session.editor.duplicate(session.selected))
-
-    def _free_place(self, session: Session) -> tuple[float, float]:
-        """Where the view is turned to, within reach of the sensor."""
-        x, y, _ = self.client.camera.look_at
-        return float(np.clip(x, -100.0, 100.0)), float(np.clip(y, -100.0, 100.0))
+            session.select(session.of_selected(session.editor.duplicate))
 
     def _clicked(self, event: Any) -> None:
         def pick(session: Session) -> None:
@@ -352,10 +297,10 @@ class BrowserPage(Page):
             session.editor.commit()
 
     def _command(self, session: Session, what: str) -> None:
-        if session.selected is not None and what == "Stop":
-            session.editor.set_speed(session.selected, 0.0)
-        elif session.selected is not None:
-            session.editor.drive(session.selected)
+        if what == "Stop":
+            session.of_selected(session.editor.set_speed, 0.0)
+        else:
+            session.of_selected(session.editor.drive)
 
     def _save(self, name: str, content: bytes) -> None:
         """A download, or files in the server's folder."""
@@ -406,7 +351,8 @@ class BrowserPage(Page):
             self._objects.value = scene.selected
             box, actor = session.editor.box(scene.selected), session.editor.world[scene.selected]
             self._size.value = tuple(round(extent, 2) for extent in box.size)
-            self._actor_speed.value = round(actor.speed, 2)
+            self._pace.value = round(actor.speed, 2)
+            self._actor.content = f"Of **{_plain(scene.selected)}**, which is selected:"
         self._speed.value = round(session.editor.world.ego.speed, 2)
         played, at = session.editor.document.played, session.editor.document.position
         self._time.disabled = len(played) < 2
@@ -448,6 +394,14 @@ def _read(file: Any, read: Callable[[str], Any]) -> Any:
             raise type(error)(str(error).replace(str(path), file.name)) from None
 
 
+def _part_shown(name: str) -> Callable[[Session, bool], None]:
+    return lambda session, on: session.look_at(**{name: on})
+
+
+def _class_shown(number: int) -> Callable[[Session, bool], None]:
+    return lambda session, on: session.look_at(hidden=session.look.hidden - {number} | ({number} - {number * on}))
+
+
 def _plain(text: str) -> str:
     """Text as Markdown that shows it as it is."""
     return re.sub(r"([\\`*{}<>\[\]#])", r"\\\1", text)
@@ -468,8 +422,9 @@ def _bar_html(frame: Frame) -> str:
     style = "font-size:11px;padding:0 8px 6px;"
     ramp = f'<div style="height:8px;border-radius:3px;background:linear-gradient(90deg,{",".join(bar.colours)})"></div>'
     present = np.unique(np.concatenate([scan.image.label[scan.image.valid] for scan in frame.scans])).tolist()
+    chip = '<span style="white-space:nowrap;margin-right:9px"><span style="color:{}">&#9632;</span> {}</span>'
     chips = "".join(
-        f'<span style="white-space:nowrap;margin-right:9px"><span style="color:{_hex(k)}">&#9632;</span> {CLASSES[k].name}</span>'
+        chip.format(_hex(k), CLASSES[k].name)
         for k in present
         if k and k not in frame.look.hidden and (frame.look.colour == "class" or CLASSES[k].is_thing)
     )

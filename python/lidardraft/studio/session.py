@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -32,6 +32,7 @@ _MOST_CHECKED = 5000  # shapes whose faults are looked for after each edit
 _MOST_NOTES = 8  # that a page shows
 _HEARING: ContextVar[Session | None] = ContextVar("hearing", default=None)
 
+T = TypeVar("T")
 Edit = Callable[["Session"], object]
 
 
@@ -222,6 +223,10 @@ class Session:
         """Make an object the selected one, where there is such a one."""
         if name is None or name in self.editor.world:
             self.selected = name
+
+    def of_selected(self, edit: Callable[..., T], *values: object) -> T | None:
+        """Edit the selected object, where there is one."""
+        return None if self.selected is None else edit(self.selected, *values)
 
     def drag(self, x: float, y: float, yaw: float, *, ends: bool) -> None:
         """Place the selected object; the end of a drag is an edit that can be undone."""
