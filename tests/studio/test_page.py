@@ -13,10 +13,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from chromium import SIZE, chromium, pixel_of, until
+from chromium import CHROMIUM, SIZE, chromium, handle_of, pixel_of, until
 from lidardraft import Layout, Scan, Sensor, WorldState, layout_from_text
 from lidardraft.cli.studio import inputs_of
-from lidardraft.scene.pose import point_at
 
 pytest.importorskip("viser", reason="viser is not installed (lidardraft[studio])")
 from lidardraft.studio.editor import Editor
@@ -67,22 +66,18 @@ class Visitor:
     def names(self) -> set[str]:
         return set(self.editor.names)
 
-    def handle(self) -> tuple[float, float]:
-        """The pixel of the arrow of the gizmo that points ahead."""
-        gizmo = self.session.page._canvas._gizmo[1]
-        yaw = self.editor.world[self.session.selected].pose[2]
-        tip = point_at((*gizmo.position[:2], yaw), 0.8 * gizmo.scale, 0.0)
-        return pixel_of(self.session.page.client.camera, (*tip, gizmo.position[2]))
-
 
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
+    pytest.importorskip("playwright", reason="playwright is not installed (lidardraft[dev])")
+    if CHROMIUM is None:
+        pytest.skip("there is no Chromium; install the package chromium")
     with chromium() as running:
         yield running
 
 
 @pytest.fixture(scope="module")
-def studio(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
+def studio() -> Iterator[Studio]:
     with served(lambda: Editor(FIRST, (SENSOR,), seed=3), inputs_of("vlp16", None), 8490) as running:
         yield running
 
@@ -120,7 +115,7 @@ def test_a_car_is_dragged_with_the_mouse_and_its_points_move_and_come_back(visit
         return frame.points[is_car].mean(axis=0)
 
     mouse, before, pose = visitor.page.mouse, middle(), visitor.editor.world["car_1"].pose
-    x, y = visitor.handle()
+    x, y = handle_of(visitor.session)
     mouse.move(x, y)
     visitor.page.wait_for_timeout(300)
     mouse.down()
@@ -148,7 +143,8 @@ OBJ = "o car\nv 8 1 0\nv 12 1 0\nv 12 3 0\nv 8 3 0\nv 8 1 1.5\nv 12 1 1.5\nv 12 
 )
 SKETCH = (
     '<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 60 40" width="60" height="40">'
-    '<rect id="road" x="0" y="14" width="60" height="12"/><rect id="car" x="40" y="16" width="4" height="2"/><line id="scale 10 m" x1="0" y1="39" x2="10" y2="39"/></svg>'
+    '<rect id="road" x="0" y="14" width="60" height="12"/><rect id="car" x="40" y="16" width="4" height="2"/>'
+    '<line id="scale 10 m" x1="0" y1="39" x2="10" y2="39"/></svg>'
 )
 
 
@@ -297,7 +293,7 @@ def test_the_page_outlives_a_server_that_is_killed_during_a_drag(browser: Any, s
     with served(lambda: Editor(FIRST, (SENSOR,), seed=3), inputs_of("vlp16", None), studio.port) as second:
         assert second.port != studio.port
         visitor = Visitor(browser, second)
-        x, y = visitor.handle()
+        x, y = handle_of(visitor.session)
         visitor.page.mouse.move(x, y)
         visitor.page.mouse.down()
         visitor.page.mouse.move(x + 5, y - 5)

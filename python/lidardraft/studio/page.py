@@ -399,7 +399,11 @@ def _part_shown(name: str) -> Callable[[Session, bool], None]:
 
 
 def _class_shown(number: int) -> Callable[[Session, bool], None]:
-    return lambda session, on: session.look_at(hidden=session.look.hidden - {number} | ({number} - {number * on}))
+    def show(session: Session, on: bool) -> None:
+        hidden = session.look.hidden
+        session.look_at(hidden=hidden - {number} if on else hidden | {number})
+
+    return show
 
 
 def _plain(text: str) -> str:

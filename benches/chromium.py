@@ -1,4 +1,7 @@
-"""A real Chromium that looks at a studio in this process, and where things are on its screen."""
+"""A real Chromium that looks at a studio in this process, and where things are on its screen.
+
+WebGL runs in software, so that it needs no graphics card.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,8 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-import pytest
+
+from lidardraft.scene.pose import point_at
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
@@ -18,12 +22,10 @@ SIZE = {"width": 1100, "height": 760}
 
 @contextmanager
 def chromium() -> Iterator[Any]:
-    """A browser; skips where none is."""
-    sync = pytest.importorskip("playwright.sync_api", reason="playwright is not installed (lidardraft[dev])")
-    pytest.importorskip("viser", reason="viser is not installed (lidardraft[studio])")
-    if CHROMIUM is None:
-        pytest.skip("there is no Chromium; install the package chromium")
-    with sync.sync_playwright() as playwright:
+    """A browser, of `CHROMIUM`."""
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
         try:
             yield browser
@@ -52,3 +54,10 @@ def pixel_of(camera: Any, point: Any) -> tuple[float, float]:
     right, down, ahead = turn.T @ (np.array(point) - camera.position)
     focal = camera.image_height / 2 / np.tan(camera.fov / 2)
     return camera.image_width / 2 + focal * right / ahead, camera.image_height / 2 + focal * down / ahead
+
+
+def handle_of(session: Any) -> tuple[float, float]:
+    """The pixel of the arrow of the gizmo that points ahead of the selected object."""
+    gizmo = session.page._canvas._gizmo[1]
+    tip = point_at((*gizmo.position[:2], session.editor.world[session.selected].pose[2]), 0.8 * gizmo.scale, 0.0)
+    return pixel_of(session.page.client.camera, (*tip, gizmo.position[2]))
