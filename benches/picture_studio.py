@@ -54,14 +54,22 @@ def press(page: Any, name: str) -> None:
     page.get_by_role("button", name=name, exact=True).first.click()
 
 
+def choose(page: Any, label: str, option: str) -> None:
+    """An option of a dropdown."""
+    box = page.get_by_label(label, exact=True).first
+    box.click()
+    box.fill(option)
+    page.get_by_role("option", name=option, exact=True).first.click()
+    page.wait_for_timeout(800)
+
+
 def pictures(page: Any, session: Session, folder: Path) -> None:
     """Step by step."""
     if page.locator(".mantine-Notification-closeButton").count():  # a note on WebGL in software
         page.locator(".mantine-Notification-closeButton").first.click()
-    session.post(lambda one: one.select("car_2"))
+    session.post(lambda one: one.select("car_8"))
     save([shot(page, session)], folder / "studio.jpg")
-    page.get_by_role("tab", name="Range image").locator("..").hover()
-    view = {"x": 0, "y": 40, "width": 640, "height": 460}
+    view = {"x": 120, "y": 140, "width": 640, "height": 430}
     session.post(lambda one: one.page._see_from(one, "Object"))
     before = shot(page, session, view)
     x, y = handle_of(session)
@@ -75,7 +83,8 @@ def pictures(page: Any, session: Session, folder: Path) -> None:
     save([before, shot(page, session, view)], folder / "studio-drag.jpg")
     page.get_by_role("tab", name="Look").click()
     session.post(lambda one: one.page._see_from(one, "Behind"))
-    session.post(lambda one: one.look_at(labels=True, colour="range"))
+    choose(page, "Colours", "range")
+    page.get_by_label("Labels", exact=True).first.click()
     session.join()
     page.wait_for_timeout(1500)
     frame = session.frame()
@@ -84,11 +93,12 @@ def pictures(page: Any, session: Session, folder: Path) -> None:
     near = frame.points[np.argmin(np.linalg.norm(frame.points - np.array(bus.center), axis=1))]
     page.mouse.click(*pixel_of(session.page.client.camera, near))
     save([shot(page, session)], folder / "studio-look.jpg")
-    session.post(lambda one: one.look_at(labels=False, colour="objects and height"))
+    choose(page, "Colours", "objects and height")
+    page.get_by_label("Labels", exact=True).first.click()
     page.get_by_role("tab", name="Sensor").click()
-    session.post(lambda one: one.editor.equip((Sensor.preset("hdl64e"), Sensor.preset("os1-32")), None))
+    choose(page, "Beside it", "os1-32")
     save([shot(page, session)], folder / "studio-sensor.jpg")
-    session.post(lambda one: one.editor.equip((Sensor.preset("hdl64e"),), None))
+    choose(page, "Beside it", "none")
     page.get_by_role("tab", name="Play").click()
     press(page, "Seat")
     press(page, "Run")

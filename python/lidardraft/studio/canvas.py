@@ -20,6 +20,7 @@ from lidardraft.world.state import EGO_NAME
 _LABELLED = 40  # boxes with a name over them, the nearest ones
 _WHITE, _RED, _YELLOW, _GREY = (255, 255, 255), (255, 60, 60), (255, 220, 60), (150, 155, 170)
 _GIZMO, _GIZMOS = 0.75, (1.6, 4.5)  # of the length of an object; m, the smallest and the largest
+_GAMMA = 2.2  # of screens, which viser leaves out of lines
 Drag = Callable[[float, float, float, str], None]
 
 
@@ -40,7 +41,7 @@ class Canvas:
         ego = editor.box(EGO_NAME)
         with self._client.atomic():
             self._points("points", frame.points, frame.colours, self.point_size)
-            self._lines("ego", [ego], _GREY)
+            self._lines("ego", [] if self.camera == "Seat" else [ego], _GREY)
             if selected is not None and selected in editor.world and frame.look.boxes:
                 self._lines("selected", [editor.box(selected)], _WHITE, 3.0)
             else:
@@ -76,6 +77,8 @@ class Canvas:
             eye, at = (x - 0.7 * away, y - 0.5 * away, z + 0.6 * away), (x, y, z)
         elif self.camera == "Seat":
             eye, at = (*point_at((x, y, yaw), -0.2, 0.35), 1.25), (*point_at((x, y, yaw), 20.0, 0.35), 0.9)
+        elif self.camera == "Both":
+            eye, at = (*point_at((x, y, yaw), -48.0, -35.0), 42.0), (*point_at((x, y, yaw), 8.0, -35.0), 0.0)
         elif self.camera == "Above":
             eye, at = (*point_at((x, y, yaw), -0.5, 0.0), 75.0), (x, y, 0.0)
         else:
@@ -109,6 +112,7 @@ class Canvas:
         lines, colours = box_lines(boxes)
         if colour is not None:
             colours[:] = colour
+        colours = (255 * (colours / 255) ** _GAMMA).astype(np.uint8)  # lines are drawn brighter than points
         node = self._nodes.get(name)
         if node is not None:
             node.points, node.colors = lines, colours

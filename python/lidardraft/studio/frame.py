@@ -19,7 +19,7 @@ from lidardraft.view import PALETTE, colour_by_depth, colour_by_height, colour_b
 
 MOST_WHILE_DRAGGED = 32_000  # points: as many as are drawn in time
 _SEEN = 5  # returns of an object whose box is shown
-_BESIDE = 90.0  # m to the right, where the second sensor's points are shown
+_BESIDE = 70.0  # m to the right, where the second sensor's points are shown
 _PICKED_WITHIN = 0.012  # rad between a click and a point
 _FRONT = 1.0  # m behind the first of them, from which on points are behind it
 _EDGES = np.array([(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)])

@@ -239,6 +239,7 @@ class BrowserPage(Page):
     def _equip(self, session: Session, _: object) -> None:
         names = (self._first.value, self._second.value)
         session.editor.equip([self._sensor(name) for name in names if name != "none"], session.editor.document.weather)
+        self._see_from(session, "Behind" if self._second.value == "none" else "Both")
 
     def _set_weather(self, session: Session, name: str) -> None:
         weather = None if name == _AS_SAID else WEATHERS.get(name, Weather())
@@ -328,6 +329,7 @@ class BrowserPage(Page):
     def _copy(self, session: Session, what: str) -> None:
         document, state = session.editor.document, session.editor.world.state()
         said = keep.as_command(document) if what == "Command" else keep.as_python(document)
+        said = said.replace(" --", " \\\n  --") if what == "Command" else said
         self._words.content = f"```\n{said}\n```\nThe files that it reads are in *studio-recipe.zip*."
         self._save("studio-recipe.zip", keep.recipe(document, state))
 
@@ -416,7 +418,7 @@ def _hex(number: int) -> str:
 
 
 def _said(pick: Pick) -> str:
-    strength = "" if pick.intensity is None else f", intensity {pick.intensity:.2f}"
+    strength = "" if pick.intensity is None else f", intensity {pick.intensity:.3f}"
     named = f", **{_plain(pick.object)}**" if pick.object else ""
     return f"Row {pick.row}, column {pick.column}: {pick.range:.2f} m, {pick.label}{strength}{named}"
 

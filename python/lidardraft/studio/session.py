@@ -17,7 +17,9 @@ import numpy as np
 from lidardraft.errors import LidarDraftError
 from lidardraft.scan import Scan
 from lidardraft.scene.check import Finding, check
+from lidardraft.scene.edit import placed
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.pose import place_around
 from lidardraft.studio.document import Look
 from lidardraft.studio.editor import Editor
 from lidardraft.studio.frame import Frame, Pick, frame_of
@@ -196,8 +198,10 @@ class Session:
         """What there is besides the frame."""
         state = self.editor.world.state()
         if self._checked is None or self._checked[0] is not state:
-            layout = self.editor.world.layout()
-            few = len(layout) <= _MOST_CHECKED and not self.is_running
+            layout, few = self.editor.world.layout(), not self.is_running
+            if any(self.editor.world.ego.pose):  # checks have it in the origin
+                layout = replace(layout, primitives=tuple(placed(layout, place_around(self.editor.world.ego.pose))))
+            few = few and len(layout) <= _MOST_CHECKED
             self._checked = state, tuple(check(layout)) if few else ()
         generated = self._generated
         return Scene(
@@ -311,9 +315,10 @@ def _step(session: Session) -> None:
 
 
 def _show(session: Session) -> None:
-    begin = time.perf_counter()
+    begin, before = time.perf_counter(), session._frame
     frame = session.frame()
-    session.seconds = time.perf_counter() - begin
+    if frame is not before:
+        session.seconds = time.perf_counter() - begin
     session.frames += 1
     if session.page is not None:
         session.page.show(session, frame)
