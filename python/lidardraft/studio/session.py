@@ -276,6 +276,7 @@ class Session:
         """Have the diffusion model make the scan of the layout as it stands; the next edit marks it stale."""
         state, scan = self.editor.world.state(), self.editor.scans()[0]
         self.tell("The diffusion model is loaded ...")
+        self._heard.clear()
 
         def made(_: Session) -> None:
             run, done = pipeline(), itertools.count(1)
@@ -293,6 +294,7 @@ class Session:
         """Do what takes long in a thread of its own; it may not touch the editor."""
 
         def run() -> None:
+            _HEARING.set(self)
             self._carry_out(work)
             if self.page is not None:
                 self.page.progress(None)
@@ -301,7 +303,8 @@ class Session:
 
     def _accept(self, state: WorldState, scan: Scan) -> None:
         self._generated = state, scan
-        self.tell("This is the diffusion model's scan; the next edit shows the simulated one again.")
+        said = "This is the diffusion model's scan; the next edit shows the simulated one again."
+        self.tell("\n\n".join((said, *dict.fromkeys(self._heard))))
 
 
 def hear(message: str) -> None:
