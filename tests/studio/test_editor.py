@@ -261,8 +261,8 @@ class Told:
     def show(self, _session: Session, frame: object) -> None:
         self.shown.append(frame.whole)
 
-    def settle(self, _session: Session, _frame: object, scene: object) -> None:
-        self.scene = scene
+    def settle(self, session: Session, _frame: object) -> None:
+        self.findings = session.findings()
 
     def tell(self, message: str, *, is_error: bool = False) -> None:
         self.lines.append((message, is_error))
@@ -333,7 +333,7 @@ def test_the_page_is_told_what_is_wrong(session: Session) -> None:
     session.post(lambda one: one.select("car_1"))
     session.post(lambda one: one.drag(x, y, yaw, ends=True))
     session.join()
-    assert any("overlap" in found.message for found in session.page.scene.findings)
+    assert any("overlap" in found.message for found in session.page.findings)
 
 
 def test_time_runs_until_it_is_paused(session: Session) -> None:

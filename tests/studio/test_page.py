@@ -111,7 +111,7 @@ def test_a_car_is_dragged_with_the_mouse_and_its_points_move_and_come_back(visit
         number = next(part.instance for part in scan.layout if part.id.startswith("car_1"))
         frame = visitor.session.frame()
         is_car = scan.image.instance[frame.pixels[:, 1], frame.pixels[:, 2]] == number
-        assert is_car.sum() > 10
+        assert is_car.sum() > 5
         return frame.points[is_car].mean(axis=0)
 
     mouse, before, pose = visitor.page.mouse, middle(), visitor.editor.world["car_1"].pose
@@ -263,7 +263,7 @@ def test_a_scan_is_downloaded_and_read_back(visitor: Visitor, tmp_path: Path) ->
     assert Scan.load(tmp_path / "000000").points().tobytes() == ours.points().tobytes()
     with visitor.page.expect_download() as download:
         visitor.press("Command")
-    visitor.says("lidardraft simulate --world")
+    visitor.says("lidardraft simulate")
     archive = zipfile.ZipFile(io.BytesIO(Path(download.value.path()).read_bytes()))
     state = WorldState.from_json(archive.read("studio.world.json").decode())
     assert Editor(state, (SENSOR,)).scans()[0].points().tobytes() == ours.points().tobytes()
@@ -279,9 +279,14 @@ def test_two_visitors_have_worlds_of_their_own_and_a_reload_keeps_it(
     other.draft("three people ahead")
     until(lambda: "person_3" in other.names())
     assert "person_3" not in visitor.names()
-    other.page.reload()
+    other.session.join()
+    x, y = handle_of(other.session)
+    other.page.mouse.move(x, y)
+    other.page.mouse.down()
+    other.page.mouse.move(x + 9, y - 6)
+    other.page.reload()  # while something is dragged
     other.page.wait_for_selector("text=returns", timeout=30_000)
-    until(lambda: other.session.page is not None)
+    until(lambda: other.session.page is not None and not other.session.is_dragging)
     assert other.session in studio.sessions.values()
     assert "person_3" in other.names()
     assert len(studio.sessions) == 2

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from lidardraft.cli.arguments import add_sensor, add_weather, read_sensor, read_weather, whole_number
 from lidardraft.cli.command import Parser, say
 from lidardraft.cli.inputs import ENDINGS, add_inputs, gives_input, layout_of_input, recorded_points
+from lidardraft.errors import extra
 from lidardraft.files import named
 from lidardraft.scene.layout import Layout
 
@@ -60,11 +61,13 @@ def inputs_of(sensor: str, folder: Path | None) -> Inputs:
         unit = {"sketch": "metres-per-pixel", "obj": "scale", "glb": "scale", "blender": "scale"}.get(kind)
         more = [f"--{unit}={scale}"] if unit and scale else []
         asked = _asked(sensor, seed, f"--{kind}={value}", *more)
-        layout = layout_of_input(asked)
+        with extra():
+            layout = layout_of_input(asked)
         return Draft(layout, recorded_points(asked)) if kind == "points" else Draft(layout)
 
     def generator() -> object:
-        from lidardraft.pipeline import Pipeline
+        with extra("generate"):
+            from lidardraft.pipeline import Pipeline
 
         return Pipeline.from_pretrained()
 

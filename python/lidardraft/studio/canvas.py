@@ -10,10 +10,11 @@ import numpy as np
 import viser
 
 from lidardraft.scene.box import Box
+from lidardraft.scene.layout import box_around
 from lidardraft.scene.pose import point_at
 from lidardraft.semantics import BY_NAME
 from lidardraft.studio.frame import Frame, box_lines, meshes_of
-from lidardraft.studio.session import Scene, Session
+from lidardraft.studio.session import Session
 from lidardraft.view import PALETTE
 from lidardraft.world.state import EGO_NAME
 
@@ -49,24 +50,26 @@ class Canvas:
             if self.camera in ("Seat", "Above") and session.is_running:
                 self.see(ego, None)
 
-    def settle(self, session: Session, frame: Frame, scene: Scene) -> None:
+    def settle(self, session: Session, frame: Frame) -> None:
         """Boxes, names, shapes, faults and the gizmo, which need not follow a drag."""
         look = frame.look
         boxes = frame.boxes() if look.boxes or look.labels else []
-        others = [box for box in boxes if box.id.split(".")[0] != scene.selected]
-        wrong = {id for finding in scene.findings for id in finding.ids}
+        others = [box for box in boxes if box.id.split(".")[0] != session.selected]
+        wrong = {id for finding in session.findings() or () for id in finding.ids}
         with self._client.atomic():
             self._lines("boxes", others if look.boxes else [])
-            self._lines("faults", self._faulty(frame, wrong) if look.boxes else [], _RED, 3.0)
+            faulty = [box_around([part]) for part in frame.layout if part.id in wrong]
+            self._lines("faults", faulty if look.boxes else [], _RED, 3.0)
             self._labels(boxes if look.labels else [])
-            if self._shown.get("layout") != (look.layout, frame.layout if look.layout else None, look.hidden):
-                self._meshes(meshes_of(frame.layout, look.hidden) if look.layout else {})
-                self._shown["layout"] = (look.layout, frame.layout if look.layout else None, look.hidden)
-            recorded = scene.recorded if look.recorded else scene.recorded[:0]
-            if self._shown.get("recorded") is not scene.recorded or len(recorded) != self._shown.get("count"):
+            shapes = (frame.layout, look.hidden) if look.layout else None
+            if self._shown.get("layout") != shapes:
+                self._meshes(meshes_of(*shapes) if shapes else {})
+                self._shown["layout"] = shapes
+            recorded = session.recorded if look.recorded else session.recorded[:0]
+            if self._shown.get("recorded") is not recorded:
                 self._points("recorded", recorded, np.full(recorded.shape, 150, np.uint8), 0.05)
-                self._shown |= {"recorded": scene.recorded, "count": len(recorded)}
-            self._place_gizmo(session, scene.selected)
+                self._shown["recorded"] = recorded
+            self._place_gizmo(session, session.selected)
 
     def see(self, ego: Box | None, target: Box | None) -> None:
         """Look as `camera` says: at a target, from the seat of the ego vehicle, above it or behind it."""
@@ -84,11 +87,6 @@ class Canvas:
         else:
             eye, at = (*point_at((x, y, yaw), -22.0, -11.0), 13.0), (*point_at((x, y, yaw), 7.0, 0.0), 0.0)
         camera.position, camera.look_at = eye, at
-
-    def _faulty(self, frame: Frame, ids: set[str]) -> list[Box]:
-        return [
-            Box(part.id, part.label, 0, part.center, part.size, part.yaw) for part in frame.layout if part.id in ids
-        ]
 
     def _points(self, name: str, points: np.ndarray, colours: np.ndarray, size: float) -> None:
         node = self._nodes.get(name)
@@ -145,7 +143,7 @@ class Canvas:
         for label, (vertices, faces) in meshes.items():
             self._nodes[f"mesh/{label}"] = self._client.scene.add_mesh_simple(
                 f"/mesh/{label}", vertices, faces, color=tuple(PALETTE[BY_NAME[label].id].tolist()), opacity=0.45,
-                flat_shading=True, side="double",
+                flat_shading=True, side="double", cast_shadow=False, receive_shadow=False,
             )  # fmt: skip
 
     def _place_gizmo(self, session: Session, name: str | None) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ import numpy as np
 import viser
 
 from lidardraft.errors import FormatError, LidarDraftError
+from lidardraft.scene.check import Finding
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import WEATHERS, Weather
 from lidardraft.semantics import CLASSES
@@ -22,7 +23,7 @@ from lidardraft.studio import keep
 from lidardraft.studio.canvas import Canvas
 from lidardraft.studio.document import COLOURS
 from lidardraft.studio.frame import Frame, Pick, colour_bar
-from lidardraft.studio.session import STEP, Draft, Edit, Page, Scene, Session, suffix_of
+from lidardraft.studio.session import MOST_CHECKED, STEP, Draft, Edit, Page, Session
 from lidardraft.view import PALETTE
 from lidardraft.world.state import EGO_NAME, WorldState
 
@@ -109,7 +110,7 @@ class BrowserPage(Page):
         with panel.add_tab("Range image"):
             self._strip = gui.add_image(np.zeros((64, 1024, 3), np.uint8), format="jpeg")
             self._bar = gui.add_html("")
-        panel.float(x=12, y=-12, width=640)
+        panel.float(x=12, y=-12, width=560)
 
     # fmt: off
     def _scene_tab(self, gui: Any) -> None:
@@ -342,34 +343,26 @@ class BrowserPage(Page):
         self._status.content = f"**{names}**: {len(frame.points):,} returns{some}, {rate}"
         self._clock.content = f"{session.editor.world.time:.1f} s"
 
-    def settle(self, session: Session, frame: Frame, scene: Scene) -> None:
+    def settle(self, session: Session, frame: Frame) -> None:
         """What the widgets say of the scene, and all that a drag does without."""
-        self._canvas.settle(session, frame, scene)
+        self._canvas.settle(session, frame)
         self._strip.image = frame.strips(self._pick)
         self._bar.content = _bar_html(frame)
-        if self._objects.options != (scene.names or ("-",)):
-            self._objects.options = scene.names or ("-",)
-        if scene.selected is not None and scene.selected in scene.names:
-            self._objects.value = scene.selected
-            box, actor = session.editor.box(scene.selected), session.editor.world[scene.selected]
-            self._size.value = tuple(round(extent, 2) for extent in box.size)
-            self._pace.value = round(actor.speed, 2)
-            self._actor.content = f"Of **{_plain(scene.selected)}**, which is selected:"
+        names, selected = session.editor.names, session.selected
+        if self._objects.options != names:
+            self._objects.options = names
+        if selected is not None and selected in names:
+            self._objects.value = selected
+            self._size.value = tuple(round(extent, 2) for extent in session.editor.box(selected).size)
+            self._pace.value = round(session.editor.world[selected].speed, 2)
+            self._actor.content = f"Of **{_plain(selected)}**, which is selected:"
         self._speed.value = round(session.editor.world.ego.speed, 2)
-        played, at = session.editor.document.played, session.editor.document.position
-        self._time.disabled = len(played) < 2
-        self._time.max = max(len(played) - 1, 1)
-        self._time.value = at
-        lines = [f"- {_plain(finding.message)}" for finding in scene.findings[:5]]
-        more = len(scene.findings) - len(lines)
-        self._findings.content = (
-            "\n".join([*lines, *([f"- and {more} more"] if more > 0 else [])]) or "Nothing collides or floats."
-        )
-        self._stale.content = (
-            "This is the diffusion model's scan." if scene.is_generated
-            else "The generated scan is stale: the scene was edited." if scene.is_stale
-            else ""
-        )  # fmt: skip
+        played = session.editor.document.played
+        self._time.disabled, self._time.max = len(played) < 2, max(len(played) - 1, 1)
+        self._time.value = session.editor.document.position
+        self._findings.content = _faults(session.findings())
+        made = {True: "This is the diffusion model's scan.", None: "The generated scan is stale: the scene was edited."}
+        self._stale.content = made.get(session.is_generated, "")
 
     def tell(self, message: str, *, is_error: bool = False) -> None:
         """A line under the sentence; of an error a notice too."""
@@ -388,12 +381,24 @@ def _read(file: Any, read: Callable[[str], Any]) -> Any:
     if len(file.content) > _MOST_UPLOADED:
         raise FormatError(f"{file.name} has {len(file.content) >> 20} MB; {_MOST_UPLOADED >> 20} MB are read at most")
     with tempfile.TemporaryDirectory(prefix="lidardraft-studio-") as folder:
-        path = Path(folder, f"upload{suffix_of(file.name)}")
+        path = Path(folder, f"upload{_suffix_of(file.name)}")
         path.write_bytes(file.content)
         try:
             return read(str(path))
         except LidarDraftError as error:
             raise type(error)(str(error).replace(str(path), file.name)) from None
+
+
+def _faults(findings: Sequence[Finding] | None) -> str:
+    if findings is None:
+        return f"Not checked: more than {MOST_CHECKED} shapes."
+    lines = [f"- {_plain(finding.message)}" for finding in findings[:5]] or ["Nothing collides or floats."]
+    return "\n".join([*lines, *([f"- and {len(findings) - 5} more"] if len(findings) > 5 else [])])
+
+
+def _suffix_of(name: str) -> str:
+    """The ending of a file's name that its reader goes by, as in ".pcd.bin"; "" for a name without one."""
+    return "".join(one for one in Path(name).suffixes[-2:] if one[1:].isalnum() and len(one) < 9)
 
 
 def _part_shown(name: str) -> Callable[[Session, bool], None]:

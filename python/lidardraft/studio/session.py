@@ -9,7 +9,6 @@ import traceback
 from collections.abc import Callable
 from contextvars import ContextVar
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -29,11 +28,9 @@ if TYPE_CHECKING:
     from lidardraft.pipeline import Pipeline
 
 STEP = 0.1  # s, of the time line
-_MOST_CHECKED = 5000  # shapes whose faults are looked for after each edit
-
+MOST_CHECKED = 5000  # shapes whose faults are looked for after each edit
 _MOST_NOTES = 8  # that a page shows
 _HEARING: ContextVar[Session | None] = ContextVar("hearing", default=None)
-
 T = TypeVar("T")
 Edit = Callable[["Session"], object]
 
@@ -47,26 +44,13 @@ class Draft:
     recorded: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), np.float32))
 
 
-@dataclass(frozen=True, eq=False)
-class Scene:
-    """What a page shows besides the frame: the objects, the one that is selected, and what is wrong with which."""
-
-    names: tuple[str, ...]
-    selected: str | None
-    findings: tuple[Finding, ...]
-    recorded: np.ndarray
-    is_generated: bool
-    is_stale: bool
-    seconds: float
-
-
 class Page:
     """What a session tells; a page of a browser shows it, and this one does not."""
 
     def show(self, session: Session, frame: Frame) -> None:
         """Points, at once."""
 
-    def settle(self, session: Session, frame: Frame, scene: Scene) -> None:
+    def settle(self, session: Session, frame: Frame) -> None:
         """All else, where no edit waits."""
 
     def tell(self, message: str, *, is_error: bool = False) -> None:
@@ -85,7 +69,7 @@ class Session:
 
     def __init__(self, editor: Editor) -> None:
         self.editor, self.look, self.selected = editor, Look(), None if not editor.names else editor.names[0]
-        self.recorded = np.zeros((0, 3), np.float32)
+        self._recorded: tuple[Layout | None, np.ndarray] = None, np.zeros((0, 3), np.float32)
         self.page: Page | None = None
         self.snaps, self.is_dragging, self.is_running = False, False, False
         self.used, self.frames, self.seconds = time.monotonic(), 0, 0.0
@@ -93,8 +77,8 @@ class Session:
         self._changed, self._ended, self._unsettled = threading.Condition(), False, True
         self._generated: tuple[WorldState, Scan] | None = None
         self._frame: Frame | None = None
-        self._checked: tuple[WorldState, tuple[Finding, ...]] | None = None
-        self._number, self._heard = itertools.count(), list[str]()
+        self._checked: tuple[WorldState, tuple[Finding, ...] | None] | None = None
+        self._number, self._heard, self._when_settled = itertools.count(), list[str](), list[threading.Event]()
         self._thread = threading.Thread(target=self._run, name="studio", daemon=True)
         self._thread.start()
 
@@ -131,10 +115,7 @@ class Session:
         self.post(lambda session: session._when_settled.append(done))
         done.wait(60.0)
 
-    _when_settled: list[threading.Event]
-
     def _run(self) -> None:
-        self._when_settled = []
         _HEARING.set(self)
         while True:
             with self._changed:
@@ -184,9 +165,7 @@ class Session:
 
     def frame(self) -> Frame:
         """That of now, whole unless something is dragged."""
-        state = self.editor.world.state()
-        generated = self._generated is not None and self._generated[0] is state
-        scans = (self._generated[1],) if generated and self._generated else self.editor.scans()
+        scans = (self._generated[1],) if self._generated and self.is_generated else self.editor.scans()
         whole = not (self.is_dragging or self.is_running)
         last = self._frame
         if last and last.scans == scans and last.look == self.look and (last.whole or not whole):
@@ -194,33 +173,36 @@ class Session:
         self._frame = frame_of(scans, self.look, whole=whole)
         return self._frame
 
-    def scene(self) -> Scene:
-        """What there is besides the frame."""
-        state = self.editor.world.state()
+    def findings(self) -> tuple[Finding, ...] | None:
+        """What is wrong with the scene of now; None where it has too many shapes to be checked after each edit."""
+        state, ego = self.editor.world.state(), self.editor.world.ego.pose
         if self._checked is None or self._checked[0] is not state:
-            layout, few = self.editor.world.layout(), not self.is_running
-            if any(self.editor.world.ego.pose):  # checks have it in the origin
-                layout = replace(layout, primitives=tuple(placed(layout, place_around(self.editor.world.ego.pose))))
-            few = few and len(layout) <= _MOST_CHECKED
-            self._checked = state, tuple(check(layout)) if few else ()
-        generated = self._generated
-        return Scene(
-            self.editor.names,
-            self.selected,
-            self._checked[1],
-            self.recorded,
-            generated is not None and generated[0] is state,
-            generated is not None and generated[0] is not state,
-            self.seconds,
-        )
+            layout = self.editor.world.layout()
+            if any(ego):  # checks have it in the origin
+                layout = replace(layout, primitives=tuple(placed(layout, place_around(ego))))
+            self._checked = state, tuple(check(layout)) if len(layout) <= MOST_CHECKED else None
+        return self._checked[1]
+
+    @property
+    def recorded(self) -> np.ndarray:
+        """The points float32 [N, 3] of the recorded scan that the layout is of."""
+        base, points = self._recorded
+        return points if base is self.editor.world.state().layouts[0] else points[:0]
+
+    @property
+    def is_generated(self) -> bool | None:
+        """Whether the frame is of the diffusion model; None where its scan is of the scene before the last edit."""
+        if self._generated is None:
+            return False
+        return True if self._generated[0] is self.editor.world.state() else None
 
     def begin(self, read: Callable[[], Draft], seed: int) -> None:
         """Another scene, of what `read` gives."""
         self._heard.clear()
         draft = read()
         self.editor.begin(draft.source, seed)
-        self.recorded, self.is_running = draft.recorded, False
-        self.selected = self.editor.names[0]
+        self._recorded = self.editor.world.state().layouts[0], draft.recorded
+        self.is_running, self.selected = False, self.editor.names[0]
         self.tell("\n\n".join([*dict.fromkeys((*self.editor.scans()[0].notes, *self._heard))][:_MOST_NOTES]))
 
     def select(self, name: str | None) -> None:
@@ -329,10 +311,4 @@ def _show(session: Session) -> None:
 
 def _settle(session: Session) -> None:
     if session.page is not None:
-        session.page.settle(session, session.frame(), session.scene())
-
-
-def suffix_of(name: str) -> str:
-    """The ending of a file's name that its reader goes by, as in ".pcd.bin"; "" for a name without one."""
-    endings = [one for one in Path(name).suffixes[-2:] if one[1:].isalnum() and len(one) < 9]
-    return "".join(endings)
+        session.page.settle(session, session.frame())
