@@ -12,8 +12,12 @@ import pytest
 
 from lidardraft import Layout, Sensor, World, layout_from_text
 from lidardraft.cli import main as cli
+from lidardraft.cli.studio import inputs_of
 
 pytest.importorskip("viser", reason="viser is not installed (lidardraft[studio])")
+from lidardraft.studio.editor import Editor
+from lidardraft.studio.server import KEPT, served
+from lidardraft.studio.session import Session
 
 
 def started(*options: str) -> tuple[subprocess.Popen[str], str]:
@@ -55,6 +59,8 @@ def test_it_serves_a_page_takes_a_free_port_and_ends_with_ctrl_c(layout: Path) -
         (["--sensor", "hdl65e"], "did you mean 'hdl64e'"),
         (["--world", "a.layout.json"], "a.layout.json"),
         (["--weather", "hail:3mm"], "hail"),
+        (["--detail", "fine"], "--detail goes with --points"),
+        (["--llm-url", "http://localhost:9/v1", "--layout", "nowhere.json"], "nowhere.json"),
     ],
 )
 def test_a_bad_start_is_one_line(
@@ -76,3 +82,17 @@ def test_the_state_of_a_world_says_all_of_its_scan(
     assert cli.main(["simulate", "--world", str(tmp_path / "a.world.json"), option, "-o", str(tmp_path / "out")]) == 2
     assert "--world" in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
+
+
+def test_a_scene_that_nobody_looks_at_goes_after_a_while(layout: Path) -> None:
+    first = Layout.load(layout)
+    with served(lambda: Editor(first, (Sensor.preset("vlp16"),)), inputs_of("vlp16", None), 8760) as studio:
+        old, new = Session(Editor(first, (Sensor.preset("vlp16"),))), Session(Editor(first, (Sensor.preset("vlp16"),)))
+        studio._sessions |= {"old": old, "new": new}
+        old.used -= KEPT + 1.0
+        studio.tidy()
+        assert set(studio.sessions) == {"new"}
+        old._thread.join(timeout=10.0)
+        assert not old._thread.is_alive()
+    new._thread.join(timeout=10.0)
+    assert not new._thread.is_alive()

@@ -4,12 +4,21 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from lidardraft.cli.arguments import add_sensor, add_weather, read_sensor, read_weather, whole_number
 from lidardraft.cli.command import Parser, say
-from lidardraft.cli.inputs import ENDINGS, add_inputs, gives_input, layout_of_input, recorded_points
+from lidardraft.cli.inputs import (
+    ENDINGS,
+    add_inputs,
+    check_inputs,
+    gives_input,
+    layout_of_input,
+    read_layout,
+    recorded_points,
+)
 from lidardraft.errors import extra
 from lidardraft.files import named
 from lidardraft.scene.layout import Layout
@@ -29,20 +38,22 @@ def studio(arguments: argparse.Namespace) -> None:
     from lidardraft.world.state import WorldState
 
     sensor, weather, seed = read_sensor(arguments.sensor), read_weather(arguments.weather), arguments.seed
+    model = {name: value for name, value in vars(arguments).items() if name.startswith("llm_")}
+    given = argparse.Namespace(**vars(arguments) | ({} if arguments.text else dict.fromkeys(model)))
+    check_inputs(given)
     if arguments.world is not None:
         state = WorldState.load(arguments.world)
         first: Layout | WorldState = state
         seed = state.seed
     else:
-        given = arguments if gives_input(arguments) else _asked(arguments.sensor, seed, f"--text={SENTENCE}")
-        first = layout_of_input(given)
+        first = read_layout(given if gives_input(given) else _asked(arguments.sensor, seed, f"--text={SENTENCE}"))
     with named(arguments.world or "the scene"):  # what cannot be scanned ends the command, and no page
         ready = [Editor(first, (sensor,), seed=seed, weather=weather)]
 
     def begin() -> Editor:
         return ready.pop() if ready else Editor(first, (sensor,), seed=seed, weather=weather)
 
-    inputs = inputs_of(arguments.sensor, None if arguments.output is None else Path(arguments.output))
+    inputs = inputs_of(arguments.sensor, None if arguments.output is None else Path(arguments.output), model)
     with served(begin, inputs, arguments.port) as running:
         if running.port != arguments.port:
             say(f"port {arguments.port} is taken; the studio is on {running.port}")
@@ -52,8 +63,9 @@ def studio(arguments: argparse.Namespace) -> None:
             running.tidy()
 
 
-def inputs_of(sensor: str, folder: Path | None) -> Inputs:
-    """The readers of all inputs, as commands have them; files without a sensor of their own are of `sensor`."""
+def inputs_of(sensor: str, folder: Path | None, model: Mapping[str, object] | None = None) -> Inputs:
+    """The readers of all inputs, as commands have them; files without a sensor of their own are of `sensor`, and
+    `model` are the options of a language model that reads sentences."""
     from lidardraft.studio.page import Inputs
     from lidardraft.studio.session import Draft
 
@@ -61,6 +73,8 @@ def inputs_of(sensor: str, folder: Path | None) -> Inputs:
         unit = {"sketch": "metres-per-pixel", "obj": "scale", "glb": "scale", "blender": "scale"}.get(kind)
         more = [f"--{unit}={scale}"] if unit and scale else []
         asked = _asked(sensor, seed, f"--{kind}={value}", *more)
+        if kind == "text":
+            vars(asked).update(model or {})
         with extra():
             layout = layout_of_input(asked)
         return Draft(layout, recorded_points(asked)) if kind == "points" else Draft(layout)
@@ -86,8 +100,8 @@ def studio_options(parser: argparse.ArgumentParser) -> None:
     """The options of `studio`."""
     parser.epilog = (
         "The page is on this machine alone. From another one, open a tunnel first, as in `ssh -L 8080:localhost:8080 "
-        "HOST`. Each visitor has a scene of their own. Where $LIDARDRAFT_LLM_URL names a language model, it reads the "
-        "sentences."
+        "HOST`. Each visitor has a scene of their own. Where --llm-url or $LIDARDRAFT_LLM_URL names a language model, "
+        "it reads the sentences."
     )
     add_inputs(parser, "world", required=False)
     add_sensor(parser.add_argument_group("sensor"))
