@@ -19,7 +19,7 @@ from lidardraft.cli.inputs import (
     read_layout,
     recorded_points,
 )
-from lidardraft.errors import extra
+from lidardraft.errors import FormatError, extra
 from lidardraft.files import named
 from lidardraft.scene.layout import Layout
 
@@ -41,6 +41,8 @@ def studio(arguments: argparse.Namespace) -> None:
     model = {name: value for name, value in vars(arguments).items() if name.startswith("llm_")}
     given = argparse.Namespace(**vars(arguments) | ({} if arguments.text else dict.fromkeys(model)))
     check_inputs(given)
+    if arguments.world is not None and arguments.surroundings is not None:
+        raise FormatError("--surroundings does not go with --world, whose state says all of its scene")
     if arguments.world is not None:
         state = WorldState.load(arguments.world)
         first: Layout | WorldState = state

@@ -17,7 +17,6 @@ from lidardraft.semantics import BY_NAME, CLASSES
 from lidardraft.studio.document import Look
 from lidardraft.view import PALETTE, colour_by_depth, colour_by_height, colour_by_label, colour_by_share, colour_returns
 
-MOST_WHILE_DRAGGED = 32_000  # points: as many as are drawn in time
 _SEEN = 5  # returns of an object whose box is shown
 _BESIDE = 70.0  # m to the right, where the second sensor's points are shown
 _PICKED_WITHIN = 0.012  # rad between a click and a point
@@ -31,7 +30,7 @@ _HIGHEST = 12.0  # m, of the ramp of heights
 @dataclass(frozen=True, eq=False)
 class Frame:
     """`points` float32 [N, 3] in the world [m] and `colours` uint8 [N, 3] of scans of one moment; `pixels` [N, 3] are
-    the number of the scan, row and column of each. A frame that is not `whole` shows every so many returns."""
+    the number of the scan, row and column of each. One that is not `whole` is of quick scans."""
 
     scans: tuple[Scan, ...]
     look: Look
@@ -107,11 +106,6 @@ def frame_of(scans: Sequence[Scan], look: Look, *, whole: bool = True) -> Frame:
         shown = scan.image.valid & ~np.isin(scan.image.label, list(look.hidden))
         if not look.points:
             shown[:] = False
-        elif not whole:
-            every = math.ceil(np.count_nonzero(shown) * len(scans) / MOST_WHILE_DRAGGED)
-            columns = np.arange(shown.shape[1]) % max(every, 1)
-            # rows take turns, so that thin things stay
-            shown &= columns[None] == (np.arange(shown.shape[0]) % max(every, 1))[:, None]
         image = scan.image.keep(shown)
         places = _placed(scan, image)
         colours.append(colours_of(image, places[:, 2], look.colour))

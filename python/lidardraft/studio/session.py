@@ -165,8 +165,11 @@ class Session:
 
     def frame(self) -> Frame:
         """That of now, whole unless something is dragged."""
-        scans = (self._generated[1],) if self._generated and self.is_generated else self.editor.scans()
         whole = not (self.is_dragging or self.is_running)
+        if self._generated and self.is_generated:
+            scans: tuple[Scan, ...] = (self._generated[1],)
+        else:
+            scans = self.editor.scans() if whole else self.editor.quick_scans()
         last = self._frame
         if last and last.scans == scans and last.look == self.look and (last.whole or not whole):
             return last
