@@ -243,6 +243,9 @@ class BrowserPage(Page):
         self._see_from(session, "Behind" if self._second.value == "none" else "Both")
 
     def _set_weather(self, session: Session, name: str) -> None:
+        if name == _OWN:
+            self._set_amounts(session, None)
+            return
         weather = None if name == _AS_SAID else WEATHERS.get(name, Weather())
         shown = weather or Weather()
         values = (shown.rain, shown.snow, min(shown.visibility, _CLEAR_SIGHT), shown.wetness)
