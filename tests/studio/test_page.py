@@ -91,6 +91,7 @@ def visitor(browser: Any, studio: Studio) -> Visitor:
 def first_scene(visitor: Visitor) -> None:
     """Each test begins with the same scene, and the same page."""
     visitor.session.post(lambda one: one.editor.begin(FIRST, 3))
+    visitor.session.post(lambda one: one.look_at(hidden=frozenset(), layout=False, labels=False))
     visitor.session.post(lambda one: one.select("car_1"))
     visitor.session.join()
     visitor.tab("Scene")
@@ -190,16 +191,14 @@ def test_colours_classes_boxes_and_shapes_are_chosen_and_a_point_is_clicked(visi
     visitor.choose("Colours", "range")
     until(lambda: visitor.session.look.colour == "range")
     visitor.says("80 m")
-    for name in ("Labels", "Layout"):
-        visitor.page.get_by_label(name, exact=True).first.click()
-        until(lambda name=name: getattr(visitor.session.look, name.lower()))
-    visitor.session.join()
     frame = visitor.session.frame()
     (scan,) = frame.scans
     number = next(part.instance for part in scan.layout if part.id.startswith("bus_1"))
     is_bus = scan.image.instance[frame.pixels[:, 1], frame.pixels[:, 2]] == number
     camera, mouse = visitor.session.page.client.camera, visitor.page.mouse
-    mouse.click(*pixel_of(camera, np.median(frame.points[is_bus], axis=0)))
+    points = frame.points[is_bus]
+    middle = points[np.argmin(np.linalg.norm(points - np.median(points, axis=0), axis=1))]
+    mouse.click(*pixel_of(camera, middle))
     visitor.says("Row ")
     until(lambda: visitor.session.selected == "bus_1")
     visitor.page.get_by_text("Classes").first.click()
@@ -207,7 +206,9 @@ def test_colours_classes_boxes_and_shapes_are_chosen_and_a_point_is_clicked(visi
     until(lambda: visitor.session.look.hidden)
     visitor.session.join()
     assert not any(box.label == "bus" for box in visitor.session.frame().boxes())
-    visitor.session.post(lambda one: one.look_at(hidden=frozenset(), layout=False, labels=False))
+    for name in ("Labels", "Layout"):
+        visitor.page.get_by_label(name, exact=True).first.click()
+        until(lambda name=name: getattr(visitor.session.look, name.lower()))
 
 
 def test_things_are_added_changed_and_removed(visitor: Visitor) -> None:
