@@ -32,6 +32,7 @@ ALLOWED = {
     "perception": BASE | {"scene", "formats", "metrics", "networks"},
     "simulation": BASE | {"scene", "drafting", "objects", "arranging", "formats", "scan"},
     "world": BASE | {"scene", "drafting", "scan", "simulation"},
+    "studio": BASE | {"scene", "formats", "simulation", "world", "drawing", "view", "scan", "exports", "pipeline"},
     "training": BASE
     | {"scene", "streets", "formats", "drafting", "networks", "diffusion", "metrics", "perception"}
     | {"simulation"},
@@ -47,7 +48,8 @@ ALLOWED = {
     "protocols": BASE | {"formats", "metrics", "perception"},
     "cli": BASE
     | {"scene", "formats", "drafting", "streets", "networks", "diffusion", "metrics", "view", "pipeline", "evaluation"}
-    | {"scan", "simulation", "training", "calibration", "perception", "arranging", "protocols", "dataset", "exports"},
+    | {"scan", "simulation", "training", "calibration", "perception", "arranging", "protocols", "dataset", "exports"}
+    | {"world", "studio"},
     "__main__": {"cli"},
 }
 # The rooms and modules of streets, and which others each may use.

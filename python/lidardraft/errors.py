@@ -150,7 +150,7 @@ class MissingExtraError(LidarDraftError, ImportError):
 EXTRAS = {
     "torch": ("generate", "train", "image"), "transformers": ("image",), "huggingface_hub": ("image",),
     "laspy": ("export",), "foxglove": ("export",), "av": ("video",), "ray": ("cluster",), "ouster": ("ouster",),
-    "rosbags": ("ros",),
+    "rosbags": ("ros",), "viser": ("studio",),
 }  # fmt: skip
 
 

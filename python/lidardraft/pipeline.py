@@ -137,6 +137,10 @@ class Pipeline:
         while some := list(itertools.islice(rest, self._at_once(sensor))):
             yield from self._made([simulate(each, sensor, seed=seed, speed=speed) for each, seed in some], on_step)
 
+    def from_simulated(self, scan: Scan, *, on_step: Callable[[], object] | None = None) -> Scan:
+        """What becomes of a simulated scan, as of those that `scans` makes of layouts."""
+        return next(self._made([scan], on_step))
+
     def _at_once(self, sensor: Sensor) -> int:
         """How many scans a call of the network makes."""
         is_cpu = next(self.denoiser.parameters()).device.type == "cpu"

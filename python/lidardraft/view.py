@@ -87,6 +87,11 @@ def colour_by_height(z: np.ndarray) -> np.ndarray:
     return _HEIGHT_RAMP[np.clip(z * (255 / _LEVELS[-1]), 0, 255).astype(np.uint8)]
 
 
+def colour_by_share(share: np.ndarray) -> np.ndarray:
+    """The ramp of ranges over shares of 0 to 1, uint8 [..., 3]."""
+    return _DEPTH_RAMP[1 + (np.clip(share, 0.0, 1.0) * 254).astype(np.uint8)]
+
+
 def _ramp(places: Sequence[float] | np.ndarray, colours: np.ndarray, count: int) -> np.ndarray:
     """`count` colours, uint8 [count, 3], of evenly spaced values from 0 to the last of the places."""
     values = np.linspace(0.0, places[-1], count)

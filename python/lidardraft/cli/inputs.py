@@ -6,6 +6,7 @@ import argparse
 import math
 import os
 import re
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -52,6 +53,8 @@ _INPUTS: dict[str, tuple[str, tuple[str, ...], str]] = {
     "layout": ("LAYOUT.json", (".json",),
         "a layout, as `lidardraft draft` writes it; by itself it gets no street (see --surroundings)"),
 }  # fmt: skip
+
+ENDINGS = {name: endings for name, (_, endings, _) in _INPUTS.items() if endings}
 
 # Options that say more about inputs: the inputs, how a value is read, and what it says.
 _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
@@ -124,6 +127,10 @@ _URL = "LIDARDRAFT_LLM_URL"  # as in chat_server.py, which loads HTTP
 # Inputs of many layouts, which some commands take: their values and what they are.
 _MANY = {
     "text-file": ("FILE.txt", "sentences, one a line: a scan of each, and again with other seeds where -n is more"),
+    "world": (
+        "FILE.world.json",
+        "the state of a World or of the studio: its scan, in which all moves as it does there",
+    ),
     "map": ("FILE", "a semantic map without ranges: .png or .npy of a class id for each ray, or a labelled scan"),
     "street": (
         "DISTRICT",
@@ -132,11 +139,11 @@ _MANY = {
 }
 
 
-def add_inputs(parser: argparse.ArgumentParser, *many: str) -> argparse._ArgumentGroup:
+def add_inputs(parser: argparse.ArgumentParser, *many: str, required: bool = True) -> argparse._ArgumentGroup:
     """The inputs, of which a command takes one, in a group of their own; `many` are those of `_MANY` that it takes."""
     names = ", ".join(f"--{name}" for name in (*_INPUTS, *many))
-    group = parser.add_argument_group(f"input (exactly one of {names})")
-    one = group.add_mutually_exclusive_group(required=True)
+    group = parser.add_argument_group(f"input ({'exactly' if required else 'at most'} one of {names})")
+    one = group.add_mutually_exclusive_group(required=required)
     for name, (value, _, text) in _INPUTS.items():
         one.add_argument(f"--{name}", metavar=value, help=text)
     for name in many:
@@ -179,6 +186,15 @@ def check_inputs(arguments: argparse.Namespace) -> None:
 
 def read_layout(arguments: argparse.Namespace) -> Layout:
     """The layout that the arguments ask for; what of an input is not understood or left out is said on stderr."""
+    layout, name = layout_of_input(arguments), _name_of_input(arguments)
+    if name != "layout":  # whose notes were printed when it was made
+        for note in notes_on(arguments, layout):
+            say(note if name == "text" else f"{getattr(arguments, name)}: {note}")
+    return layout
+
+
+def layout_of_input(arguments: argparse.Namespace) -> Layout:
+    """The layout that the arguments ask for, with its notes unsaid."""
     check_inputs(arguments)
     name = _name_of_input(arguments)
     try:
@@ -187,9 +203,6 @@ def read_layout(arguments: argparse.Namespace) -> Layout:
             layout = _surrounded(arguments, layout, arguments.seed, usual=name in _STREET_AROUND)
     except LidarDraftError as error:
         raise type(error)(f"{error}{_other_option(name, getattr(arguments, name))}") from None
-    if name != "layout":  # whose notes were printed when it was made
-        for note in notes_on(arguments, layout):
-            say(note if name == "text" else f"{getattr(arguments, name)}: {note}")
     return layout
 
 
@@ -220,6 +233,11 @@ def _other_option(name: str, file: str) -> str:
     ending = Path(file).suffix.lower()
     others = [f"--{other}" for other, (_, endings, _) in _INPUTS.items() if ending in endings]
     return f"; {ending} is read by {' or '.join(others)}" if others and f"--{name}" not in ["--text", *others] else ""
+
+
+def gives_input(arguments: argparse.Namespace) -> bool:
+    """Whether the arguments give one that is a layout."""
+    return any(getattr(arguments, name) is not None for name in _READERS)
 
 
 def _name_of_input(arguments: argparse.Namespace) -> str:
@@ -354,7 +372,9 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
             detail=arguments.detail or "fine",
         )
     if len(layout) == 1:
-        say(f"{path}: the layout is a bare plane: the {len(points)} points show no ground and no object")
+        warnings.warn(
+            f"{path}: the layout is a bare plane: the {len(points)} points show no ground and no object", stacklevel=2
+        )
     return layout
 
 
@@ -365,6 +385,14 @@ def ego_of_points(arguments: argparse.Namespace) -> Scenario | None:
     if arguments.points is None or not is_bag(arguments.points):
         return None
     return ego_scenario(arguments.points, arguments.frame or 0, arguments.topic)
+
+
+def recorded_points(arguments: argparse.Namespace) -> np.ndarray:
+    """The returns of --points over the road, float32 [N, 3]."""
+    from lidardraft.formats.recording import read_returns
+
+    points, _ = read_returns(arguments.points, None, needs_intensity=False, **reading(arguments))
+    return np.asarray(points[:, :3] + (0.0, 0.0, _sensor_height(arguments, arguments.points)), np.float32)
 
 
 def _predicted(
@@ -383,7 +411,7 @@ def _predicted(
     label, probability = Segmenter.from_pretrained(weights or "segmenter").predict(points, intensity, height)
     by, unsure = "the packaged segmenter" if weights is None else weights, probability < SURE
     said = f"{path} has no labels: {by} predicted them, with a mean probability of {probability.mean():.2f}"
-    say(f"{said}; {unsure.mean():.0%} of the points are less than half sure and have no class")
+    warnings.warn(f"{said}; {unsure.mean():.0%} of the points are less than half sure and have no class", stacklevel=2)
     return np.where(unsure, np.uint8(0), label)
 
 

@@ -7,7 +7,7 @@ import sys
 from collections.abc import Sequence
 
 import lidardraft
-from lidardraft.cli import dataset, edit, evaluate, fit, layouts, pairs, profile, scans, view
+from lidardraft.cli import dataset, edit, evaluate, fit, layouts, pairs, profile, scans, studio, view
 from lidardraft.cli.command import Parser, commands_of, run
 
 _FIRST = """\
@@ -36,6 +36,7 @@ def _parser() -> Parser:
     command = commands_of(parser)
     scans.simulate_options(command("simulate", scans.simulate))
     scans.generate_options(command("generate", scans.generate))
+    studio.studio_options(command("studio", studio.studio))
     dataset.dataset_options(command("dataset", dataset.dataset))
     view.view_options(command("view", view.view))
     edit.edit_options(command("edit", edit.edit))

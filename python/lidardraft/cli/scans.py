@@ -132,8 +132,9 @@ def _write_sequences(arguments: argparse.Namespace) -> None:
     """Write the frames of a sequence, or with --num several in folders of their own."""
     from lidardraft.streets.drives import street_drive
 
-    if getattr(arguments, "poses", None) is not None:
-        raise FormatError("--poses does not go with --frames, which are of one drive")
+    for option in ("poses", "world"):
+        if getattr(arguments, option) is not None:
+            raise FormatError(f"--{option} does not go with --frames, which make drives")
     sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
     layouts = None if arguments.street else Layouts.read(arguments)
     num = arguments.num or (len(layouts.sentences) if layouts and arguments.text_file else 0)
@@ -199,12 +200,15 @@ def simulate(arguments: argparse.Namespace) -> None:
             raise FormatError(f"--{option} is of a sequence; say with --frames how long it is")
     sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
     output, pictures, around = Path(arguments.output), arguments.pictures, ""
-    if arguments.street is None:
+    if arguments.world is not None:
+        num, jobs, poses, notes = 1, 1, 1, None
+        make: Callable[[int], Scan] = _scan_of_world(arguments, sensor, weather)
+    elif arguments.street is None:
         layouts = Layouts.read(arguments)
         around = around_it(layouts.first)
         num = arguments.num or len(layouts.sentences) or 1
         jobs, poses = jobs_of(arguments, num), 1
-        make: Callable[[int], Scan] = partial(_simulated, layouts, sensor, weather, 1 if jobs > 1 else None)
+        make = partial(_simulated, layouts, sensor, weather, 1 if jobs > 1 else None)
         notes = layouts.notes
     else:
         num, poses = arguments.num or 1, arguments.poses or _POSES
@@ -215,6 +219,21 @@ def simulate(arguments: argparse.Namespace) -> None:
         for _ in ScanFolder(output, pictures, make, Scan.save, notes).write(num, jobs=jobs, run=poses):
             bar.update()
     _report(arguments, num, around)
+
+
+def _scan_of_world(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None) -> Callable[[int], Scan]:
+    """What makes the scan of --world, which has a seed, speeds and surroundings of its own."""
+    from lidardraft.world.state import WorldState
+    from lidardraft.world.world import World
+
+    check_inputs(arguments)
+    for option in ("num", "speed", "surroundings"):
+        if getattr(arguments, option) is not None:
+            raise FormatError(f"--{option} does not go with --world, whose state says all of its one scan")
+    state = WorldState.load(arguments.world)
+    with named(arguments.world):
+        world = World(state, sensor, weather=weather)
+    return lambda _: world.scan()
 
 
 def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None, poses: int) -> StreetConfig:
@@ -234,7 +253,7 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
         "light and receiver makes returns, ranges and intensities of that. No weights are used; every label is that of "
         "the surface that was hit. A sensor without a model of its own gets typical values."
     )
-    inputs = add_inputs(parser, "text-file", "street")
+    inputs = add_inputs(parser, "text-file", "street", "world")
     text = f"scans of each --street in a row, from different places (default {_POSES})"
     inputs.add_argument("--poses", type=whole_number(1), metavar="N", help=text)
     world = parser.add_argument_group("world")
