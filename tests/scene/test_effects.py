@@ -396,8 +396,9 @@ def test_speckle_and_grain_scatter_the_intensity():
 
 
 def test_texture_makes_surfaces_brighter_here_than_there():
-    logarithm = np.log(seen(wall(30.0), replace(IDEAL, texture=0.2)).intensity / 0.45)
+    logarithm, half = (np.log(seen(wall(30.0, m), replace(IDEAL, texture=0.2)).intensity) for m in ("soil", "plaster"))
     assert logarithm.std() == pytest.approx(0.2, rel=0.2)
+    assert half.std() == pytest.approx(0.1, rel=0.2)
     # 0.18 m from firing to firing, 0.6 m from beam to beam
     assert np.corrcoef(logarithm[:, 1:].ravel(), logarithm[:, :-1].ravel())[0, 1] > 0.8
     assert np.corrcoef(logarithm[0], logarithm[1])[0, 1] > 0.5

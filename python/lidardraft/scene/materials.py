@@ -16,8 +16,8 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
   Optics 39, 2000). Metallic paint (mid-paint) is a lobe of flakes, fitted to PandaSet's cars; other slopes are
   our estimates.
 - `transmission`: float glass of 4 to 6 mm at 905 nm, two-way for what is seen behind; solar control coatings take more.
-  Car glass absorbs heat: of visible light at least 0.70 passes (UN regulation 43), at 905 nm less; 0.45, its diffuse
-  share and that of rays that end in cabins (objects/vehicle_bodies.py) are such that PandaSet's holes in cars come out.
+  Car glass absorbs heat: of visible light at least 0.70 passes (UN regulation 43), at 905 nm less; 0.32 for it and 0.45
+  for windows, with tints that differ from pane to pane, are such that they read as dark as PandaSet's do.
 - `retroreflection`: the coefficients of EN 12899-1 (class RA2, white, 0.2 and 5 degrees: 250 cd/lx/m2); a white surface
   that faces the sensor has 1 / pi of these units.
 - `rms_height`: of grass from the rows of terrain in PandaSet within 15 m, whose returns lie 4 mm off the line between
@@ -26,7 +26,8 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
 - `variation`, `grain`: the spread between objects of one material (dirt, age, colour), our estimate, and within one
   from firing to firing, beside what the sensor adds (`speckle`): such that neighbouring readings of PandaSet
   (roads, sidewalks, walls, leaves) and of ika's VLP-32C differ as recorded, see docs/sensor-model.md.
-- `texture`: of what is made in one piece, paint, glass or cloth, none, of all else the whole (`SensorModel.texture`).
+- `texture`: the share of `SensorModel.texture`, which is fitted to asphalt: of walls a half, such that as few of their
+  readings are over 2.5 medians as recorded; of what is made in one piece, paint, glass or cloth, none.
 """
 
 from __future__ import annotations
@@ -72,14 +73,14 @@ class Material:
 
 MATERIALS: tuple[Material, ...] = (
     Material("asphalt", 0.12, roughness=1.0, grain=0.03),
-    Material("concrete", 0.32, roughness=0.5),
+    Material("concrete", 0.32, roughness=0.5, texture=0.5),
     Material("paving", 0.22, roughness=0.8, grain=0.04),
     Material("gravel", 0.25, roughness=1.0, grain=0.2, rms_height=0.008),
-    Material("plaster", 0.45, roughness=0.35),
-    Material("brick", 0.36, roughness=0.35),
-    Material("stone", 0.33),
-    Material("roof-tile", 0.28),
-    Material("wood", 0.45, roughness=0.3, grain=0.12),
+    Material("plaster", 0.45, roughness=0.35, texture=0.5),
+    Material("brick", 0.36, roughness=0.35, texture=0.5),
+    Material("stone", 0.33, texture=0.5),
+    Material("roof-tile", 0.28, texture=0.5),
+    Material("wood", 0.45, roughness=0.3, grain=0.12, texture=0.5),
     Material("metal", 0.25, roughness=0.3, specular=0.08, rms_slope=0.35, variation=0.35, texture=0.0),
     Material("rusty-metal", 0.25, roughness=0.5),
     Material("chrome", 0.03, specular=0.6, rms_slope=0.05, texture=0.0),
@@ -96,8 +97,8 @@ MATERIALS: tuple[Material, ...] = (
     Material("rubber", 0.03, roughness=0.6, texture=0.0),
     Material("plastic", 0.10, specular=_COAT, rms_slope=0.3, variation=0.5, texture=0.0),
     Material("glass", 0.01, specular=2 * _COAT, rms_slope=0.006, transmission=0.75, variation=0.5, texture=0.0),
-    Material("car-glass", 0.003, specular=2 * _COAT, rms_slope=0.006, transmission=0.45, variation=0.5, texture=0.0),
-    Material("window", 0.02, specular=2 * _COAT, rms_slope=0.006, transmission=0.70, variation=0.5, texture=0.0),
+    Material("car-glass", 0.003, specular=2 * _COAT, rms_slope=0.006, transmission=0.32, variation=0.5, texture=0.0),
+    Material("window", 0.02, specular=2 * _COAT, rms_slope=0.006, transmission=0.45, variation=0.5, texture=0.0),
     Material("retroreflector", 0.30, retroreflection=math.pi * 250.0, variation=0.3, texture=0.0),
     Material("road-paint", 0.50, roughness=1.0, variation=0.6, grain=0.15),
     Material("sign-back", 0.35, roughness=0.3, specular=0.3, rms_slope=0.2, texture=0.0),

@@ -22,6 +22,7 @@ from lidardraft.semantics import BY_NAME
 # What is behind a pane (curtains, seats) is as far behind all of it: the median [m] and the spread of its logarithm,
 # estimates.
 _BEHIND, _BEHIND_SPREAD = 0.25, 0.6
+_TINT_SPREAD = 0.4  # of the logarithm of what passes through a pane, an estimate: coatings, tints, dirt
 _BINS = 128  # of incidence, as many as the core looks up; 0.9 degrees each
 _FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
@@ -104,7 +105,9 @@ class Surfaces:
         constants = [(m.transmission, _BEHIND, m.grain, m.texture, m.rms_height) for m in MATERIALS]
         columns[:, 1:] = np.array(constants)[index].T
         if keys is not None:
-            columns[1, 1:] *= np.exp(_BEHIND_SPREAD * _nearly_normal(keys * _FACTORS[1]))
+            for row, spread, factor in ((0, _TINT_SPREAD, _FACTORS[2]), (1, _BEHIND_SPREAD, _FACTORS[1])):
+                columns[row, 1:] *= np.exp(spread * _nearly_normal(keys * factor))
+            columns[0] = np.minimum(columns[0], 1.0)
         columns[4, 1:][media] = 0.0
         return cls(table, *columns)
 
