@@ -73,7 +73,7 @@ def overhead(simulator: Simulator, scanner: Scanner, sensor: Sensor, count: int 
 
     def bare(number: int) -> None:
         poses = sensor.poses_in_motion(sensor.pose(x=STRETCH * number / count), (SPEED, 0.0, 0.0))
-        scanner.observe(scanner.cast(poses, number), number)
+        scanner.observe(scanner.cast(poses, number), poses, number)
 
     more = []
     for number in range(count):
@@ -100,7 +100,7 @@ def shares(layouts: list[Layout], sensor: Sensor) -> dict[str, float]:
         "detail": milliseconds(lambda k: detail(layouts[k], seed=0), count),
         "compiling": milliseconds(lambda k: Scanner.from_layout(scenes[k], sensor, by_id=True, threads=1), count),
         "cast of the sub-rays": milliseconds(lambda k: scanners[k].cast(moving, 0), count),
-        "sensor model": milliseconds(lambda k: scanners[k].observe(clean[k], 0), count),
+        "sensor model": milliseconds(lambda k: scanners[k].observe(clean[k], moving, 0), count),
     }
 
 

@@ -54,7 +54,7 @@ def of_sensor(layout: lidardraft.Layout, name: str, threads: int | None) -> None
         assert world._table is not None
         clean = sweeper.cast(world._still[1], (), scan.poses(), 7)
         cast = time.perf_counter()
-        sweeper.observe(clean, world._table[1], 7)
+        sweeper.observe(clean, world._table[1], np.eye(4), 7)
         observed = time.perf_counter()
         world.cast()
         whole = time.perf_counter() - observed

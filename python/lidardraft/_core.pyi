@@ -249,6 +249,8 @@ def observe(
     image: RangeImage,  # of the sub-rays, [H * S, W]: row h * S + s is sub-ray s of beam h; with primitive, incidence
     surfaces: Surfaces,
     *,
+    rays: SensorPattern,  # of the sub-rays
+    poses: NDArray[np.float64],  # world_from_sensor [1, K, 4, 4], K is 1 or W
     pattern: SensorPattern,
     range_sigma: float,  # m, noise of strong echoes
     model: SensorModel,

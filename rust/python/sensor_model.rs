@@ -1,7 +1,5 @@
 //! The sensor model: its constants, checked once; arrays of images and surfaces in, images written in place.
 
-use std::f64::consts::TAU;
-
 use lidardraft_core::Error;
 use lidardraft_core::sensor_model as core;
 use numpy::ndarray::Ix2;
@@ -10,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::arrays::{Column, Table, array, misaligned, rows, writable};
 use crate::errors::{CoreError, CoreResult};
+use crate::poses::sensor_poses;
 use crate::{SensorPattern, checked_seed, thread_count};
 
 /// The effects of one unit of a sensor.
@@ -66,6 +65,7 @@ impl SensorModel {
             cutoff: attribute(numbers, "cutoff")?,
             cutoff_spread: attribute(numbers, "cutoff_spread")?,
             levels: attribute(numbers, "levels")?,
+            least_reading: attribute(numbers, "least_reading")?,
             compensation_range: attribute(numbers, "compensation_range")?,
         };
         model.check().map_err(CoreError::from)?;
@@ -79,12 +79,14 @@ impl SensorModel {
 }
 
 #[pyfunction]
-#[pyo3(signature = (image, surfaces, *, pattern, range_sigma, model, extinction=0.0, backscatter=Vec::new(), scan, seed=0, threads=0))]
+#[pyo3(signature = (image, surfaces, *, rays, poses, pattern, range_sigma, model, extinction=0.0, backscatter=Vec::new(), scan, seed=0, threads=0))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
 pub(crate) fn observe(
     py: Python<'_>,
     image: &Bound<'_, PyAny>,
     surfaces: &Bound<'_, PyAny>,
+    rays: &SensorPattern,
+    poses: &Bound<'_, PyAny>,
     pattern: &SensorPattern,
     range_sigma: f32,
     model: &SensorModel,
@@ -99,13 +101,14 @@ pub(crate) fn observe(
     let backscatter = backscatter.iter().map(Backscatter::of).collect::<PyResult<Vec<_>>>()?;
     let backscatter = backscatter.iter().map(Backscatter::slices).collect::<PyResult<Vec<_>>>()?;
     let mut scan = Scan::of(scan)?;
+    let (poses, _, _) = sensor_poses(poses, pattern.0.columns())?;
     let light = core::Light {
         returns: image.slices()?,
         surfaces: surfaces.slices()?,
         backscatter: &backscatter,
         extinction,
         shape: [pattern.0.rows(), pattern.0.columns()],
-        turn: (pattern.0.columns() as f64 * TAU / pattern.0.spec().azimuth_span) as f32,
+        places: core::Places { rays: &rays.0, poses: &poses },
     };
     let (min, max) = (pattern.0.spec().min_range as f32, pattern.0.spec().max_range as f32);
     let ranging = core::Ranging { sigma: range_sigma, min, max };
@@ -154,7 +157,9 @@ impl<'py> Image<'py> {
 struct Surfaces<'py> {
     table: Table<'py, f32>,
     transmission: Column<'py, f32>,
+    behind: Column<'py, f32>,
     grain: Column<'py, f32>,
+    texture: Column<'py, f32>,
     rms_height: Column<'py, f32>,
 }
 
@@ -163,7 +168,9 @@ impl<'py> Surfaces<'py> {
         Ok(Surfaces {
             table: read(surfaces, "table")?,
             transmission: array("transmission", &surfaces.getattr("transmission")?)?,
+            behind: array("behind", &surfaces.getattr("behind")?)?,
             grain: array("grain", &surfaces.getattr("grain")?)?,
+            texture: array("texture", &surfaces.getattr("texture")?)?,
             rms_height: array("rms_height", &surfaces.getattr("rms_height")?)?,
         })
     }
@@ -172,7 +179,9 @@ impl<'py> Surfaces<'py> {
         Ok(core::Surfaces {
             table: rows("table", &self.table, "[P + 1, 128]")?,
             transmission: self.transmission.as_slice()?,
+            behind: self.behind.as_slice()?,
             grain: self.grain.as_slice()?,
+            texture: self.texture.as_slice()?,
             rms_height: self.rms_height.as_slice()?,
         })
     }

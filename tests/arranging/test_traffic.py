@@ -111,9 +111,33 @@ def test_fast_roads_alone_have_edge_lines():
 def test_stop_lines_are_before_lights_only():
     road = Road(junction=10.0, sidewalk=0.0)
     without, spans = painted(road, 14.0), painted(road, 14.0, lights=True)
-    assert len(spans) == len(without) + 4
+    arrows = 2 * 4  # an arrow each way, in four parts
+    assert len(spans) == len(without) + 4 + arrows
     extents = np.stack([spans[:, 1] - spans[:, 0], spans[:, 3] - spans[:, 2]], axis=1)
-    assert np.isclose(extents.min(axis=1), 0.5).sum() == 4
+    assert (np.isclose(extents.min(axis=1), 0.5) & (extents.max(axis=1) > 1.0)).sum() == 4
+
+
+def test_arrows_point_at_the_junction_that_traffic_waits_for():
+    road = Road(junction=10.0, sidewalk=0.0)
+    spans = painted(road, 14.0, lights=True)
+    shafts = spans[np.isclose(spans[:, 3] - spans[:, 2], 0.16)]
+    heads = spans[np.isclose(spans[:, 3] - spans[:, 2], 0.8)]
+    assert len(shafts) == len(heads) == 2
+    for shaft, head in zip(shafts, heads, strict=True):
+        assert abs(head[:2].mean() - 10.0) < abs(shaft[:2].mean() - 10.0)
+        assert shaft[2:].mean() == pytest.approx(head[2:].mean())
+
+
+def test_junctions_of_towns_have_zebras_at_their_sidewalks():
+    with_zebras = 0
+    for seed in range(20):
+        road = Road(junction=10.0)
+        lanes = tuple(lanes_of(road, lights=True))
+        spans = road_markings(road, lanes, None, 14.0, np.random.default_rng(seed))
+        bars = spans[np.isclose(spans[:, 1] - spans[:, 0], 4.0) & np.isclose(spans[:, 3] - spans[:, 2], 0.5)]
+        off = np.abs(bars[:, :2].mean(axis=1) - 10.0)
+        with_zebras += bool(np.isclose(off, (road.edge + road.verge) / 2).any())
+    assert 6 <= with_zebras <= 18
 
 
 def test_traffic_drives_on_the_road():

@@ -120,7 +120,8 @@ def test_a_labelled_scan_of_a_street_is_that_of_its_pair() -> None:
         # its poses are those that it was cast from, though the sensor leans and the way does not
         street, scanner = scanned_street(3, SMALL, number // 2, None)
         ego, _, rng = sample_viewpoint(street, SMALL.sensor, number)
-        again = scanner.observe(scanner.cast(ego.pose @ scan.poses(), seed=number), rng)
+        poses = ego.pose @ scan.poses()
+        again = scanner.observe(scanner.cast(poses, seed=number), poses, rng)
         np.testing.assert_array_equal(again.depth, scan.image.depth)
         assert np.abs(scan.poses()[:, 2, 3] - scan.pose[2, 3]).max() == 0.0
         assert scan.pose[2, 0] != 0.0

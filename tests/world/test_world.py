@@ -14,6 +14,7 @@ from lidardraft import Layout, Primitive, Scan, Sensor, SequenceSimulator, Simul
 from lidardraft.errors import LayoutError
 from lidardraft.scene.range_image import images_of
 from lidardraft.scene.scenario import AlongLane, Scenario, Straight, Walk, Waypoints
+from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.world.state import WorldState
 from lidardraft.world.world import World
 
@@ -127,7 +128,7 @@ def test_a_world_at_rest_is_what_simulate_scans() -> None:
     clean, truth = world.cast(), simulator._sweeper.cast(simulator._bodies, (), SMALL.pose(), 7)
     for image in ("depth", "label", "instance", "incidence"):
         assert getattr(clean, image).tobytes() == getattr(truth, image).tobytes()
-    observed = simulator._sweeper.observe(truth, simulator._bodies.surfaces, 8)
+    observed = simulator._sweeper.observe(truth, simulator._bodies.surfaces, SMALL.pose(), 8)
     assert world.scan().image.intensity.tobytes() == observed.intensity.tobytes()  # of the seed 7 + 1, after one step
 
 
@@ -148,6 +149,21 @@ def test_what_stands_keeps_its_surface_after_every_edit() -> None:
     for image in ("depth", "label", "instance", "incidence"):
         one, two = getattr(before, image), getattr(after, image)
         assert (one[~gone] == two[~gone]).all()
+
+
+def test_what_stands_reads_the_same_after_every_edit_and_from_every_pose() -> None:
+    """But for the noise of the sensor, which is switched off."""
+    quiet = dataclasses.replace(SMALL, model=dataclasses.replace(SensorModel.ideal(), texture=0.3))
+    world = World(CROSSROADS, quiet, seed=7)
+    for name in (*world.ids, "ego"):
+        world[name].motion = None
+    world.step(0.2)
+    before = world.scan().image
+    world.remove(world.ids[0])
+    after = world.scan().image
+    alike = (before.depth == after.depth) & before.valid
+    assert alike.mean() > 0.3
+    assert (before.intensity[alike] == after.intensity[alike]).all()
 
 
 def test_a_thing_looks_the_same_in_every_place_and_comes_back() -> None:

@@ -1,4 +1,4 @@
-"""Road markings: lane and edge lines, stop lines, zebra crossings, the lines of parking bays.
+"""Road markings: lane and edge lines, stop lines, arrows, zebra crossings, the lines of parking bays.
 
 Widths and patterns are those of the German guide to road markings (RMS-1): lines of 0.12 m (0.15 m on motorways) and
 0.25 to 0.30 m, 3 m of line and 6 m of gap in towns, 4 and 8 m outside, 6 and 12 m on motorways, stop lines of 0.5 m.
@@ -58,6 +58,9 @@ _CLEAR_ROUNDABOUT = 4.5  # m before a roundabout without lines
 _STOP_AHEAD = 0.75  # m from where traffic waits to the middle of the line
 _STOP_LENGTH, _STOP_SHARE = 2.4, 0.48  # m, within the narrowest lane; of the half width of a side road at most
 _ZEBRAS, _ZEBRA_PLACE, _ZEBRA_JUNCTION = 0.3, 0.35, 6.0  # share, of the half length at most, m to a junction
+_EDGED, _CROSSED = 0.5, 0.6  # share of town roads with edge lines, of junctions with zebras
+# An arrow straight ahead: m from the stop line to its tip, and from and to along, half widths of its parts [m].
+_ARROW_AHEAD, _ARROW_SHAFT, _ARROW_HEAD = 4.0, (1.6, 5.0, 0.08), ((0.0, 0.5, 0.1), (0.5, 1.1, 0.25), (1.1, 1.6, 0.4))
 # VwV-StVO: bars of 0.5 m with gaps of 0.5 m, 3 m long and more.
 _BAR, _BAR_SPACING, _BAR_LENGTH = 0.5, 1.0, 4.0
 _ZEBRA_EDGES = (0.3, 0.5)  # m to the first bar from the right kerb, and in which none begins at the left one
@@ -79,17 +82,25 @@ def road_markings(
     `speed` [m/s] is the limit on the road. There are zebras at `crossings` [m along], or else perhaps one.
     """
     spans: list[Span] = []
+    more = rng.spawn(1)[0]  # it leaves what follows in a street as it is
     # quiet streets have no lines
     if speed > CALM or road.lanes > 1 or rng.random() < _LINED:
         for line in _lines(road, lanes, speed):
             spans += _pieces(road, line, rng.uniform(*_FIRST_DASH))
         spans += [_stop_line(road, lane) for lane in lanes if lane.stop is not None]
+        spans += [part for lane in lanes if lane.stop is not None and lane.kind == MAIN_ROAD for part in _arrow(lane)]
+        if CALM < speed <= FAST and more.random() < _EDGED:
+            edge = road.edge - (road.parking or EDGE_OFF)
+            spans += [piece for side in SIDES for piece in _pieces(road, Line(side * edge, _THIN), 0.0)]
     if car_park is not None:
         rows = [across for across, _ in car_park.rows]
         spans += bay_lines(car_park.paved_area.along, rows, car_park.gate)
     if not crossings and road.sidewalk > 0 and speed > CALM and rng.random() < _ZEBRAS:
         place = rng.uniform(-_ZEBRA_PLACE, _ZEBRA_PLACE) * road.half_length
         crossings = () if road.in_junction(place, _ZEBRA_JUNCTION) else (place,)
+    if road.junction is not None and not road.roundabout_radius and road.sidewalk > 0 and more.random() < _CROSSED:
+        off = (road.edge + road.verge) / 2
+        crossings = (*crossings, road.junction - off, road.junction + off)
     spans += [bar for along in crossings for bar in _zebra(road, along)]
     return np.array(spans).reshape(-1, 4)
 
@@ -135,6 +146,17 @@ def _stop_line(road: Road, lane: Path) -> Span:
         half = min(half, _STOP_SHARE / 2 * road.edge)
         return along - half, along + half, across - thick, across + thick
     return along - thick, along + thick, across - half, across + half
+
+
+def _arrow(lane: Path) -> list[Span]:
+    """An arrow straight ahead, before the stop line of a lane."""
+    assert lane.stop is not None
+    parts = []
+    for near, far, half in (*_ARROW_HEAD, _ARROW_SHAFT):
+        ends = [lane.at(lane.stop - _ARROW_AHEAD - off)[:2] for off in (far, near)]
+        (low, high), across = sorted(along for along, _ in ends), ends[0][1]
+        parts.append((low, high, across - half, across + half))
+    return parts
 
 
 def _zebra(road: Road, along: float) -> list[Span]:

@@ -26,7 +26,7 @@ _LEAST_CHANGE = 0.1  # of a figure, from one limit of its constant to the other:
 _ROUNDS = 2
 _AT_LIMIT = 1 / 32  # of the way from one limit to the other
 _EDGE, _EDGES_WITHIN = 1.0, 20.0  # m between near and far; and the nearer: further off echoes are weak, too
-_ALIKE = 0.5  # m: returns of neighbouring lasers whose ranges differ by less are of one surface
+_PATCH = 8  # firings over which texture shows
 _FAR_BENDS = (25.0, 60.0)  # m
 # Between what a constant is searched for.
 _LIMITS = {
@@ -76,12 +76,12 @@ def fit_texture(
     *,
     otherwise: float,
 ) -> SensorModel:
-    """The model, as `with_texture` makes it, whose neighbouring lasers read as much alike as recorded ones; that of the
-    texture `otherwise` where these say nothing."""
+    """The model, as `with_texture` makes it, whose readings differ as much as recorded ones over several firings; that
+    of the texture `otherwise` where these say nothing."""
     return _found(
         with_texture,
-        lambda one: _likeness(casts.observed(one, sigma)),
-        _likeness(recorded),
+        lambda one: _reading_step(casts.observed(one, sigma), apart=_PATCH),
+        _reading_step(recorded, apart=_PATCH),
         _LIMITS["texture"],
         otherwise,
         steps=_TEXTURE_STEPS,
@@ -223,27 +223,16 @@ def _quantile(bend: np.ndarray, share: float) -> float:
     return float(np.quantile(bend, share)) if len(bend) >= 500 else math.nan
 
 
-def _reading_step(sweeps: Sequence[Sweep]) -> float:
-    """Mean of the smaller half of the steps of readings over 0 from firing to firing, at one range: texture makes the
-    others."""
+def _reading_step(sweeps: Sequence[Sweep], apart: int = 1) -> float:
+    """Mean of the smaller half of the steps of readings over 0 between firings so far apart, at one range: edges of
+    what is there make the others."""
     found = []
     for sweep in sweeps:
         assert sweep.intensity is not None
         read, depth = sweep.intensity, sweep.depth
-        near = (np.abs(np.diff(depth, axis=1)) < 0.1) & (read[:, 1:] > 0) & (read[:, :-1] > 0)
-        found.append(np.abs(np.diff(read, axis=1))[near])
+        here, there = (slice(None), slice(apart, None)), (slice(None), slice(None, -apart))
+        near = (np.abs(depth[here] - depth[there]) < 0.1 * apart) & (read[here] > 0) & (read[there] > 0)
+        found.append(np.abs(read[here] - read[there])[near])
     steps = np.concatenate(found)
     # readings are in steps: their mean says more than a median that is one of them
     return float(np.sort(steps)[: len(steps) // 2].mean()) if len(steps) >= 500 else math.nan
-
-
-def _likeness(sweeps: Sequence[Sweep]) -> float:
-    """Mean over neighbouring lasers of the correlation of what they read of one surface in one column."""
-    read, depth = (np.stack([getattr(sweep, name) for sweep in sweeps]) for name in ("intensity", "depth"))
-    alike = (depth[:, 1:] > 0) & (depth[:, :-1] > 0) & (np.abs(np.diff(depth, axis=1)) < _ALIKE)
-    found = []
-    for row in range(alike.shape[1]):
-        lower, upper = read[:, row + 1][alike[:, row]], read[:, row][alike[:, row]]
-        if len(lower) >= 500 and lower.std() > 0 and upper.std() > 0:
-            found.append(float(np.corrcoef(lower, upper)[0, 1]))
-    return float(np.mean(found)) if found else math.nan

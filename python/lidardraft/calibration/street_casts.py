@@ -25,31 +25,31 @@ class StreetCasts:
     """Clean casts by one sensor, one of each street, with what is needed to observe them."""
 
     scanners: tuple[Scanner, ...]
+    poses: tuple[np.ndarray, ...]
     casts: tuple[RangeImage, ...]
 
     @classmethod
     def from_sensor(cls, sensor: Sensor, model: SensorModel, num: int, *, seed: int) -> StreetCasts:
         """The casts of streets 0 to `num` of a seed."""
-        scanners, casts = [], []
+        scanners, places, casts = list[Scanner](), [], []
         config = StreetConfig(sensor=sensor, poses_per_street=1)
         for number in range(num):
             street = make_street(seed=seed, config=config, number=number)
             ego, pose, _ = sample_viewpoint(street, sensor, number)
-            in_motion = sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
+            places.append(ego.pose @ sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0)))
             scanners.append(Scanner.from_layout(street.scene, sensor, model=model))
-            casts.append(scanners[-1].cast(ego.pose @ in_motion, seed=number))
-        return cls(tuple(scanners), tuple(casts))
+            casts.append(scanners[-1].cast(places[-1], seed=number))
+        return cls(tuple(scanners), tuple(places), tuple(casts))
 
     def observed(self, model: SensorModel, range_sigma: float) -> list[Sweep]:
         """What a sensor with this model, whose sub-rays are those of the casts, reports."""
         found = []
         sensor = replace(self.scanners[0].sensor, range_sigma=range_sigma)
         rays = sub_rays(sensor, model)
-        for number, (scanner, clean) in enumerate(zip(self.scanners, self.casts, strict=True)):
+        for number, (scanner, poses, cast) in enumerate(zip(self.scanners, self.poses, self.casts, strict=True)):
             noisy = replace(scanner, sensor=sensor, model=model)
-            found.append(
-                Sweep.from_image(noisy.observe(RangeImage.unchecked(**vars(clean) | {"sensor": rays}), number))
-            )
+            clean = RangeImage.unchecked(**vars(cast) | {"sensor": rays})
+            found.append(Sweep.from_image(noisy.observe(clean, poses, number)))
         return found
 
     def responses(self, model: SensorModel, range_sigma: float) -> list[Sweep]:

@@ -16,6 +16,7 @@ import numpy as np
 from lidardraft import _core
 from lidardraft.errors import SensorError, check_seed
 from lidardraft.scene.layout import Layout
+from lidardraft.scene.pose import as_array
 from lidardraft.scene.range_image import IMAGES, RangeImage, blank_pixels, images_of
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel, beam_fan
@@ -34,6 +35,7 @@ def observe(
     sensor: Sensor | None = None,
     model: SensorModel | None = None,
     weather: Weather | None = None,
+    poses: np.ndarray | None = None,
     threads: int | None = None,
 ) -> RangeImage:
     """What `sensor` reports of the clean image cast of `layout`, with intensity, primitive and incidence.
@@ -41,7 +43,9 @@ def observe(
     The image is cast by `sub_rays(sensor, model)`, with primitive and incidence; or by the sensor itself, which needs
     no `sensor` here: then a beam is one ray. `model` is by default `sensor.assumed_model`.
     `Surfaces.from_layout(layout)`, made once and given instead of the layout, saves time where one layout is scanned
-    often (and holds the wetness of its ground). `threads` is how many threads may be used, by default as many as there
+    often (and holds the wetness of its ground). `poses` are those of the cast, world_from_sensor [4, 4], or [W, 4, 4]
+    with one for each column: what surfaces send back differs from place to place in the world, which by default is the
+    sensor's frame. `threads` is how many threads may be used, by default as many as there
     are cores; the scan is the same for any number.
 
     Raises `SensorError` for an image of another sensor or without primitive and incidence.
@@ -57,10 +61,14 @@ def observe(
             raise SensorError(f"the image is of {image.sensor.name}; sub_rays of {sensor.name} are {rays.name}")
     if image.primitive is None or image.incidence is None:
         raise SensorError("the image lacks primitive or incidence; cast it with primitive=True, incidence=True")
+    poses = np.eye(4) if poses is None else poses
+    poses = as_array("poses", poses, *("W" * (np.ndim(poses) - 2)), 4, 4).reshape(1, -1, 4, 4)
     scan = RangeImage.unchecked(sensor, **{name: np.empty(sensor.shape, IMAGES[name]) for name in _OBSERVED})
     _core.observe(
         image,
         layout if isinstance(layout, Surfaces) else Surfaces.from_layout(layout, wetness=weather.wetness),
+        rays=image.sensor.pattern,
+        poses=poses,
         pattern=sensor.pattern,
         range_sigma=sensor.range_sigma,
         model=model.core,

@@ -4,10 +4,11 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
 
 - `reflectance`: the ECOSTRESS spectral library (Meerdink et al., Remote Sensing of Environment 230, 2019) at 0.9 um for
   mineral, wooden, metal and vegetable surfaces, soil and asphalt; NIST's skin reference (Cooksey and Allen, SPIE 8734,
-  2013) for skin; dyed cloth is bright in the near infrared whatever its colour. Car paint, road paint and rubber are
+  2013) for skin; dyed cloth is bright in the near infrared whatever its colour. Car paint and rubber are
   such that the medians and quartiles of the Pandar64 in PandaSet come out, see docs/sensor-model.md. Dark paint is a
-  gloss black under a clear coat: most cars of PandaSet have parts that send nothing back (a lightness of 1 to 4 without
-  the gloss is 0.001 to 0.0045).
+  gloss black under a clear coat: two dark cars beside Ouster's OS1-128 send back whole sides at 10 m, and 0.010 to
+  0.015 give the quartiles of PandaSet's cars. Road paint is worn or full of glass beads, all of a street alike: the
+  brightest hundredth of recorded roads reads 2 to 13 times their median.
 - `roughness`: Oren and Nayar's slope spread [rad]; 0.35 of walls and 1 of asphalt are fitted to the fall of PandaSet's
   intensities with incidence, the others lie between by analogy.
 - `specular`, `rms_slope`: Fresnel reflectance at normal incidence (0.04 for an index of 1.5, clear coats and glass; 0.6
@@ -15,16 +16,18 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
   Optics 39, 2000). Metallic paint (mid-paint) is a lobe of flakes, fitted to PandaSet's cars; other slopes are
   our estimates.
 - `transmission`: float glass of 4 to 6 mm at 905 nm, two-way for what is seen behind; solar control coatings take more.
-  Car glass absorbs heat: of visible light at least 0.70 passes (UN regulation 43), at 905 nm less; 0.45, its diffuse
-  share and that of rays that end in cabins (objects/vehicle_bodies.py) are such that PandaSet's holes in cars come out.
+  Car glass absorbs heat: of visible light at least 0.70 passes (UN regulation 43), at 905 nm less; 0.32 for it and 0.45
+  for windows, with tints that differ from pane to pane, are such that they read as dark as PandaSet's do.
 - `retroreflection`: the coefficients of EN 12899-1 (class RA2, white, 0.2 and 5 degrees: 250 cd/lx/m2); a white surface
   that faces the sensor has 1 / pi of these units.
 - `rms_height`: of grass from the rows of terrain in PandaSet within 15 m, whose returns lie 4 mm off the line between
   their neighbours in height (5 mm root mean square) and 38 mm in range (8 to 17 mm); of bark, gravel and soil our
   estimates.
 - `variation`, `grain`: the spread between objects of one material (dirt, age, colour), our estimate, and within one
-  from firing to firing, beside what the sensor adds (`speckle`, `texture`): such that neighbouring readings of PandaSet
+  from firing to firing, beside what the sensor adds (`speckle`): such that neighbouring readings of PandaSet
   (roads, sidewalks, walls, leaves) and of ika's VLP-32C differ as recorded, see docs/sensor-model.md.
+- `texture`: the share of `SensorModel.texture`, which is fitted to asphalt: of walls a half, such that as few of their
+  readings are over 2.5 medians as recorded; of what is made in one piece, paint, glass or cloth, none.
 """
 
 from __future__ import annotations
@@ -51,7 +54,8 @@ class Material:
     `reflectance` is the diffuse share, `specular` that of a mirror whose facets have slopes of `rms_slope` (root mean
     square), `transmission` what passes through once, `retroreflection` the peak of what is sent back to its source over
     that of a white surface. `variation` is the relative spread of the whole between objects, `grain` that from pixel to
-    pixel of one object; `rms_height` [m] is the standard deviation of the heights of its surface from return to return.
+    pixel of one object, `texture` the share that it has of the world's texture; `rms_height` [m] is the standard
+    deviation of the heights of its surface from return to return.
     """
 
     name: str
@@ -63,40 +67,41 @@ class Material:
     retroreflection: float = 0.0
     variation: float = 0.2
     grain: float = 0.03
+    texture: float = 1.0
     rms_height: float = 0.0
 
 
 MATERIALS: tuple[Material, ...] = (
     Material("asphalt", 0.12, roughness=1.0, grain=0.03),
-    Material("concrete", 0.32, roughness=0.5),
+    Material("concrete", 0.32, roughness=0.5, texture=0.5),
     Material("paving", 0.22, roughness=0.8, grain=0.04),
     Material("gravel", 0.25, roughness=1.0, grain=0.2, rms_height=0.008),
-    Material("plaster", 0.45, roughness=0.35),
-    Material("brick", 0.36, roughness=0.35),
-    Material("stone", 0.33),
-    Material("roof-tile", 0.28),
-    Material("wood", 0.45, roughness=0.3, grain=0.12),
-    Material("metal", 0.25, roughness=0.3, specular=0.3, rms_slope=0.25, variation=0.35),
+    Material("plaster", 0.45, roughness=0.35, texture=0.5),
+    Material("brick", 0.36, roughness=0.35, texture=0.5),
+    Material("stone", 0.33, texture=0.5),
+    Material("roof-tile", 0.28, texture=0.5),
+    Material("wood", 0.45, roughness=0.3, grain=0.12, texture=0.5),
+    Material("metal", 0.25, roughness=0.3, specular=0.08, rms_slope=0.35, variation=0.35, texture=0.0),
     Material("rusty-metal", 0.25, roughness=0.5),
-    Material("chrome", 0.03, specular=0.6, rms_slope=0.05),
+    Material("chrome", 0.03, specular=0.6, rms_slope=0.05, texture=0.0),
     Material("foliage", 0.50, variation=0.15, grain=0.23),
     Material("bark", 0.32, roughness=0.6, grain=0.15, rms_height=0.01),
     Material("grass", 0.45, roughness=0.8, variation=0.25, grain=0.2, rms_height=0.008),
     Material("soil", 0.27, roughness=0.8, grain=0.15, rms_height=0.008),
-    Material("cloth", 0.48, roughness=0.6, variation=0.3, grain=0.15),
-    Material("dark-cloth", 0.22, roughness=0.6, variation=0.4, grain=0.15),
-    Material("skin", 0.55),
-    Material("light-paint", 0.45, roughness=0.3, specular=_COAT, rms_slope=0.1),
-    Material("mid-paint", 0.06, roughness=0.3, specular=0.25, rms_slope=0.4, variation=0.4),
-    Material("dark-paint", 0.003, roughness=0.3, specular=_COAT, rms_slope=0.15, variation=1.0),
-    Material("rubber", 0.03, roughness=0.6),
-    Material("plastic", 0.10, specular=_COAT, rms_slope=0.3, variation=0.5),
-    Material("glass", 0.01, specular=2 * _COAT, rms_slope=0.03, transmission=0.75, variation=0.5),
-    Material("car-glass", 0.003, specular=2 * _COAT, rms_slope=0.03, transmission=0.45, variation=0.5),
-    Material("window", 0.02, specular=2 * _COAT, rms_slope=0.05, transmission=0.70, variation=0.5),
-    Material("retroreflector", 0.30, retroreflection=math.pi * 250.0, variation=0.3),
-    Material("road-paint", 0.28, roughness=1.0, variation=0.4, grain=0.15),
-    Material("sign-back", 0.35, roughness=0.3, specular=0.3, rms_slope=0.2),
+    Material("cloth", 0.48, roughness=0.6, variation=0.3, grain=0.15, texture=0.0),
+    Material("dark-cloth", 0.22, roughness=0.6, variation=0.4, grain=0.15, texture=0.0),
+    Material("skin", 0.55, texture=0.0),
+    Material("light-paint", 0.45, roughness=0.3, specular=_COAT, rms_slope=0.1, texture=0.0),
+    Material("mid-paint", 0.06, roughness=0.3, specular=0.25, rms_slope=0.4, variation=0.4, texture=0.0),
+    Material("dark-paint", 0.012, roughness=0.3, specular=_COAT, rms_slope=0.15, variation=0.5, texture=0.0),
+    Material("rubber", 0.03, roughness=0.6, texture=0.0),
+    Material("plastic", 0.10, specular=_COAT, rms_slope=0.3, variation=0.5, texture=0.0),
+    Material("glass", 0.01, specular=2 * _COAT, rms_slope=0.006, transmission=0.75, variation=0.5, texture=0.0),
+    Material("car-glass", 0.003, specular=2 * _COAT, rms_slope=0.006, transmission=0.32, variation=0.5, texture=0.0),
+    Material("window", 0.02, specular=2 * _COAT, rms_slope=0.006, transmission=0.45, variation=0.5, texture=0.0),
+    Material("retroreflector", 0.30, retroreflection=math.pi * 250.0, variation=0.3, texture=0.0),
+    Material("road-paint", 0.50, roughness=1.0, variation=0.6, grain=0.15),
+    Material("sign-back", 0.35, roughness=0.3, specular=0.3, rms_slope=0.2, texture=0.0),
 )
 
 MATERIAL_BY_NAME: dict[str, Material] = {material.name: material for material in MATERIALS}

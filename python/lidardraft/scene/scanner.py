@@ -60,8 +60,8 @@ class Scanner:
             rays, pose, poses=poses_of_columns, primitive=True, incidence=True, seed=seed, threads=self.threads
         )
 
-    def observe(self, clean: RangeImage, seed: int | np.random.Generator) -> RangeImage:
-        """What the sensor reports of what `cast` returned."""
+    def observe(self, clean: RangeImage, poses: np.ndarray, seed: int | np.random.Generator) -> RangeImage:
+        """What the sensor reports of what `cast` returned from these `poses`."""
         return observe(
             clean,
             self.surfaces,
@@ -69,5 +69,6 @@ class Scanner:
             sensor=self.sensor,
             model=self.model,
             weather=self.weather,
+            poses=poses,
             threads=self.threads,
         )

@@ -382,9 +382,11 @@ PRESETS: dict[str, Sensor] = {
         _ouster("os0-128", beam_tables.OS0_128_ELEVATIONS, beam_tables.OS0_128_AZIMUTHS, 0.02767, 0.5, 100.0),
         # Of the sensors with 64 beams nobody's table is at hand: nominal ones, every other beam of 128.
         _ouster("os0-64", beam_tables.OS0_128_ELEVATIONS[::2], beam_tables.OS0_128_AZIMUTHS[::2], 0.02767, 0.5, 100.0),
-        # OS1-128: 45 degrees of elevation; the four columns of lasers look 2.82 degrees apart.
-        _ouster(
-            "os1-128", np.linspace(22.5, -22.5, 128), np.resize([4.23, 1.41, -1.41, -4.23], 128), 0.015806, 0.5, 120.0
+        # OS1-128: 45 degrees of elevation; the four columns of lasers look 2.82 degrees apart. The revision of the
+        # sample, which sees to 200 m, and revision D.
+        *(
+            _ouster(name, np.linspace(22.5, -22.5, 128), np.resize([4.23, 1.41, -1.41, -4.23], 128), 0.015806, 0.5, far)
+            for name, far in (("os1-128", 200.0), ("os1-128-d", 120.0))
         ),
         _ouster(
             "os1-64", np.linspace(22.5, -22.5, 64), np.resize([4.23, 1.41, -1.41, -4.23], 64), 0.015806, 0.5, 120.0

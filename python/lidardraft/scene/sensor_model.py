@@ -70,7 +70,7 @@ class SensorModel:
     last_return: bool = False  # of several echoes the last is reported, not the strongest
     # Scatter of the power.
     speckle: float = 0.08  # relative, from pulse to pulse
-    texture: float = 0.15  # relative, from patch to patch of what a beam looks at, 3 / 1024 of a turn long on average
+    texture: float = 0.32  # relative, of what surfaces send back from place to place, over 0.1 to 5 m
     material_noise: bool = True  # materials add their own grain and roughness
     dust: float = 0.0  # depth of the stains on the window
     fading: float = 1.6  # spread of the logarithm of 2 / P^1.25 from patch to patch of a surface
@@ -92,6 +92,7 @@ class SensorModel:
     cutoff: float = 0.0  # a lower reading becomes 0
     cutoff_spread: float = 0.0  # of the cut-off, between the beams of a unit
     levels: int = 255  # steps of the intensity; 0 is smooth
+    least_reading: float = 0.0  # of a return
     compensation_range: float = math.inf  # m, up to which intensity is corrected for range
     intensity_curve: IntensityCurve | None = None  # in place of `full_scale` and `knee`
 
@@ -233,23 +234,26 @@ _FWHM = math.sqrt(2.0 / math.log(2.0))  # of a Gaussian: full width at 1 / e^2 o
 _REFLECTIVITY: dict[str, Any] = {"full_scale": 300.0, "knee": 100.0 / 255.0}
 
 
-def _ouster(degrees: float, reach: float, jitter: float) -> SensorModel:
-    """Ouster's data sheets: 865 nm, a beam of `degrees` at half maximum, a range of `reach` [m] at 0.10.
+def _ouster(degrees: float, threshold: float, jitter: float, gain: float = 0.65, speckle: float = 0.17) -> SensorModel:
+    """Ouster's: 865 nm, a beam of `degrees` at half maximum (data sheets).
 
-    `jitter` [m] is such that their samples come out (benches/fit_sensor.py).
+    `threshold` is that with which as few firings on the ground are lost as in their samples: a data sheet's range is
+    that of one firing in ten, not of power 1. `gain` is that of the sample's readings on the manual's scale, `jitter`
+    [m] and `speckle` are such that the samples' noise comes out (benches/fit_sensor.py).
     """
     width = math.radians(degrees) * _FWHM
     return SensorModel(
         divergence_h=width,
         divergence_v=width,
-        detection_threshold=0.10 / reach**2,
+        detection_threshold=threshold,
         range_step=0.001,
         offset_spread=0.003,
         edge_drop=0.0,  # their samples lose no more at edges than streets do without
         tilt_spread=0.0,  # each unit's own table comes with it
-        speckle=0.17,  # single photons are counted; as their samples' ground and walls read
+        speckle=speckle,
         jitter=jitter,
-        **_REFLECTIVITY,
+        least_reading=1.0 / 255.0,  # no return of the samples reads 0
+        **_REFLECTIVITY | {"knee": gain * _REFLECTIVITY["knee"]},
     )
 
 
@@ -295,7 +299,7 @@ MODELS: dict[str, SensorModel] = {
         jitter=0.04,
         range_step=0.004,
         tilt_spread=2.6e-3,
-        speckle=0.02,
+        speckle=0.05,
         **_REFLECTIVITY,
     ),
     # Pandar64 manual: 905 nm, 2 cm, 200 m at 0.10. Divergence: an estimate after sensors of its kind. Scale and noise
@@ -308,10 +312,13 @@ MODELS: dict[str, SensorModel] = {
         speckle=0.06,
         full_scale=255.0 / 66.0,
     ),
-    "os0-128": _ouster(0.35, 20.0, 0.03),
-    "os0-64": _ouster(0.35, 20.0, 0.03),
-    "os1-128": _ouster(0.18, 40.0, 0.035),
-    "os1-64": _ouster(0.18, 40.0, 0.035),
-    "os1-32": _ouster(0.18, 40.0, 0.035),
-    "os2-128": _ouster(0.09, 90.0, 0.035),
+    # Samples of an OS0 and an OS1-32 of revision D, and of two OS1-128 of a later one. The others are taken for old
+    # ones; of an OS2 there is no sample: its sheet's range by the same factor as the OS1's.
+    "os0-128": _ouster(0.35, 4.5e-5, 0.07),
+    "os0-64": _ouster(0.35, 4.5e-5, 0.07),
+    "os1-128": _ouster(0.18, 1.7e-6, 0.077, gain=0.53, speckle=0.07),
+    "os1-128-d": _ouster(0.18, 1.3e-5, 0.077),
+    "os1-64": _ouster(0.18, 1.3e-5, 0.077),
+    "os1-32": _ouster(0.18, 1.3e-5, 0.077),
+    "os2-128": _ouster(0.09, 2.5e-6, 0.077),
 }

@@ -19,6 +19,10 @@ from lidardraft.scene.materials import (
 )
 from lidardraft.semantics import BY_NAME
 
+# What is behind a pane (curtains, seats) is as far behind all of it: the median [m] and the spread of its logarithm,
+# estimates.
+_BEHIND, _BEHIND_SPREAD = 0.25, 0.6
+_TINT_SPREAD = 0.4  # of the logarithm of what passes through a pane, an estimate: coatings, tints, dirt
 _BINS = 128  # of incidence, as many as the core looks up; 0.9 degrees each
 _FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
@@ -33,13 +37,16 @@ class Surfaces:
     """`table` f32 [P + 1, 128]: the response of each primitive in bins of the root of 1 - cosine of incidence, which is
     nearly linear in the angle; 1 is a white surface that faces the sensor. Row 0 is that of no return.
 
-    `transmission`, `grain` and `rms_height`, f32 [P + 1], are those of the primitives' materials. Made once for a
+    `transmission`, `grain`, `texture` and `rms_height`, f32 [P + 1], are those of the primitives' materials, `behind`
+    is how far behind glass the next thing is [m]. Made once for a
     layout that is scanned often.
     """
 
     table: np.ndarray
     transmission: np.ndarray
+    behind: np.ndarray
     grain: np.ndarray
+    texture: np.ndarray
     rms_height: np.ndarray
 
     @classmethod
@@ -90,11 +97,18 @@ class Surfaces:
         table[1:][media] = np.array([leaf_response(m) for m in MATERIALS])[index[media], None]
         if keys is not None:
             spread = np.array([m.variation for m in MATERIALS])[index]
-            scatter = np.where(keys == 0, 0.0, _nearly_normal(keys))
+            paint = index == _INDEX["road-paint"]
+            alike = np.where(paint, keys[paint][:1].sum(), keys)  # the paint of a street is of one age
+            scatter = np.where(alike == 0, 0.0, _nearly_normal(alike))
             table[1:] *= np.exp(spread * scatter).astype(np.float32)[:, None]
-        columns = np.zeros((3, len(index) + 1), np.float32)
-        columns[:, 1:] = np.array([(m.transmission, m.grain, m.rms_height) for m in MATERIALS])[index].T
-        columns[2, 1:][media] = 0.0
+        columns = np.zeros((5, len(index) + 1), np.float32)
+        constants = [(m.transmission, _BEHIND, m.grain, m.texture, m.rms_height) for m in MATERIALS]
+        columns[:, 1:] = np.array(constants)[index].T
+        if keys is not None:
+            for row, spread, factor in ((0, _TINT_SPREAD, _FACTORS[2]), (1, _BEHIND_SPREAD, _FACTORS[1])):
+                columns[row, 1:] *= np.exp(spread * _nearly_normal(keys * factor))
+            columns[0] = np.minimum(columns[0], 1.0)
+        columns[4, 1:][media] = 0.0
         return cls(table, *columns)
 
 

@@ -124,10 +124,17 @@ class Sweeper:
                 self._add(clean, mover, poses, seed, columns)
         return clean
 
-    def observe(self, clean: RangeImage, surfaces: Surfaces, seed: int) -> RangeImage:
-        """What the sensor reports of what `cast` returned."""
+    def observe(self, clean: RangeImage, surfaces: Surfaces, poses: np.ndarray, seed: int) -> RangeImage:
+        """What the sensor reports of what `cast` returned from these `poses`."""
         return observe(
-            clean, surfaces, seed=seed, sensor=self.sensor, model=self.model, weather=self.weather, threads=self.threads
+            clean,
+            surfaces,
+            seed=seed,
+            sensor=self.sensor,
+            model=self.model,
+            weather=self.weather,
+            poses=poses,
+            threads=self.threads,
         )
 
     def _seen(self, mover: Mover, pose: np.ndarray, looks: float, turned: float, strayed: float) -> Iterator[slice]:

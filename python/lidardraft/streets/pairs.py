@@ -181,8 +181,8 @@ def sample_viewpoint(street: Street, sensor: Sensor, index: int) -> tuple[Ego, n
 def scan_street(street: Street, scanner: Scanner, index: int) -> tuple[Ego, VisibleObjects, np.random.Generator]:
     """Scan number `index` of a street: where it is taken, what it sees, and the generator for what follows."""
     ego, pose, rng = sample_viewpoint(street, scanner.sensor, index)
-    poses = scanner.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
-    scan = scanner.observe(scanner.cast(ego.pose @ poses, seed=index), rng)
+    poses = ego.pose @ scanner.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
+    scan = scanner.observe(scanner.cast(poses, seed=index), poses, rng)
     coarse = street.coarse
     return ego, VisibleObjects(place_of(ego.pose), pose, scan, coarse.owners, len(coarse.objects)), rng
 

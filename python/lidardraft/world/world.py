@@ -547,8 +547,7 @@ class World:
         if self._still is None or not _same(self._still[0], actors):
             parts = [thing.bodies_at(actor.spot) for thing, actor in still]
             self._still = actors, Bodies.joined(parts, table, state.origin)
-        velocity = swept["speed"] * np.array(swept.get("heading", (0.0, 0.0, 0.0)))
-        poses = sensor.poses_in_motion(swept["pose"], velocity, (0.0, 0.0, swept["turn"]))
+        poses = _poses(sensor, swept)
         times = state.time - sensor.sweep_time + sensor.column_times()
         first, movers = len(self._still[1].primitives), list[Mover]()
         for thing, actor in moving:
@@ -570,7 +569,7 @@ class World:
                 spots[name] = tuple(middle.tolist())
                 velocities[name] = tuple(((end - begin)[:3] / span).tolist())
         return Scan(
-            image=self._sweepers[channel].observe(clean, table, seed),
+            image=self._sweepers[channel].observe(clean, table, _poses(self.rig.mounts[channel].sensor, swept), seed),
             layout=self._layout(spots),
             seed=seed,
             time=state.time - sweep / 2,
@@ -579,6 +578,12 @@ class World:
             assumed=self._assumed,
             **swept,
         )
+
+
+def _poses(sensor: Sensor, swept: dict[str, Any]) -> np.ndarray:
+    """world_from_sensor of each column of a sweep, [W, 4, 4]."""
+    velocity = swept["speed"] * np.array(swept.get("heading", (0.0, 0.0, 0.0)))
+    return sensor.poses_in_motion(swept["pose"], velocity, (0.0, 0.0, swept["turn"]))
 
 
 def _same(some: Sequence[object], others: Sequence[object]) -> bool:

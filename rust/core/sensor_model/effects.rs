@@ -1,17 +1,15 @@
 //! What happens to echoes, one function an effect, for a row of pixels at once, in the order of the light.
 
 use super::elementary::{exp, larger, ln, rounded, smaller};
-use super::noise::{Key, uniform};
 use super::receiver::{Echoes, received_power};
 use super::surfaces::entry;
 use super::{Backscatter, Ranging, SensorModel, Surfaces};
 use crate::simd::Lanes;
 
-/// Behind glass: above how many standard deviations of the patches there is something within reach, its mean depth [m]
-/// and response (seats, curtains, frames): estimates of ours.
-const BEHIND: f32 = 0.3;
-const BEHIND_DEPTH: f32 = 0.3;
+/// Behind glass: the response of what is there (seats, curtains, frames), and by how much its depth differs from patch
+/// to patch: estimates of ours.
 const BEHIND_RESPONSE: f32 = 0.25;
+const BEHIND_RELIEF: f32 = 0.3;
 /// Cosine of incidence below which rays meet the tops of a rough surface: an estimate of ours.
 const GRAZING: f32 = 0.3;
 /// How often echoes at the detection threshold are dropped, as the mean of an exponential distribution.
@@ -19,7 +17,7 @@ const WEAK_DROPS: f32 = 2.0;
 /// Standard deviations of the dust's pattern above which there is a stain.
 const STAINED: f32 = 1.2;
 
-/// Lets rays pass through glass, in some of its `patches`, to what is a little behind it, and back.
+/// Lets rays pass through glass to what is a little behind it, and back; `patches` are its relief.
 ///
 /// The stronger echo counts: that of the glass, which is weak unless it faces the sensor, or that from behind.
 #[inline(always)]
@@ -28,15 +26,16 @@ pub(crate) fn transmit_through_glass(
     patches: &[f32],
     surfaces: &Surfaces<'_>,
     model: &SensorModel,
-    key: Key,
 ) {
     if !model.glass_transmission {
         return;
     }
     for (column, &primitive) in echoes.primitive.iter().enumerate() {
-        let through = surfaces.transmission[entry(primitive) as usize];
-        if through > 0.0 && patches[column] > BEHIND {
-            let deeper = echoes.depth[column] - BEHIND_DEPTH * ln(uniform(key.bits(column) as u32));
+        let glass = entry(primitive) as usize;
+        let through = surfaces.transmission[glass];
+        if through > 0.0 {
+            let relief = larger(1.0 + BEHIND_RELIEF * patches[column], 0.1);
+            let deeper = echoes.depth[column] + surfaces.behind[glass] * relief;
             // the little way behind it is in clear air
             let behind = through * through * BEHIND_RESPONSE / (deeper * deeper * model.threshold());
             if behind > echoes.power[column] {
@@ -48,7 +47,7 @@ pub(crate) fn transmit_through_glass(
 
 /// Multiplies the powers by a gain and by what scatters them.
 ///
-/// `gain` is the logarithm of that of the beam, `texture` the patches that it looks at. Speckle is the sensor's, from
+/// `gain` is the logarithm of that of the beam, `texture` that of each place. Speckle is the sensor's, from
 /// pulse to pulse; `grain`, which is written, that of the surface each pixel shows. Both are independent from pixel to
 /// pixel, so one `normal` number stands for both.
 #[inline(always)]
@@ -151,9 +150,12 @@ pub(crate) fn intensity(echoes: &Echoes, beam: usize, cutoff: f32, model: &Senso
         *shown = if *shown < cutoff { 0.0 } else { smaller(*shown, 1.0) };
     }
     if model.levels > 0.0 {
-        for shown in shown {
+        for shown in &mut *shown {
             *shown = rounded(*shown * model.levels) * (1.0 / model.levels);
         }
+    }
+    for shown in shown {
+        *shown = larger(*shown, model.least_reading);
     }
 }
 

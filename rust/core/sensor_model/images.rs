@@ -139,7 +139,9 @@ impl Surfaces<'_> {
         let entries = self.table.len();
         for (column, found) in [
             ("transmission", self.transmission.len()),
+            ("behind", self.behind.len()),
             ("grain", self.grain.len()),
+            ("texture", self.texture.len()),
             ("rms_height", self.rms_height.len()),
         ] {
             if found != entries {

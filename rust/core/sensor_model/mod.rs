@@ -9,11 +9,13 @@ mod model;
 pub(crate) mod noise;
 pub(crate) mod receiver;
 mod surfaces;
+pub(crate) mod texture;
 
 pub use images::{Backscatter, Returns, ReturnsMut};
 pub use intensity_curve::IntensityCurve;
 pub use model::{MOST_RAYS, Ranging, SensorModel};
 pub use surfaces::{INCIDENCES, Surfaces};
+pub use texture::Places;
 
 use crate::simd::{self, Kernel, Lanes};
 use crate::threads::spread;
@@ -23,6 +25,7 @@ use effects::{
 };
 use noise::{Key, Numbers, Patches, Stream};
 use receiver::{Echoes, receive};
+use texture::{Points, texture};
 
 /// Rows that one thread takes at once.
 const BAND: usize = 8;
@@ -40,8 +43,8 @@ pub struct Light<'a> {
     pub extinction: f32,
     /// Rows and columns of the sensor.
     pub shape: [usize; 2],
-    /// How many of its columns there are in a whole turn.
-    pub turn: f32,
+    /// Where its beams end in the world.
+    pub places: Places<'a>,
 }
 
 /// Writes to `scan` what a sensor reports of the light that comes back.
@@ -80,6 +83,7 @@ pub(crate) fn observe_with(
     model.check_offsets(rows)?;
     light.returns.check(rows * columns * model.shares.len())?;
     light.surfaces.check(light.returns.primitive)?;
+    light.places.check(rows * model.shares.len(), columns)?;
     light.backscatter.iter().try_for_each(|echoes| echoes.check(rows * columns))?;
     scan.check(rows * columns)?;
 
@@ -97,6 +101,8 @@ struct Observer<'a> {
     ranging: Ranging,
     model: &'a SensorModel,
     seed: u64,
+    /// How the head stands in each column, if surfaces have a texture.
+    heads: [Points; 4],
     /// Where echoes fade.
     patches: Patches,
     /// The dust on the window.
@@ -129,6 +135,7 @@ struct Row {
     echoes: Echoes,
     numbers: Numbers,
     patches: Vec<f32>,
+    points: Points,
     texture: Vec<f32>,
     stains: Vec<f32>,
     work: Vec<f32>,
@@ -141,6 +148,7 @@ impl Row {
             echoes: Echoes::default(),
             numbers: Numbers::default(),
             patches: vec![0.0; columns],
+            points: Points::default(),
             texture: vec![0.0; columns],
             stains: vec![0.0; columns],
             work: vec![0.0; columns],
@@ -158,7 +166,8 @@ impl<'a> Observer<'a> {
         beams.sample(Key::new(model.unit, Stream::Beams, 0), rows);
         let mut cutoffs = Numbers::default();
         cutoffs.sample(Key::new(model.unit, Stream::Cutoffs, 0), rows);
-        Observer { light, ranging, model, seed, patches, stains, beams, cutoffs }
+        let heads = if model.texture > 0.0 { light.places.heads() } else { Default::default() };
+        Observer { light, ranging, model, seed, heads, patches, stains, beams, cutoffs }
     }
 
     #[inline(always)]
@@ -175,12 +184,8 @@ impl<'a> Observer<'a> {
     fn observe_row<L: Lanes>(&self, number: usize, row: &mut Row, scan: &mut ReturnsMut<'_>) {
         let (model, surfaces, extinction) = (self.model, &self.light.surfaces, self.light.extinction);
         let columns = self.light.shape[1];
-        let Row { echoes, numbers, patches, texture, stains, work, dropped } = row;
+        let Row { echoes, numbers, patches, points, texture: field, stains, work, dropped } = row;
         let returns = self.light.returns.row(number, columns * model.shares.len());
-        if model.texture > 0.0 {
-            numbers.sample(Key::new(self.seed, Stream::Texture, number), columns);
-            numbers.hold(self.light.turn, texture);
-        }
         numbers.sample(Key::new(self.seed, Stream::Pulses, number), columns);
         self.patches.blend(number, patches);
         if let Some(dust) = &self.stains {
@@ -188,9 +193,16 @@ impl<'a> Observer<'a> {
         }
 
         receive::<L>(&returns, surfaces, extinction, model, echoes);
-        transmit_through_glass(echoes, patches, surfaces, model, Key::new(self.seed, Stream::Glass, number));
+        if model.texture > 0.0 {
+            let rays = model.shares.len();
+            self.light.places.along(&self.heads, number * rays + rays / 2, &echoes.depth, points);
+            texture(points, field);
+            echoes.look_up::<L>(surfaces.texture, work);
+            field.iter_mut().zip(&*work).for_each(|(field, &of_surface)| *field *= of_surface);
+        }
+        transmit_through_glass(echoes, patches, surfaces, model);
         let gain = self.beams.other[number] * model.gain_spread;
-        scatter_power::<L>(echoes, gain, texture, work, &numbers.normal, surfaces, model);
+        scatter_power::<L>(echoes, gain, field, work, &numbers.normal, surfaces, model);
         dim_by_dust(echoes, stains, model);
         for backscatter in self.light.backscatter {
             add_backscatter(echoes, &backscatter.row(number, columns), work, extinction, model);

@@ -23,7 +23,7 @@ pub struct SensorModel {
     pub glass_transmission: bool,
     /// Relative scatter of the power from pulse to pulse.
     pub speckle: f32,
-    /// Relative scatter of the power over patches that one beam looks at, a few columns long.
+    /// Relative spread of what surfaces send back, from place to place.
     pub texture: f32,
     /// Whether materials add their own grain and roughness.
     pub material_noise: bool,
@@ -53,6 +53,8 @@ pub struct SensorModel {
     pub knee: f32,
     /// Steps of the intensity.
     pub levels: f32,
+    /// What a return reads at least.
+    pub least_reading: f32,
     /// What the beams show least, of 1, on average: readings below it are 0.
     pub cutoff: f32,
     /// How the cut-offs of beams differ.
@@ -100,6 +102,7 @@ impl SensorModel {
         }
         let (drop, knee, range) = (self.drop_exponent, self.knee, self.compensation_range);
         held("cutoff", self.cutoff, (0.0..=1.0).contains(&self.cutoff), "0 to 1")?;
+        held("least_reading", self.least_reading, (0.0..=1.0).contains(&self.least_reading), "0 to 1")?;
         held("drop_exponent", drop, (0.0..=1.0).contains(&drop), "0 to 1")?;
         held("knee", knee, knee > 0.0 && knee <= 1.0, "greater than 0 and at most 1")?;
         held("compensation_range", range, range > 0.0, "greater than 0")

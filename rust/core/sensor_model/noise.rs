@@ -2,7 +2,7 @@
 
 use std::f32::consts::FRAC_PI_2;
 
-use super::elementary::{cos_sin, larger, ln};
+use super::elementary::{cos_sin, ln};
 use crate::medium::mix;
 
 /// What random numbers are for; each stream is independent of the others.
@@ -10,8 +10,6 @@ use crate::medium::mix;
 pub(crate) enum Stream {
     /// Speckle, ray drop and range of each pulse.
     Pulses,
-    /// What is behind glass.
-    Glass,
     /// Where weak echoes are dropped in patches.
     Fading,
     /// Offsets and gains of a unit's beams.
@@ -20,8 +18,6 @@ pub(crate) enum Stream {
     Stains,
     /// Cut-offs of a unit's beams.
     Cutoffs,
-    /// Patches of one response.
-    Texture,
 }
 
 /// What the random numbers of a row are hashes of, with the column.
@@ -74,18 +70,6 @@ impl Numbers {
             *exponential = -ln(uniform(high >> 9));
         }
     }
-
-    /// One of the normal numbers for each column, which stays for [`HELD`] on average, of a sensor with so many columns
-    /// in a whole `turn`.
-    #[inline(always)]
-    pub(crate) fn hold(&self, turn: f32, values: &mut [f32]) {
-        let often = -(1.0 - 1.0 / larger(HELD * turn, 1.0)).ln();
-        let mut held = self.normal.first().copied().unwrap_or(0.0);
-        for ((value, &normal), &exponential) in values.iter_mut().zip(&self.normal).zip(&self.exponential) {
-            held = if exponential < often { normal } else { held };
-            *value = held;
-        }
-    }
 }
 
 /// Two independent numbers of a normal distribution out of the lower 9 bits of one word and the 32 of another.
@@ -116,9 +100,6 @@ pub(crate) struct Patches {
 
 /// Columns over which fading and dust change.
 const PATCH: usize = 8;
-/// How wide a patch of one response is on average, of a whole turn. In PandaSet, what the readings of a laser on walls
-/// have that those of its neighbours have not goes on in two thirds of the firings to the next column of 1024.
-const HELD: f32 = 3.0 / 1024.0;
 
 impl Patches {
     pub(crate) fn new(seed: u64, stream: Stream, rows: usize, columns: usize) -> Patches {

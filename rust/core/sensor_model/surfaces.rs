@@ -13,8 +13,12 @@ pub struct Surfaces<'a> {
     pub table: &'a [[f32; INCIDENCES]],
     /// What passes through once.
     pub transmission: &'a [f32],
+    /// How far behind glass the next thing is [m].
+    pub behind: &'a [f32],
     /// Relative scatter of the response from pixel to pixel.
     pub grain: &'a [f32],
+    /// How much of the world's texture the surface has.
+    pub texture: &'a [f32],
     /// Standard deviation of the heights of the surface [m].
     pub rms_height: &'a [f32],
 }

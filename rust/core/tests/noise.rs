@@ -5,6 +5,7 @@ use std::f32::consts::FRAC_PI_4;
 use super::Random;
 use crate::sensor_model::elementary::{cos_sin, exp, ln, rounded};
 use crate::sensor_model::noise::{Key, Numbers, Patches, Stream};
+use crate::sensor_model::texture::texture;
 
 const ROWS: usize = 256;
 const COLUMNS: usize = 2048;
@@ -61,7 +62,7 @@ fn follows(mut numbers: Vec<f64>, distribution: impl Fn(f64) -> f64) {
 
 #[test]
 fn normal_numbers_have_the_moments_the_shape_and_the_tails_of_a_normal_distribution() {
-    for (seed, stream) in [(0, Stream::Pulses), (0, Stream::Texture), (u64::MAX, Stream::Pulses)] {
+    for (seed, stream) in [(0, Stream::Pulses), (0, Stream::Stains), (u64::MAX, Stream::Pulses)] {
         let [one, other, _] = sampled(seed, stream);
         for numbers in [one, other] {
             let moment = |power: i32| mean(numbers.iter().map(|x| x.powi(power)));
@@ -99,8 +100,8 @@ fn exponential_numbers_have_the_moments_and_the_shape_of_an_exponential_distribu
 fn numbers_are_independent_of_each_other_in_both_directions_and_from_stream_to_stream() {
     let [one, other, exponential] = sampled(5, Stream::Pulses);
     let exponential: Vec<f64> = exponential.iter().map(|x| x - 1.0).collect();
-    let ([seeded, ..], [texture, ..]) = (sampled(6, Stream::Pulses), sampled(5, Stream::Texture));
-    for (a, b) in [(&one, &other), (&one, &exponential), (&other, &exponential), (&one, &seeded), (&one, &texture)] {
+    let ([seeded, ..], [stains, ..]) = (sampled(6, Stream::Pulses), sampled(5, Stream::Stains));
+    for (a, b) in [(&one, &other), (&one, &exponential), (&other, &exponential), (&one, &seeded), (&one, &stains)] {
         assert!(correlation(a, b).abs() < error(COUNT));
         // nor is one wide where the other is
         let square = |numbers: &[f64]| numbers.iter().map(|x| x * x - 1.0).collect::<Vec<_>>();
@@ -131,34 +132,20 @@ fn patches_have_variance_1_change_slowly_and_are_independent_further_off() {
 }
 
 #[test]
-fn held_numbers_stay_for_3_of_1024_columns_on_average_and_are_those_of_one_row() {
-    let mut rows = vec![vec![0.0; COLUMNS]; ROWS];
-    for (row, held) in rows.iter_mut().enumerate() {
-        let mut numbers = Numbers::default();
-        numbers.sample(Key::new(2, Stream::Texture, row), COLUMNS);
-        numbers.hold(1024.0, held);
-    }
-    let starts: usize = rows.iter().map(|row| row.windows(2).filter(|pair| pair[0] != pair[1]).count()).sum();
-    assert!((starts as f64 / COUNT as f64 - 1.0 / 3.0).abs() < error(COUNT));
-    let numbers: Vec<f64> = rows.concat().iter().map(|&x| f64::from(x)).collect();
-    // as many independent numbers as there are patches, of different lengths
-    let error = error(COUNT / 6);
-    assert!(mean(numbers.iter().copied()).abs() < error);
-    assert!((mean(numbers.iter().map(|x| x * x)) - 1.0).abs() < 2_f64.sqrt() * error);
-    assert!((correlation(&numbers[2..], &numbers) - 4.0 / 9.0).abs() < error);
-    assert!(correlation(&numbers[COLUMNS..], &numbers).abs() < error);
-}
-
-#[test]
-fn held_numbers_stay_for_the_same_angle_whatever_the_number_of_columns() {
-    let mut numbers = Numbers::default();
-    numbers.sample(Key::new(2, Stream::Texture, 0), COUNT);
-    for (turn, columns) in [(2048.0, 6.0), (512.0, 1.5), (16.0, 1.0)] {
-        let mut held = vec![0.0; COUNT];
-        numbers.hold(turn, &mut held);
-        let starts = held.windows(2).filter(|pair| pair[0] != pair[1]).count();
-        assert!((starts as f64 / COUNT as f64 - 1.0 / columns).abs() < error(COUNT), "{turn}");
-    }
+fn texture_has_variance_1_everywhere_is_alike_close_by_and_independent_further_off() {
+    let mut random = Random(4);
+    let points: Vec<[f32; 3]> = (0..100_000).map(|_| [(); 3].map(|()| random.between(0.0, 4000.0) as f32)).collect();
+    let field = |off: f32| {
+        let mut noise = vec![0.0; points.len()];
+        texture(&[0, 1, 2].map(|axis| points.iter().map(|point| point[axis] + off).collect()), &mut noise);
+        noise.into_iter().map(f64::from).collect::<Vec<_>>()
+    };
+    let here = field(0.0);
+    assert!(mean(here.iter().copied()).abs() < error(points.len()));
+    assert!((mean(here.iter().map(|x| x * x)) - 1.0).abs() < 2_f64.sqrt() * error(points.len()));
+    let alike = [0.002, 0.02, 0.2, 2.0, 20.0].map(|off| correlation(&here, &field(off)));
+    assert!(alike.windows(2).all(|pair| pair[0] > pair[1]), "{alike:?}");
+    assert!(alike[0] > 0.995 && alike[2] > 0.6 && alike[4].abs() < error(points.len()), "{alike:?}");
 }
 
 #[test]

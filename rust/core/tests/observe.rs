@@ -1,9 +1,9 @@
 //! The sensor model as a whole: what it checks, and that threads change nothing.
 
 use crate::sensor_model::{
-    Backscatter, INCIDENCES, Light, Ranging, Returns, ReturnsMut, SensorModel, Surfaces, observe_with,
+    Backscatter, INCIDENCES, Light, Places, Ranging, Returns, ReturnsMut, SensorModel, Surfaces, observe_with,
 };
-use crate::{Backend, Error};
+use crate::{Backend, Error, Pose, SensorPattern, SensorSpec};
 
 /// A model with every effect off.
 pub(super) fn ideal() -> SensorModel {
@@ -31,9 +31,25 @@ pub(super) fn ideal() -> SensorModel {
         cutoff: 0.0,
         cutoff_spread: 0.0,
         levels: 0.0,
+        least_reading: 0.0,
         compensation_range: f32::INFINITY,
         intensity_curve: None,
     }
+}
+
+/// Rays of so many rows and columns, a whole turn.
+fn pattern(rows: usize, columns: usize) -> SensorPattern {
+    SensorPattern::new(SensorSpec {
+        elevations: (0..rows).map(|row| 0.2 - 0.0005 * row as f64).collect(),
+        azimuth_offsets: vec![0.0; rows],
+        origins: vec![[0.0; 3]; rows],
+        columns,
+        azimuth_start: std::f64::consts::PI,
+        azimuth_span: std::f64::consts::TAU,
+        min_range: 0.5,
+        max_range: 120.0,
+    })
+    .unwrap()
 }
 
 /// Every effect on.
@@ -103,18 +119,21 @@ fn seen_with(
     let primitive: Vec<i32> = (0..rays).map(met).collect();
     let incidence: Vec<f32> = (0..rays).map(|k| if met(k) < 0 { 0.0 } else { 0.7 }).collect();
     let table: Vec<[f32; INCIDENCES]> = [0.0, 0.4, 0.02, 0.3].map(|back| [back; INCIDENCES]).to_vec();
+    let pattern = pattern(rows * model.shares.len(), columns);
+    let places = Places { rays: &pattern, poses: &[Pose::IDENTITY] };
     let (fog, weak) = (vec![2.0; pixels], vec![1e-4; pixels]);
     let returns =
         Returns { depth: &depth, label: &label, instance: &instance, primitive: &primitive, incidence: &incidence };
     let surfaces = Surfaces {
         table: &table,
         transmission: &[0.0, 0.0, 0.7, 0.0],
+        behind: &[0.0, 0.0, 0.3, 0.0],
         grain: &[0.0, 0.1, 0.05, 0.2],
+        texture: &[0.0, 1.0, 0.0, 1.0],
         rms_height: &[0.0, 0.0, 0.0, 0.02],
     };
     let backscatter = [Backscatter { depth: &fog, response: &weak }];
-    let mut light =
-        Light { returns, surfaces, backscatter: &backscatter, extinction: 0.001, shape: SHAPE, turn: 1024.0 };
+    let mut light = Light { returns, surfaces, backscatter: &backscatter, extinction: 0.001, shape: SHAPE, places };
     spoil(&mut light);
     let mut scan = Scan {
         depth: vec![9.0; pixels],
@@ -194,6 +213,7 @@ fn what_does_not_fit_is_refused() {
         let surfaces = &mut light.surfaces;
         (surfaces.table, surfaces.transmission) = (&surfaces.table[..3], &surfaces.transmission[..3]);
         (surfaces.grain, surfaces.rms_height) = (&surfaces.grain[..3], &surfaces.rms_height[..3]);
+        (surfaces.behind, surfaces.texture) = (&surfaces.behind[..3], &surfaces.texture[..3]);
     };
     assert_eq!(refused(&model, short), "the image shows primitive 2; the layout has 2");
     let many = SensorModel { shares: vec![0.03; 33], ..ideal() };

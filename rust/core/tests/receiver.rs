@@ -82,7 +82,14 @@ fn a_single_ray_is_its_own_echo() {
 /// A row of beams of five sub-rays, which met these primitives; all surfaces send back half of the light.
 fn received(depth: &[f32], primitive: &[i32], model: &SensorModel) -> Echoes {
     let (table, column) = (vec![[0.5; INCIDENCES]; 7], vec![0.0; 7]);
-    let surfaces = Surfaces { table: &table, transmission: &column, grain: &column, rms_height: &column };
+    let surfaces = Surfaces {
+        table: &table,
+        transmission: &column,
+        behind: &column,
+        grain: &column,
+        texture: &column,
+        rms_height: &column,
+    };
     let (label, instance, incidence) = (vec![1; depth.len()], vec![0; depth.len()], vec![1.0; depth.len()]);
     let rays = Returns { depth, label: &label, instance: &instance, primitive, incidence: &incidence };
     let mut echoes = Echoes::default();

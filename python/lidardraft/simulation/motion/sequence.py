@@ -114,7 +114,7 @@ class SequenceSimulator:
         the sweep."""
         (speed, turn), moved = self._ego_rate(number), self._moved(number)
         return Scan(
-            image=self._sweeper.observe(self.cast(number), self._surfaces, self.seed + number),
+            image=self._sweeper.observe(self.cast(number), self._surfaces, self._poses(number), self.seed + number),
             layout=self._layout({actor.name: tuple(place.tolist()) for actor, place, _ in moved}),
             pose=self.pose(number),
             seed=self.seed + number,
@@ -127,14 +127,18 @@ class SequenceSimulator:
 
     def cast(self, number: int) -> RangeImage:
         """The clean returns of all sub-rays in the sweep of a frame."""
-        (speed, turn), pose, sensor = self._ego_rate(number), self.pose(number), self._sweeper.sensor
-        poses = sensor.poses_in_motion(pose, speed * pose[:3, 0], (0.0, 0.0, turn))
+        sensor = self._sweeper.sensor
         since = (sensor.column_times() - sensor.sweep_time / 2)[:, None]
         movers = [
             Mover(actor.bodies, actor.first, actor.home, actor.radius, place + since * rate)
             for actor, place, rate in self._moved(number)
         ]
-        return self._sweeper.cast(self._still, movers, poses, self.seed)
+        return self._sweeper.cast(self._still, movers, self._poses(number), self.seed)
+
+    def _poses(self, number: int) -> np.ndarray:
+        """world_from_sensor of each column of a frame, [W, 4, 4]."""
+        (speed, turn), pose = self._ego_rate(number), self.pose(number)
+        return self._sweeper.sensor.poses_in_motion(pose, speed * pose[:3, 0], (0.0, 0.0, turn))
 
     def _ego_rate(self, number: int) -> tuple[float, float]:
         """How fast the ego vehicle drives ahead [m/s] and turns [rad/s] in the sweep of a frame."""
