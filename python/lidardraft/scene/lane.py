@@ -22,7 +22,8 @@ class Lane:
     `kind` is one of LANE_KINDS, `width` [m] is that of all of it, `speed` [m/s] the limit. `left` and `right` are the
     ids of lanes of the same direction beside it, `successors` those that begin where it ends, `junction` is the id of
     the one that it leads through. Those who give way wait `stop` [m] along it. One that turns, "left" or "right", does
-    so from and to along it: `bend` [m]. Raises `LayoutError` naming the lane and an invalid value.
+    so from and to along it: `bend` [m]. One that is `closed` ends where nobody can drive on, as at a kerb. Raises
+    `LayoutError` naming the lane and an invalid value.
     """
 
     id: str
@@ -38,6 +39,7 @@ class Lane:
     stop: float | None = None
     turn: str | None = None
     bend: tuple[float, float] = (0.0, 0.0)
+    closed: bool = False
 
     def __post_init__(self) -> None:
         with named(f"lane {self.id}"):

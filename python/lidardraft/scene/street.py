@@ -39,6 +39,7 @@ _ONE_EACH_WAY, _TWO_EACH_WAY = (0.5,), (0.75, 0.25)  # middles of lanes in share
 _STATION = 2.0  # between the points of a lane that bends
 _RELIEF = 4.0  # between the points of a lane that rises and falls
 _QUARTER = np.linspace(0.0, math.pi / 2, 17)
+_WIDE = 1.5  # times as wide as others are turns to the right, which have a corner beside them
 _INTO_RING = 0.25  # rad further on than its lane that who enters a roundabout is on the ring, and before it who leaves
 MAIN_ROAD, SIDE_ROAD, ROUNDABOUT, AISLE = "main", "side", "ring", "aisle"  # what a path leads along
 
@@ -267,7 +268,8 @@ class StreetFrame:
         gap = None if self.road.roundabout_radius is None else self.gap
         for across, direction, _, width in self._offsets():
             for low, high in self.pieces(gap):
-                yield self.along(across, low, high, direction), {"width": width}
+                points = self.along(across, low, high, direction)
+                yield points, {"width": width, "closed": gap is not None and (high < self.road.junction) == (direction > 0)}
 
     def _side_ways(self) -> Iterator[_Points]:
         """Along the crossing road, whose traffic waits before the junction."""
@@ -278,8 +280,9 @@ class StreetFrame:
             end = road.half_length if goes_on in road.side_roads else road.edge
             across = direction * np.array([-start, end])
             stop = start - road.verge - _GIVES_WAY if begins in road.side_roads else None
+            known = {"stop": stop, "closed": goes_on not in road.side_roads}
             for off in [road.edge / 2] if self.parked is None else self.side_offsets():
-                yield middle + direction * off * ahead + across[:, None] * left, {"stop": stop}
+                yield middle + direction * off * ahead + across[:, None] * left, known
 
     def _turning_ways(self, junction: float) -> Iterator[_Points]:
         """From each lane of the road over a quarter of an ellipse into the outer lane of the crossing road."""
@@ -307,6 +310,8 @@ class StreetFrame:
         steps = np.linspace(0.0, path.length, math.ceil(path.length / _STATION) if path.bend else 2)
         places = np.array([path.at(step)[:2] for step in steps.tolist()])
         more = {"kind": "aisle" if path.kind == AISLE else "driving", "width": path.width, "speed": path.speed}
+        if path.kind in (AISLE, ROUNDABOUT):
+            more["closed"] = True
         if path.kind == SIDE_ROAD and self.road.junction is not None:
             middle, axes = self.crossed()
             return middle + (places - (self.road.junction, 0.0)) @ axes, more
@@ -405,7 +410,8 @@ class _Lanes:
                 out = exits[0 if turn else min(number, len(exits) - 1)]
                 if abs(turned) < 3 * math.pi / 4:
                     known = {"width": self.road.lane_width, "speed": self.known[start]["speed"], **turn}
-                    self._through(f"{start}>{out}", _bent(into, self.points[out][:2]), out, **known)
+                    wide = _WIDE if turn.get("turn") == "right" else 1.0
+                    self._through(f"{start}>{out}", _bent(into, self.points[out][:2], wide), out, **known)
                     self.known[start]["successors"] = (*self.known[start].get("successors", ()), f"{start}>{out}")
 
     def _around(self, radius: float) -> None:
@@ -459,10 +465,11 @@ def _heading(points: np.ndarray) -> float:
     return math.atan2(points[1, 1] - points[0, 1], points[1, 0] - points[0, 0])
 
 
-def _bent(into: np.ndarray, away: np.ndarray) -> np.ndarray:
-    """Points [S, 2] of the cubic curve from the end of one line [2, 2] to the begin of another, in their directions."""
+def _bent(into: np.ndarray, away: np.ndarray, wide: float = 1.0) -> np.ndarray:
+    """Points [S, 2] of the cubic curve from the end of one line [2, 2] to the begin of another, in their directions,
+    the further along them the wider it is."""
     start, end, t = into[1], away[0], np.linspace(0.0, 1.0, 17)[:, None]
-    reach = np.linalg.norm(end - start)
+    reach = wide * np.linalg.norm(end - start)
     first, last = (reach * (line[1] - line[0]) / np.linalg.norm(line[1] - line[0]) for line in (into, away))
     points: np.ndarray = start + (3 * t**2 - 2 * t**3) * (end - start)
     points += (t**3 - 2 * t**2 + t) * first + (t**3 - t**2) * last

@@ -16,13 +16,14 @@ from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk, Waypoin
 from lidardraft.scene.solids import Solid, penetration
 from lidardraft.simulation.motion.driving import Driver, Traffic, bar_of, driver_of, extents_in
 from lidardraft.simulation.motion.motions import Ground, usual_motions
+from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.motion.tracks import through
 from lidardraft.simulation.sweeps import Spot
 from lidardraft.world.state import Actor, Collision, Drive, WorldState
 from lidardraft.world.things import Thing
 
 _FORESEEN = 60.0  # s of a walk whose way is looked at
-_KEPT = ("along", "left", "yaw", "start", "speed", "beside", "returns")  # what a state keeps of a driver
+_KEPT = ("along", "left", "yaw", "start", "speed", "beside", "returns", "waited")  # what a state keeps of a driver
 ThingOf = Callable[[str, Actor], Thing]
 
 
@@ -35,6 +36,7 @@ class Stepping:
     def __init__(self, base: Layout, ground: Sequence[Primitive], thing_of: ThingOf, span: float) -> None:
         self.roads, self.intent = base.roads, base.intent
         self.ways: tuple[Lane, ...] = () if base.roads is None else base.roads.ways()
+        self._rules = RightOfWay(base.roads, self.ways)
         self._ground = Ground(Layout(tuple(ground))) if ground else None
         self._thing_of, self.span = thing_of, span
         self._standing: _Standing | None = None
@@ -67,7 +69,7 @@ class Stepping:
         rows = np.array([_row(state.actors[name], state.actors[name].rate()) for name in others]).reshape(-1, 5)
         among = [self._thing_of(name, state.actors[name]).body for name in others]
         starting = [drivers[name] for name in actors if name in drivers]
-        Traffic(list(drivers.values()), among).begin(starting, rows, state.time)
+        Traffic(list(drivers.values()), among, self._rules).begin(starting, rows, state.time)
         return state.but({name: self._begun(actor, drivers.get(name), state.time) for name, actor in actors.items()})
 
     def _begun(self, actor: Actor, driver: Driver | None, time: float) -> Actor:
@@ -135,7 +137,7 @@ class Stepping:
             for name, after in changes.items()
         ]
         bodies = [self._thing_of(name, actors[name]).body for name in others]
-        traffic = Traffic(list(drivers.values()), bodies)
+        traffic = Traffic(list(drivers.values()), bodies, self._rules)
         traffic.advance(state.time, np.array(rows).reshape(-1, 5), span)
         places = traffic.places().tolist() if drivers else []
         for (name, driver), (x, y, _, yaw) in zip(drivers.items(), places, strict=True):

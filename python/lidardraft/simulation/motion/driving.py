@@ -16,6 +16,7 @@ import numpy as np
 from lidardraft.scene.lane import Lane
 from lidardraft.scene.scenario import AlongLane, Track
 from lidardraft.scene.solids import Solid
+from lidardraft.simulation.motion.right_of_way import RightOfWay
 
 STEP = 0.05  # s between the places of a track
 _TURN = 0.35  # rad against its lane; what is turned by more does not drive along it
@@ -23,7 +24,7 @@ _AHEAD = 2.0  # s for which whoever follows no lane is expected to go on as now
 _SIDE = 0.2  # m that stay free beside a vehicle
 _TOUCHING = 0.5  # m by which what stands before a vehicle may reach into its box at the start
 _ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what tyres give
-_STANDS = 0.1  # m/s, who wants to be slower than that stands
+_STANDS, _ROLLS = 0.1, 1.5  # m/s: who wants to be slower than that stands; from which it waits no more
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
 _BESIDE = 3  # halves of a lane that who overtakes is beside the middle of its own, at most
 _RETURN, _PASSED = 25.0, 6.0  # m over which it returns, and that it is ahead of whom it has passed then
@@ -56,6 +57,7 @@ class Driver:
     yaw: float  # against the lane, at the start
     start: float  # how far along it was then [m]
     speed: float = 0.0
+    waited: float = 0.0  # s since it came to stand
     barred: float = math.inf  # how far along it its front can go [m]
     beside: bool = False  # whether it has been beside whom it overtakes
     returns: bool = False  # to its lane
@@ -76,21 +78,28 @@ class Driver:
 
 
 def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | None:
-    """The body as a driver in the lane that it stands in and looks along; None where there is none."""
+    """The body as a driver in the lane that it stands in and looks along; None where there is none.
+
+    Where no lane goes on straight it turns, and of several that are one there it takes any."""
     x, y, _, yaw = body.place
-    best = None
+    best, least = None, (True, True, math.inf, 0)
     for lane in lanes:
         (along,), (left,) = (values.tolist() for values in lane.line.along_across(np.array([[x, y]])))
         off = math.remainder(yaw - float(lane.line.heading(np.array([along]))[0]), math.tau)
         aside = lane.width / 2 * (_BESIDE if motion.overtakes else 1)
         inside = 0.0 < along < lane.line.length and abs(left) < aside and abs(off) < _TURN
-        if inside and lane.turn == motion.turn and (best is None or abs(left) < abs(best.left)):
-            best = Driver(body, motion, lane, along, left, off, along)
+        rank = lane.closed, lane.turn != motion.turn, round(abs(left), 2), crc32(f"{body.name} {lane.id}".encode())
+        if inside and lane.turn in (motion.turn, motion.turn or lane.turn) and (best is None or rank < least):
+            best, least = Driver(body, motion, lane, along, left, off, along), rank
     return best
 
 
 def drive(
-    drivers: Sequence[Driver], others: Mapping[str, Track], bodies: Mapping[str, Body], times: np.ndarray
+    drivers: Sequence[Driver],
+    others: Mapping[str, Track],
+    bodies: Mapping[str, Body],
+    times: np.ndarray,
+    rules: RightOfWay,
 ) -> dict[str, Track]:
     """The tracks of drivers at `times` [s], a step apart, among `others` that move as they do and bodies that stand."""
     moving = {*others, *(driver.body.name for driver in drivers)}
@@ -101,7 +110,7 @@ def drive(
     at = (track.at(times) for track in others.values())
     rows = [np.column_stack([one[:, [0, 1, 3]], np.gradient(one[:, :2], STEP, axis=0)]) for one in at]
     walkers = np.array(rows).reshape(-1, len(times), 5)
-    traffic = Traffic(drivers, [bodies[name] for name in others])
+    traffic = Traffic(drivers, [bodies[name] for name in others], rules)
     traffic.begin(drivers, walkers[:, 0])
     places = np.empty((len(times), len(drivers), 4))
     for step, time in enumerate(times.tolist()):
@@ -122,12 +131,10 @@ def extents_in(lane: Lane, solids: Sequence[Solid]) -> np.ndarray:
 
 
 def bar_of(driver: Driver, extents: np.ndarray) -> float:
-    """How far along its lane a driver's front can go: to the lane's end, to where it has to wait, or to what stands in
-    the way, of `extents_in` that lane."""
+    """How far along its lane a driver's front can go: to what stands in the way, of `extents_in` that lane, or to its
+    end. Where others drive on at the end of the map, the ego vehicle stops."""
     front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
-    ends = [driver.lane.line.length]
-    if driver.motion.gives_way and driver.lane.stop is not None and front < driver.lane.stop:
-        ends.append(driver.lane.stop)
+    ends = [driver.lane.line.length if driver.lane.closed or driver.body.name == "ego" else math.inf]
     nearest, low, high = extents.T
     in_way = (low < driver.left + reach) & (high > driver.left - reach) & (nearest > front - _TOUCHING)
     return min([*ends, *nearest[in_way].tolist()])
@@ -137,8 +144,8 @@ class Traffic:
     """All drivers, lane by lane, at one time, among `others` that follow no lane; their x, y, yaw and velocity are
     given for each time, f64 [W, 5]."""
 
-    def __init__(self, drivers: Sequence[Driver], others: Sequence[Body]) -> None:
-        self.drivers = drivers
+    def __init__(self, drivers: Sequence[Driver], others: Sequence[Body], rules: RightOfWay) -> None:
+        self.drivers, self.rules = drivers, rules
         bodies = [*(driver.body for driver in drivers), *others]
         self.sizes = np.array([body.size[:2] for body in bodies]).reshape(-1, 2)
         self.lanes: dict[int, list[int]] = {}
@@ -151,9 +158,10 @@ class Traffic:
             driver.speed = driver.wish(time)
         for _ in starting:  # a queue needs as many rounds as it is long
             before = [driver.speed for driver in starting]
-            for driver, (gap, ahead) in zip(self.drivers, self._ahead(others), strict=True):
+            for driver, (gap, ahead) in zip(self.drivers, self._free(others, time, starts=True), strict=True):
                 if driver in starting:
-                    driver.speed = min(driver.speed, _safe(gap - driver.motion.gap, ahead))
+                    safe = _safe(gap - driver.motion.gap, ahead)
+                    driver.speed = min(driver.speed, safe, self.rules.pace(driver))
             if before == [driver.speed for driver in starting]:
                 return
 
@@ -163,18 +171,21 @@ class Traffic:
         for numbers in self.lanes.values():
             rows = [self.drivers[number] for number in numbers]
             lane = rows[0].lane
+            end = lane.line.length
             along, left, first, start, returns = np.array(
                 [(row.along, row.left, row.yaw, row.start, row.returns) for row in rows]
             ).T
             found[numbers, :2], found[numbers, 2] = lane.line.at(along, left), lane.line.height(along, left)
             off = first * np.exp((start - along) / _AIM) - np.arctan(returns * left / _RETURN)
             found[numbers, 3] = lane.line.heading(along) + off
+            over = np.maximum(along - end, 0.0)  # off the map it goes straight on
+            found[numbers, :2] += np.outer(over, np.diff(lane.line.at(np.array([-1e-3, 0.0]) + end), axis=0)[0] / 1e-3)
         return found
 
     def advance(self, time: float, others: np.ndarray, span: float = STEP) -> None:
         """A step of `span` [s] on."""
-        for driver, (gap, ahead) in zip(self.drivers, self._ahead(others), strict=True):
-            motion, speed, wish = driver.motion, driver.speed, driver.wish(time)
+        for driver, (gap, ahead) in zip(self.drivers, self._free(others, time), strict=True):
+            motion, speed, wish = driver.motion, driver.speed, min(driver.wish(time), self.rules.pace(driver))
             free = 1.0 - (speed / wish) ** 4 if wish > _STANDS else -_BRAKING / _ACCELERATION * (speed > 0.0)
             kept = motion.gap + max(
                 0.0, speed * motion.headway + speed * (speed - ahead) / (2 * math.sqrt(_ACCELERATION * _BRAKING))
@@ -183,7 +194,15 @@ class Traffic:
             faster = min(speed + push * span, _safe(gap - motion.gap / 2, ahead))
             driver.speed = max(faster, speed - _HARDEST * span, 0.0)
             driver.along += driver.speed * span
+            driver.waited = 0.0 if driver.speed > _ROLLS else driver.waited + span * (driver.speed < _STANDS)
             driver.left *= math.exp(-driver.speed * span / _RETURN * driver.returns)
+
+    def _free(self, others: np.ndarray, time: float, *, starts: bool = False) -> list[tuple[float, float]]:
+        """As `_ahead`, with the lines at which drivers have to wait."""
+        ahead = self._ahead(others)
+        holds = self.rules.holds(self.drivers, ahead, time, starts=starts)
+        fronts = (driver.along + driver.body.size[0] / 2 for driver in self.drivers)
+        return [min(one, (hold - front, 0.0)) for one, hold, front in zip(ahead, holds, fronts, strict=True)]
 
     def _ahead(self, others: np.ndarray) -> list[tuple[float, float]]:
         """For each driver the free way before it [m] and the speed [m/s] of who is there."""

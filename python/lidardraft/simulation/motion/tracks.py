@@ -20,6 +20,7 @@ from lidardraft.scene.solids import Solid, penetration
 from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.motion.driving import STEP, Body, Driver, drive, driver_of
 from lidardraft.simulation.motion.motions import Ground, usual_motions
+from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.roads import with_known_roads
 
 _REACHED = 1.9  # m over the ground, what hangs higher is passed under
@@ -50,6 +51,7 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     scenario.check_names(list(bodies))
     roads, ground = with_known_roads(layout).roads, Ground(layout)
     lanes = () if roads is None else roads.ways()
+    rules = RightOfWay(roads, lanes)
     given = {name: motion for name in bodies if (motion := scenario.of(name)) is not None}
     if scenario.ego is not None and speed is not None:
         raise LayoutError(f"speed is {speed:g}, and the scenario says how the ego vehicle moves; give one of them")
@@ -61,7 +63,7 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
         given["ego"] = AlongLane(speed) if in_lane and speed >= 0.0 else Straight(speed)
     free = usual_motions(layout.intent, bodies, given, lanes, ground, duration)
     while True:
-        tracks = _moved({"ego": Straight(0.0), **given, **free}, bodies, lanes, ground, duration)
+        tracks = _moved({"ego": Straight(0.0), **given, **free}, bodies, lanes, rules, ground, duration)
         collisions = _collisions(tracks, bodies, duration)
         stopped = {next((name for name in free if name in pair), "") for pair, _ in collisions} - {""}
         if not stopped:
@@ -84,7 +86,12 @@ EGO_BODY = dataclasses.replace(body_of("ego", [EGO]), place=(0.0, 0.0, 0.0, 0.0)
 
 
 def _moved(
-    motions: Mapping[str, Motion], bodies: Mapping[str, Body], lanes: Sequence[Lane], ground: Ground, duration: float
+    motions: Mapping[str, Motion],
+    bodies: Mapping[str, Body],
+    lanes: Sequence[Lane],
+    rules: RightOfWay,
+    ground: Ground,
+    duration: float,
 ) -> dict[str, Track]:
     """The tracks of all that has a motion, on the ground."""
     times = np.arange(math.ceil(duration / STEP) + 2) * STEP  # two at least, as rates need
@@ -97,7 +104,7 @@ def _moved(
             drivers.append(driver)
         elif name == "ego" or motion != Straight(0.0):
             others[name] = _track(motion, bodies[name].place, times)
-    tracks = others | drive(drivers, others, bodies, times)
+    tracks = others | drive(drivers, others, bodies, times, rules)
     rises = {driver.body.name for driver in drivers if driver.lane.line.heights.any()}
     for name, track in tracks.items():
         home = np.array([bodies[name].place])
