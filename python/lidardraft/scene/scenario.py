@@ -72,11 +72,13 @@ class AlongLane:
 
 @dataclass(frozen=True, slots=True)
 class Walk:
-    """Straight to the place `to`, x and y [m] of the layout, at `speed` [m/s] from the time `start` [s] on."""
+    """Straight to the place `to`, x and y [m] of the layout, at `speed` [m/s] from the time `start` [s] on. Before it
+    `crosses` roads, from and to so far [m] before that place, it waits until it can."""
 
     to: tuple[float, float]
     speed: float = 1.4
     start: float = 0.0
+    crosses: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
         if not are_numbers(self.to, 2) or max(map(abs, self.to)) > _FURTHEST:
@@ -84,6 +86,9 @@ class Walk:
         object.__setattr__(self, "to", (float(self.to[0]), float(self.to[1])))
         _check("speed", self.speed, 0.01, FASTEST, "m/s")
         _check("start", self.start, 0.0, _LONGEST, "s")
+        if not isinstance(self.crosses, list | tuple) or not all(are_numbers(span, 2) for span in self.crosses):
+            raise LayoutError(f"crosses is {self.crosses!r:.80}; it must be rows of 2 numbers")
+        object.__setattr__(self, "crosses", tuple((float(low), float(high)) for low, high in self.crosses))
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from lidardraft.simulation.motion.driving import Driver, Traffic, bar_of, driver
 from lidardraft.simulation.motion.motions import Ground, usual_motions
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.motion.tracks import through
+from lidardraft.simulation.motion.walking import Crosses, walked
 from lidardraft.simulation.sweeps import Spot
 from lidardraft.world.state import Actor, Collision, Drive, WorldState
 from lidardraft.world.things import Thing
@@ -62,7 +63,7 @@ class Stepping:
             if not (thing := self._thing_of(name, actor)).is_ground
         }
         given: dict[str, Motion] = {name: Straight(0.0) for name in set(bodies) - set(names)}
-        motions = usual_motions(self.intent, bodies, given, self.ways, self._ground or Ground(Layout()), _FORESEEN)
+        motions = usual_motions(self.intent, bodies, given, self._rules, self._ground or Ground(Layout()), _FORESEEN)
         actors = {name: self.commanded(name, state.actors[name], motion) for name, motion in motions.items()}
         state = state.but(actors)
         drivers, others = self._movers(state)
@@ -77,7 +78,7 @@ class Stepping:
         speed, heading = 0.0, actor.spot[3]
         if driver is not None and actor.drive is not None:
             speed, actor = driver.speed, dataclasses.replace(actor, drive=_drive(driver, actor.drive.way))
-        elif isinstance(actor.motion, Walk | Straight):
+        elif isinstance(actor.motion, Straight) or (isinstance(actor.motion, Walk) and not actor.motion.crosses):
             speed = actor.motion.speed
         if isinstance(actor.motion, Walk):
             heading = math.atan2(actor.motion.to[1] - actor.spot[1], actor.motion.to[0] - actor.spot[0])
@@ -131,13 +132,14 @@ class Stepping:
     def _step(self, state: WorldState, time: float, left: int, policy: str) -> WorldState:
         span, actors = time - state.time, state.actors
         drivers, others = self._movers(state)
-        changes = {name: _gone(actors[name], state.time, time, left) for name in others}
+        bodies = [self._thing_of(name, actors[name]).body for name in others]
+        traffic = Traffic(list(drivers.values()), bodies, self._rules)
+        crosses = traffic.crosses(state.time)
+        changes = {name: _gone(actors[name], state.time, time, left, crosses) for name in others}
         rows = [
             _row(actors[name], [(b - a) / span for a, b in zip(actors[name].spot, after.spot, strict=True)])
             for name, after in changes.items()
         ]
-        bodies = [self._thing_of(name, actors[name]).body for name in others]
-        traffic = Traffic(list(drivers.values()), bodies, self._rules)
         traffic.advance(state.time, np.array(rows).reshape(-1, 5), span)
         places = traffic.places().tolist() if drivers else []
         for (name, driver), (x, y, _, yaw) in zip(drivers.items(), places, strict=True):
@@ -279,7 +281,7 @@ def _row(actor: Actor, rate: Sequence[float]) -> tuple[float, ...]:
     return *actor.spot[:2], actor.spot[3], rate[0], rate[1]
 
 
-def _gone(actor: Actor, begin: float, end: float, left: int) -> Actor:
+def _gone(actor: Actor, begin: float, end: float, left: int, crosses: Crosses) -> Actor:
     """Who follows no lane at the end of a step, of `left` steps to its goal; heights are added later."""
     (x, y, z, yaw), motion = actor.spot, actor.motion
     if actor.goal is not None:
@@ -292,13 +294,8 @@ def _gone(actor: Actor, begin: float, end: float, left: int) -> Actor:
         way = motion.speed * (end - begin)
         return dataclasses.replace(actor, spot=(x + way * math.cos(yaw), y + way * math.sin(yaw), z, yaw))
     if isinstance(motion, Walk):
-        rest, way = math.dist(motion.to, (x, y)), motion.speed * max(0.0, end - max(begin, motion.start))
-        if way >= rest:
-            return dataclasses.replace(actor, spot=(*motion.to, z, yaw), motion=None)
-        if way > 0.0:
-            yaw += math.remainder(math.atan2(motion.to[1] - y, motion.to[0] - x) - yaw, math.tau)
-            x, y = x + (motion.to[0] - x) * way / rest, y + (motion.to[1] - y) * way / rest
-        return dataclasses.replace(actor, spot=(x, y, z, yaw))
+        (x, y, yaw), over = walked(motion, (x, y, yaw), begin, end, crosses)
+        return dataclasses.replace(actor, spot=(x, y, z, yaw), motion=None if over else motion)
     assert isinstance(motion, Waypoints)
     u, v, _, looks = through(np.array(motion.points), yaw, np.array([begin, end])).places[-1].tolist()
     over = end >= motion.points[-1][0]

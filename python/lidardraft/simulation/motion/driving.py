@@ -9,14 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from zlib import crc32
 
 import numpy as np
 
 from lidardraft.scene.lane import Lane
-from lidardraft.scene.scenario import AlongLane, Track
+from lidardraft.scene.scenario import AlongLane, Track, Walk
 from lidardraft.scene.solids import Solid
 from lidardraft.simulation.motion.right_of_way import RightOfWay
+from lidardraft.simulation.motion.walking import Crosses, walked
 
 STEP = 0.05  # s between the places of a track
 _TURN = 0.35  # rad against its lane; what is turned by more does not drive along it
@@ -26,6 +28,7 @@ _TOUCHING = 0.5  # m by which what stands before a vehicle may reach into its bo
 _ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what tyres give
 _STANDS, _ROLLS = 0.1, 1.5  # m/s: who wants to be slower than that stands; from which it waits no more
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
+_AWAY = 1e6  # m, where nobody is
 _BESIDE = 3  # halves of a lane that who overtakes is beside the middle of its own, at most
 _RETURN, _PASSED = 25.0, 6.0  # m over which it returns, and that it is ahead of whom it has passed then
 # Times the speed of the road, and m/s at most: estimates.
@@ -97,27 +100,36 @@ def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | 
 def drive(
     drivers: Sequence[Driver],
     others: Mapping[str, Track],
+    walks: Mapping[str, Walk],
     bodies: Mapping[str, Body],
     times: np.ndarray,
     rules: RightOfWay,
 ) -> dict[str, Track]:
-    """The tracks of drivers at `times` [s], a step apart, among `others` that move as they do and bodies that stand."""
-    moving = {*others, *(driver.body.name for driver in drivers)}
+    """The tracks of drivers at `times` [s], a step apart, and those of `walks` over roads, among `others` that move as
+    they do and bodies that stand."""
+    moving = {*others, *walks, *(driver.body.name for driver in drivers)}
     standing = [solid for name, body in bodies.items() if name not in moving for solid in body.solids]
     extents = {id(driver.lane): extents_in(driver.lane, standing) for driver in drivers}
     for driver in drivers:
         driver.barred = bar_of(driver, extents[id(driver.lane)])
     at = (track.at(times) for track in others.values())
     rows = [np.column_stack([one[:, [0, 1, 3]], np.gradient(one[:, :2], STEP, axis=0)]) for one in at]
-    walkers = np.array(rows).reshape(-1, len(times), 5)
-    traffic = Traffic(drivers, [bodies[name] for name in others], rules)
-    traffic.begin(drivers, walkers[:, 0])
-    places = np.empty((len(times), len(drivers), 4))
+    known = np.array(rows).reshape(-1, len(times), 5)
+    traffic = Traffic(drivers, [bodies[name] for name in (*others, *walks)], rules)
+    traffic.begin(drivers, np.concatenate([known[:, 0], np.zeros((len(walks), 5)) + _AWAY]))
+    places = np.empty((len(times), len(drivers) + len(walks), 4))
+    on_foot = np.array([bodies[name].place for name in walks]).reshape(-1, 4)
     for step, time in enumerate(times.tolist()):
-        places[step] = traffic.places()
-        traffic.advance(time, walkers[:, step])
+        places[step] = np.concatenate([traffic.places(), on_foot])
+        after = on_foot.copy()
+        for row, walk in zip(after, walks.values(), strict=True):
+            row[[0, 1, 3]] = walked(walk, tuple(row[[0, 1, 3]].tolist()), time, time + STEP, traffic.crosses(time))[0]
+        rates = (after - on_foot)[:, :2] / STEP
+        traffic.advance(time, np.concatenate([known[:, step], np.column_stack([on_foot[:, [0, 1, 3]], rates])]))
+        on_foot = after
     places[:, :, 3] = np.unwrap(places[:, :, 3], axis=0)
-    return {driver.body.name: Track(times, places[:, number]) for number, driver in enumerate(drivers)}
+    names = (*(driver.body.name for driver in drivers), *walks)
+    return {name: Track(times, places[:, number]) for number, name in enumerate(names)}
 
 
 def extents_in(lane: Lane, solids: Sequence[Solid]) -> np.ndarray:
@@ -196,6 +208,10 @@ class Traffic:
             driver.along += driver.speed * span
             driver.waited = 0.0 if driver.speed > _ROLLS else driver.waited + span * (driver.speed < _STANDS)
             driver.left *= math.exp(-driver.speed * span / _RETURN * driver.returns)
+
+    def crosses(self, time: float) -> Crosses:
+        """Who can cross a road at a time [s]."""
+        return partial(self.rules.lets_cross, self.drivers, time)
 
     def _free(self, others: np.ndarray, time: float, *, starts: bool = False) -> list[tuple[float, float]]:
         """As `_ahead`, with the lines at which drivers have to wait."""

@@ -14,6 +14,7 @@ from zlib import crc32
 import numpy as np
 
 from lidardraft.scene.lane import Junction, Lane
+from lidardraft.scene.pose import rotation
 from lidardraft.scene.road_network import RoadNetwork
 
 if TYPE_CHECKING:
@@ -32,6 +33,8 @@ _TURNING, _CAREFUL = 5.0, 6.0  # m/s in a turn, and at the line of who gives way
 _MARGIN = 0.7  # s between two who are at one place
 _PATIENCE = 8.0  # s after which it is the turn of who has waited longest
 _SLOW = 1.0  # m/s
+_ROOM = 0.7  # m around who crosses
+_CORNER, _BEYOND = 0.5, 5.0  # where people cross beside a junction: share of its radius, and m beyond it
 _OVER = 0.5  # m over the line at which nobody waits any more
 _ONCOMING = 0.4  # rad that those turn against each other at most who pass side by side
 
@@ -89,9 +92,11 @@ class RightOfWay:
     """The junctions of a network, for those who drive along its `ways`."""
 
     def __init__(self, roads: RoadNetwork | None, ways: Sequence[Lane]) -> None:
-        self.passages = list[Passage]()
-        for junction in () if roads is None else roads.junctions:
-            self.passages += _passages(roads, junction, ways, len(self.passages))
+        self.ways, self.passages = ways, list[Passage]()
+        self._zebras = () if roads is None else roads.crossings
+        self._areas = [] if roads is None else [_area(roads, junction) for junction in roads.junctions]
+        for junction, area in zip(() if roads is None else roads.junctions, self._areas, strict=True):
+            self.passages += _passages(roads, junction, area, ways, len(self.passages))
         self.of_way: dict[int, list[int]] = {}
         for number, passage in enumerate(self.passages):
             self.of_way.setdefault(id(passage.way), []).append(number)
@@ -124,6 +129,48 @@ class RightOfWay:
         lines = (self.passages[number] for number in self.of_way.get(id(driver.lane), ()))
         rooms = [one.line - front for one in lines if one.signed and one.line >= front]
         return math.sqrt(_CAREFUL**2 + 2 * _ACCELERATION * min(rooms)) if rooms else math.inf
+
+    def is_crossing(self, places: np.ndarray) -> bool:
+        """Whether people cross a road from and to places [2, 2]: on a zebra, or beside a junction."""
+        middle = places.mean(axis=0)
+        off = ((float(np.hypot(*(middle - center))), reach) for center, reach in self._areas)
+        return self._on_zebra(middle) or any(_CORNER * reach < away < reach + _BEYOND for away, reach in off)
+
+    def _on_zebra(self, place: np.ndarray) -> bool:
+        for zebra in self._zebras:
+            along, across = rotation(zebra.place[2]) @ (place - zebra.place[:2])
+            if abs(along) < zebra.size[0] / 2 and abs(across) < zebra.size[1] / 2:
+                return True
+        return False
+
+    def lets_cross(self, drivers: Sequence[Driver], time: float, places: np.ndarray, speed: float) -> bool:
+        """Whether somebody on foot, as fast as that [m/s], can go over a road from and to places [2, 2] now: nobody
+        comes, or who comes has to stop and can."""
+        length = float(np.hypot(*np.diff(places, axis=0)[0]))
+        on_foot = np.linspace(0.0, length, 2 + int(length / _SAMPLED))
+        points = places[0] + np.outer(on_foot / length, places[1] - places[0])
+        zebra, free = self._on_zebra(points.mean(axis=0)), [(math.inf, 0.0)] * len(drivers)
+        stops = {user.number for user, _ in self._users(drivers, free, time, False) if user.held and not user.committed}
+        crossed: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        for number, driver in enumerate(drivers):
+            if id(driver.lane) not in crossed:
+                crossed[id(driver.lane)] = driver.lane.line.along_across(points)
+            along, left = crossed[id(driver.lane)]
+            there = np.flatnonzero(np.abs(left - driver.left) < driver.body.size[1] / 2 + _ROOM)
+            if not len(there) or number in stops:
+                continue
+            half, when = driver.body.size[0] / 2, on_foot[there] / speed
+            room = float(along[there].min()) - driver.along - half
+            if room < -driver.body.size[0] - _ROOM or (driver.speed < _SLOW and room > _ROOM):
+                continue
+            yields = zebra or driver.lane.bend[0] < driver.along + half + max(room, 0.0) < driver.lane.bend[1] + _BEYOND
+            if yields and room > driver.speed**2 / (2 * _BRAKING) + _ROOM:
+                continue
+            comes = room / max(driver.speed, _SLOW)
+            gone = (room + driver.body.size[0] + _ROOM) / max(driver.speed, _SLOW)
+            if comes < when[-1] + _MARGIN and gone > when[0] - _MARGIN:
+                return False
+        return True
 
     def _users(
         self, drivers: Sequence[Driver], ahead: Sequence[tuple[float, float]], time: float, starts: bool
@@ -191,11 +238,18 @@ def _seconds(way: float, speed: float, top: float) -> float:
     return (top - speed) / _ACCELERATION + (way - faster) / top
 
 
-def _passages(roads: RoadNetwork, junction: Junction, ways: Sequence[Lane], first: int) -> list[Passage]:
+def _area(roads: RoadNetwork, junction: Junction) -> tuple[np.ndarray, float]:
+    """The middle [2] and radius [m] of a circle around a junction."""
+    points = np.concatenate([roads.lane(id).line.middle for id in junction.lanes])
+    middle = points.mean(axis=0)
+    return middle, float(np.hypot(*(points - middle).T).max()) + _BEFORE
+
+
+def _passages(
+    roads: RoadNetwork, junction: Junction, area: tuple[np.ndarray, float], ways: Sequence[Lane], first: int
+) -> list[Passage]:
     """Those through a junction, which are counted from `first` on."""
-    area = np.concatenate([roads.lane(id).line.middle for id in junction.lanes])
-    middle = (area.min(axis=0) + area.max(axis=0)) / 2
-    reach = float(np.hypot(*(area - middle).T).max()) + _BEFORE
+    middle, reach = area
     lights = [one for one in roads.signals if one.kind == "traffic-light"]
     lights = [one for one in lights if any(_leads(roads, id, junction) for id in one.lanes)]
     found, rows = list[Passage](), list[np.ndarray]()

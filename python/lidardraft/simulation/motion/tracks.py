@@ -24,6 +24,7 @@ from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.roads import with_known_roads
 
 _REACHED = 1.9  # m over the ground, what hangs higher is passed under
+_KERB = 4  # steps before a kerb and behind it in which one goes up
 _CHECKED = 0.2  # s between the times at which it is looked for collisions
 
 
@@ -61,7 +62,7 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     elif speed is not None:
         in_lane = driver_of(EGO_BODY, AlongLane(), lanes) is not None
         given["ego"] = AlongLane(speed) if in_lane and speed >= 0.0 else Straight(speed)
-    free = usual_motions(layout.intent, bodies, given, lanes, ground, duration)
+    free = usual_motions(layout.intent, bodies, given, rules, ground, duration)
     while True:
         tracks = _moved({"ego": Straight(0.0), **given, **free}, bodies, lanes, rules, ground, duration)
         collisions = _collisions(tracks, bodies, duration)
@@ -95,23 +96,27 @@ def _moved(
 ) -> dict[str, Track]:
     """The tracks of all that has a motion, on the ground."""
     times = np.arange(math.ceil(duration / STEP) + 2) * STEP  # two at least, as rates need
-    others, drivers = dict[str, Track](), list[Driver]()
+    others, walks, drivers = dict[str, Track](), dict[str, Walk](), list[Driver]()
     for name, motion in motions.items():
         if isinstance(motion, AlongLane):
             driver = driver_of(bodies[name], motion, lanes)
             if driver is None:
                 raise LayoutError(f"{name} stands in no lane that it could drive along; give it way-points")
             drivers.append(driver)
+        elif isinstance(motion, Walk) and motion.crosses:
+            walks[name] = motion
         elif name == "ego" or motion != Straight(0.0):
             others[name] = _track(motion, bodies[name].place, times)
-    tracks = others | drive(drivers, others, bodies, times, rules)
+    tracks = others | drive(drivers, others, walks, bodies, times, rules)
     rises = {driver.body.name for driver in drivers if driver.lane.line.heights.any()}
     for name, track in tracks.items():
         home = np.array([bodies[name].place])
         if name in rises:
             track.places[:, 2] += home[0, 2] - track.places[0, 2]
         else:
-            track.places[:, 2] = home[0, 2] + ground.at(track.places)[0] - ground.at(home)[0]
+            rises_by = ground.at(track.places)[0] - ground.at(home)[0]
+            steps = np.clip(np.arange(len(times))[:, None] + np.arange(-_KERB, _KERB + 1), 0, len(times) - 1)
+            track.places[:, 2] = home[0, 2] + rises_by[steps].mean(axis=1)  # up and down kerbs without a jump
     return tracks
 
 
