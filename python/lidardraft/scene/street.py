@@ -37,7 +37,7 @@ _TWO_LANES = 6.0  # width from which a one-way street has two
 _FOUR_LANES = 6.5  # half width from which a side road has two each way
 _ONE_EACH_WAY, _TWO_EACH_WAY = (0.5,), (0.75, 0.25)  # middles of lanes in shares of the half width
 _STATION = 2.0  # between the points of a lane that bends
-_RELIEF = 4.0  # between the points of a lane that rises and falls
+_RELIEF, _SAME = 4.0, 0.05  # between the points of a lane that rises and falls; and less than that
 _QUARTER = np.linspace(0.0, math.pi / 2, 17)
 _WIDE = 1.5  # times as wide as others are turns to the right, which have a corner beside them
 _INTO_RING = 0.25  # rad further on than its lane that who enters a roundabout is on the ring, and before it who leaves
@@ -242,8 +242,11 @@ class StreetFrame:
             return line
         if not -len(self.relief) <= number < len(self.relief):
             raise LayoutError(f"street: relief is of {len(self.relief)} lines; it must be of all lanes and ways")
-        heights, camber = np.array(self.relief[number]).T
-        return Line.through(np.column_stack([line.spaced(len(heights)), heights]), camber)
+        stations, rows = np.linspace(0.0, line.length, len(self.relief[number])), np.array(self.relief[number])
+        bends = line.along[np.abs(line.along[:, None] - stations).min(axis=1) > _SAME]  # which stations would cut
+        along = np.sort(np.concatenate([stations, bends]))
+        heights, camber = (np.interp(along, stations, row) for row in rows.T)
+        return Line.through(np.column_stack([line.at(along), heights]), camber)
 
     def pieces(self, gap: float | None) -> list[tuple[float, float]]:
         """From and to along the road [m]: all of it, or what lies `gap` [m] or more from the middle of the junction."""
@@ -268,8 +271,8 @@ class StreetFrame:
         gap = None if self.road.roundabout_radius is None else self.gap
         for across, direction, _, width in self._offsets():
             for low, high in self.pieces(gap):
-                points = self.along(across, low, high, direction)
-                yield points, {"width": width, "closed": gap is not None and (high < self.road.junction) == (direction > 0)}
+                ends = gap is not None and (high < (self.road.junction or 0.0)) == (direction > 0)
+                yield self.along(across, low, high, direction), {"width": width, "closed": ends}
 
     def _side_ways(self) -> Iterator[_Points]:
         """Along the crossing road, whose traffic waits before the junction."""

@@ -71,13 +71,14 @@ def usual_motions(
         together = crossing if name in crossing else {name}
         others = [other for one, other in bodies.items() if one not in together]
         way = _Way(bodies[name], said[name].speed or _WALKING, duration, ground)
-        walks = _over_road(way, rules, [one for one in others if one.name not in found]) if name not in crossing else None
-        if (walk := walks or _free_walk(way, others, name in crossing)) is not None:
+        standing = [one for one in others if one.name not in found]
+        walk = None if name in crossing else _over_road(way, rules, standing)
+        if (walk := walk or _free_walk(way, others, name in crossing)) is not None:
             found[name] = walk
     for name in ("ego", *intent.objects):
         if name in bodies and said[name].motion == "overtakes":
-            others = [one for one in bodies if said[one].group in said[name].overtakes]
-            _pass(name, others or ["ego"], {**given, **found}, found, bodies, lanes)
+            passed = [one for one in bodies if said[one].group in said[name].overtakes]
+            _pass(name, passed or ["ego"], {**given, **found}, found, bodies, lanes)
 
     order = {name: number for number, name in enumerate(bodies)}
 

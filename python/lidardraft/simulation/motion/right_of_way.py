@@ -94,9 +94,11 @@ class RightOfWay:
     def __init__(self, roads: RoadNetwork | None, ways: Sequence[Lane]) -> None:
         self.ways, self.passages = ways, list[Passage]()
         self._zebras = () if roads is None else roads.crossings
-        self._areas = [] if roads is None else [_area(roads, junction) for junction in roads.junctions]
-        for junction, area in zip(() if roads is None else roads.junctions, self._areas, strict=True):
-            self.passages += _passages(roads, junction, area, ways, len(self.passages))
+        self._areas = list[tuple[np.ndarray, float]]()
+        if roads is not None:
+            self._areas = [_area(roads, junction) for junction in roads.junctions]
+            for junction, area in zip(roads.junctions, self._areas, strict=True):
+                self.passages += _passages(roads, junction, area, ways, len(self.passages))
         self.of_way: dict[int, list[int]] = {}
         for number, passage in enumerate(self.passages):
             self.of_way.setdefault(id(passage.way), []).append(number)

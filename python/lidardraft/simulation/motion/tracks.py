@@ -24,7 +24,7 @@ from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.roads import with_known_roads
 
 _REACHED = 1.9  # m over the ground, what hangs higher is passed under
-_KERB = 4  # steps before a kerb and behind it in which one goes up
+_SMOOTH = 4  # steps before and after one over which tracks of people and heights are smooth
 _CHECKED = 0.2  # s between the times at which it is looked for collisions
 
 
@@ -114,9 +114,9 @@ def _moved(
         if name in rises:
             track.places[:, 2] += home[0, 2] - track.places[0, 2]
         else:
-            rises_by = ground.at(track.places)[0] - ground.at(home)[0]
-            steps = np.clip(np.arange(len(times))[:, None] + np.arange(-_KERB, _KERB + 1), 0, len(times) - 1)
-            track.places[:, 2] = home[0, 2] + rises_by[steps].mean(axis=1)  # up and down kerbs without a jump
+            track.places[:, 2] = home[0, 2] + ground.at(track.places)[0] - ground.at(home)[0]
+            smooth = slice(None) if isinstance(motions[name], Walk) else slice(2, 3)
+            track.places[:, smooth] = _smooth(track.places)[:, smooth]
     return tracks
 
 
@@ -132,6 +132,13 @@ def _track(motion: Straight | Walk | Waypoints, place: tuple[float, float, float
         yaw += math.remainder(heading - yaw, math.tau)
     flat = np.zeros_like(times)
     return Track(times, np.stack([x + way * math.cos(heading), y + way * math.sin(heading), flat, flat + yaw], axis=1))
+
+
+def _smooth(places: np.ndarray) -> np.ndarray:
+    """Places [K, 4] without jumps, as at kerbs and where somebody stops: means of those before and after."""
+    wide = np.pad(places, ((_SMOOTH, _SMOOTH), (0, 0)), mode="reflect", reflect_type="odd")
+    smooth: np.ndarray = np.lib.stride_tricks.sliding_window_view(wide, 2 * _SMOOTH + 1, axis=0).mean(axis=-1)
+    return smooth
 
 
 def through(points: np.ndarray, yaw: float, times: np.ndarray) -> Track:

@@ -16,7 +16,7 @@ _LOOKS = 0.4  # s between the times at which who waits looks
 def walked(
     walk: Walk, place: tuple[float, float, float], begin: float, end: float, crosses: Crosses
 ) -> tuple[tuple[float, float, float], bool]:
-    """Where x, y [m] and yaw [rad] are at the `end` of a step that begins at a time [s], and whether that is the goal."""
+    """Where x, y [m] and yaw [rad] are after a step from a time [s] to another, and whether that is the goal."""
     x, y, yaw = place
     rest, way = math.dist(walk.to, (x, y)), walk.speed * max(0.0, end - max(begin, walk.start))
     if way <= 0.0 or _waits(walk, (x, y), rest, way, begin, end, crosses):
