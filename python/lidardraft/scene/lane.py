@@ -12,7 +12,7 @@ from lidardraft.scene.line import Line
 from lidardraft.scene.pose import Place
 
 LANE_KINDS = ("driving", "aisle", "parking", "shoulder", "cycling", "sidewalk")
-_TURNING, _EASING = 5.0, 1.5  # m/s in a turn, m/s2 on the way to it
+_TURNING, _SIDEWAYS, _EASING = 5.0, 2.5, 1.5  # m/s in a turn at most, m/s2 sideways there, and on the way to it
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -53,8 +53,11 @@ class Lane:
 
     def limit(self, along: float) -> float:
         """The speed [m/s] at a place along it from which a turn can be taken."""
-        before = max(0.0, self.bend[0] - along)
-        return math.sqrt(_TURNING**2 + 2 * _EASING * before) if along < self.bend[1] else math.inf
+        if along >= self.bend[1]:
+            return math.inf
+        radius = (self.bend[1] - self.bend[0]) / (math.pi / 2)
+        turning = min(_TURNING**2, _SIDEWAYS * radius)
+        return math.sqrt(turning + 2 * _EASING * max(0.0, self.bend[0] - along))
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

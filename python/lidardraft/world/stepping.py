@@ -14,11 +14,11 @@ from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk, Waypoints
 from lidardraft.scene.solids import Solid, penetration
-from lidardraft.simulation.motion.driving import Driver, Traffic, bar_of, driver_of, extents_in
+from lidardraft.simulation.motion.driving import Driver, Seen, Traffic, bar_of, driver_of, extents_in
 from lidardraft.simulation.motion.motions import Ground, usual_motions
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.motion.tracks import through
-from lidardraft.simulation.motion.walking import Crosses, walked
+from lidardraft.simulation.motion.walking import walked
 from lidardraft.simulation.sweeps import Spot
 from lidardraft.world.state import Actor, Collision, Drive, WorldState
 from lidardraft.world.things import Thing
@@ -134,8 +134,8 @@ class Stepping:
         drivers, others = self._movers(state)
         bodies = [self._thing_of(name, actors[name]).body for name in others]
         traffic = Traffic(list(drivers.values()), bodies, self._rules)
-        crosses = traffic.crosses(state.time)
-        changes = {name: _gone(actors[name], state.time, time, left, crosses) for name in others}
+        watch = Seen(traffic, state.time, traffic.places())
+        changes = {name: _gone(actors[name], state.time, time, left, watch) for name in others}
         rows = [
             _row(actors[name], [(b - a) / span for a, b in zip(actors[name].spot, after.spot, strict=True)])
             for name, after in changes.items()
@@ -281,7 +281,7 @@ def _row(actor: Actor, rate: Sequence[float]) -> tuple[float, ...]:
     return *actor.spot[:2], actor.spot[3], rate[0], rate[1]
 
 
-def _gone(actor: Actor, begin: float, end: float, left: int, crosses: Crosses) -> Actor:
+def _gone(actor: Actor, begin: float, end: float, left: int, watch: Seen) -> Actor:
     """Who follows no lane at the end of a step, of `left` steps to its goal; heights are added later."""
     (x, y, z, yaw), motion = actor.spot, actor.motion
     if actor.goal is not None:
@@ -294,7 +294,7 @@ def _gone(actor: Actor, begin: float, end: float, left: int, crosses: Crosses) -
         way = motion.speed * (end - begin)
         return dataclasses.replace(actor, spot=(x + way * math.cos(yaw), y + way * math.sin(yaw), z, yaw))
     if isinstance(motion, Walk):
-        (x, y, yaw), over = walked(motion, (x, y, yaw), begin, end, crosses)
+        (x, y, yaw), over = walked(motion, (x, y, yaw), begin, end, watch)
         return dataclasses.replace(actor, spot=(x, y, z, yaw), motion=None if over else motion)
     assert isinstance(motion, Waypoints)
     u, v, _, looks = through(np.array(motion.points), yaw, np.array([begin, end])).places[-1].tolist()

@@ -9,7 +9,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from zlib import crc32
 
 import numpy as np
@@ -18,7 +17,7 @@ from lidardraft.scene.lane import Lane
 from lidardraft.scene.scenario import AlongLane, Track, Walk
 from lidardraft.scene.solids import Solid
 from lidardraft.simulation.motion.right_of_way import RightOfWay
-from lidardraft.simulation.motion.walking import Crosses, walked
+from lidardraft.simulation.motion.walking import walked
 
 STEP = 0.05  # s between the places of a track
 _TURN = 0.35  # rad against its lane; what is turned by more does not drive along it
@@ -121,9 +120,9 @@ def drive(
     on_foot = np.array([bodies[name].place for name in walks]).reshape(-1, 4)
     for step, time in enumerate(times.tolist()):
         places[step] = np.concatenate([traffic.places(), on_foot])
-        after = on_foot.copy()
+        after, watch = on_foot.copy(), Seen(traffic, time, places[step, : len(drivers)])
         for row, walk in zip(after, walks.values(), strict=True):
-            row[[0, 1, 3]] = walked(walk, tuple(row[[0, 1, 3]].tolist()), time, time + STEP, traffic.crosses(time))[0]
+            row[[0, 1, 3]] = walked(walk, tuple(row[[0, 1, 3]].tolist()), time, time + STEP, watch)[0]
         rates = (after - on_foot)[:, :2] / STEP
         traffic.advance(time, np.concatenate([known[:, step], np.column_stack([on_foot[:, [0, 1, 3]], rates])]))
         on_foot = after
@@ -209,10 +208,6 @@ class Traffic:
             driver.waited = 0.0 if driver.speed > _ROLLS else driver.waited + span * (driver.speed < _STANDS)
             driver.left *= math.exp(-driver.speed * span / _RETURN * driver.returns)
 
-    def crosses(self, time: float) -> Crosses:
-        """Who can cross a road at a time [s]."""
-        return partial(self.rules.lets_cross, self.drivers, time)
-
     def _free(self, others: np.ndarray, time: float, *, starts: bool = False) -> list[tuple[float, float]]:
         """As `_ahead`, with the lines at which drivers have to wait."""
         ahead = self._ahead(others)
@@ -264,6 +259,26 @@ class Traffic:
         heading = lane.line.heading(along)
         cos, sin = np.cos(heading), np.sin(heading)
         return along, left, now[:, 2] - heading, now[:, 3] * cos + now[:, 4] * sin, now[:, 4] * cos - now[:, 3] * sin
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What people on foot see of the traffic at a time [s], whose drivers are at `places` f64 [D, 4]."""
+
+    traffic: Traffic
+    time: float
+    places: np.ndarray
+
+    def can_cross(self, places: np.ndarray, speed: float) -> bool:
+        """As `RightOfWay.lets_cross`."""
+        return self.traffic.rules.lets_cross(self.traffic.drivers, self.time, places, speed)
+
+    def is_free(self, x: float, y: float) -> bool:
+        """Whether nobody drives or stands there."""
+        off, yaw = (x, y) - self.places[:, :2], self.places[:, 3]
+        cos, sin = np.cos(yaw), np.sin(yaw)
+        aside = np.abs(np.stack([off[:, 0] * cos + off[:, 1] * sin, off[:, 1] * cos - off[:, 0] * sin], axis=1))
+        return not (aside < self.traffic.sizes[: len(off)] / 2 + _SIDE).all(axis=1).any()
 
 
 def _safe(gap: float, ahead: float) -> float:

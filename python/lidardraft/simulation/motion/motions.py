@@ -25,6 +25,7 @@ from lidardraft.simulation.motion.right_of_way import RightOfWay
 
 DRIVES = frozenset({*VEHICLE_LABELS, "rider"})  # classes of what drives along lanes
 _WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around who walks; m between places that are looked at
+_LONG = 1e4  # m, longer than all ways
 _WIDEST = 30.0  # m of a way to the far side of a road
 _SHORTEST_WALK = 2.0  # m; who has less room stands
 _BESIDE_ROAD = 1.0  # m, how far who crosses a road goes on beside it
@@ -209,7 +210,8 @@ def _free_walk(way: _Way, others: Iterable[Body], crosses: bool) -> Walk | None:
         free |= np.arange(len(free)) < end + _BESIDE_ROAD / _STRIDE
     free = (free & way.free_of(others))[: way.usual + 1]
     end = int(np.argmin(free)) - 1 if not free.all() else len(free) - 1
-    return way.walk(end) if way.steps[max(end, 0)] >= (_STRIDE if crosses else _SHORTEST_WALK) else None
+    on_road = ((_LONG, 0.0),) if road.any() else ()  # it does not wait, but nor does it walk into cars
+    return way.walk(end, on_road) if way.steps[max(end, 0)] >= (_STRIDE if crosses else _SHORTEST_WALK) else None
 
 
 def _near(places: np.ndarray, solid: Solid) -> np.ndarray:

@@ -83,8 +83,8 @@ class _User:
 
     def reaches(self, along: float, of: float) -> float:
         """The seconds after which its front or rear, `of` which it is given where that is, is as far along."""
-        bends = self.passage.turn or any(self.passage.way.bend)
-        top = _TURNING if bends else max(self.driver.lane.speed, self.driver.speed)
+        way, turns = self.passage.way, self.passage.turn or any(self.passage.way.bend)
+        top = min(_TURNING, way.limit(way.bend[0])) if turns else max(way.speed, self.driver.speed)
         return _seconds(along - of, min(self.driver.speed, top), top)
 
 
