@@ -126,7 +126,9 @@ def main() -> None:
         for name, track in rows.items():
             places, body = track.at(times), bodies[name]
             speeds = np.hypot(*np.diff(places[:, :2], axis=0).T) * HZ
-            kind = next((label for label in ("rider", "person", "bus", "truck", "car") if label in body.labels), "other")
+            kind = next(
+                (label for label in ("rider", "person", "bus", "truck", "car") if label in body.labels), "other"
+            )
             stood["ego" if name == "ego" else kind].append(float((speeds < STANDS).mean()))
             if (off := jump(places)) > JUMP:
                 jumps.append(f"{name} {off:.3f} m")
@@ -135,7 +137,14 @@ def main() -> None:
         driven.append(float(np.hypot(*np.diff(tracks.ego.at(times)[:, :2], axis=0).T).sum()))
         faults += len(met) + len(jumps) + len(walks)
         print(f"{said}: {len(rows)} move, ego {driven[-1]:.0f} m, {spent[-1]:.2f} s", *met, flush=True)
-        print(*(f"  {what}: {', '.join(names)}\n" for what, names in (("jumps", jumps), ("on a sidewalk", walks)) if names), end="")
+        print(
+            *(
+                f"  {what}: {', '.join(names)}\n"
+                for what, names in (("jumps", jumps), ("on a sidewalk", walks))
+                if names
+            ),
+            end="",
+        )
     print(f"faults {faults}; ego {median(driven):.0f} m in the median, {sum(one < 5 for one in driven)} under 5 m")
     print("standing:", ", ".join(f"{kind} {np.mean(rows):.0%} of {len(rows)}" for kind, rows in sorted(stood.items())))
     print(f"tracks_of: {sum(spent):.1f} s, {median(spent):.2f} s in the median")

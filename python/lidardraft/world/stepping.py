@@ -14,7 +14,7 @@ from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk, Waypoints
 from lidardraft.scene.solids import Solid, penetration
-from lidardraft.simulation.motion.driving import Driver, Seen, Traffic, bar_of, driver_of, extents_in
+from lidardraft.simulation.motion.driving import Driver, Seen, Traffic, driver_of, extents_in, settle
 from lidardraft.simulation.motion.motions import Ground, usual_motions
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.motion.tracks import through
@@ -173,7 +173,7 @@ class Stepping:
             assert isinstance(actor.motion, AlongLane)
             body, lane = self._thing_of(name, actor).body, self.ways[drive.way]
             driver = Driver(body, actor.motion, lane, **{name: getattr(drive, name) for name in _KEPT})
-            driver.barred = bar_of(driver, self._standing.extents(lane))
+            settle(driver, self._standing.extents(lane))
             drivers[name] = driver
         return drivers, others
 

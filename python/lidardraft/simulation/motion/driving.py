@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from zlib import crc32
 
 import numpy as np
@@ -29,9 +29,12 @@ _STANDS, _ROLLS = 0.1, 1.5  # m/s: who wants to be slower than that stands; from
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
 _AWAY = 1e6  # m, where nobody is
 _BESIDE = 3  # halves of a lane that who overtakes is beside the middle of its own, at most
+_SEES, _CLEAR, _TO_EDGE = 20.0, 1.0, 0.7  # m to cyclists who are passed, beside them, and from these to the lane's edge
+_HALTS, _LEFT = 8.0, 4.0  # s that a bus halts, m/s at which it has left
 _RETURN, _PASSED = 25.0, 6.0  # m over which it returns, and that it is ahead of whom it has passed then
 # Times the speed of the road, and m/s at most: estimates.
 _PACES = {"bicycle": (1.0, 5.0), "rider": (1.0, 5.0), "bus": (0.85, 22.0), "truck": (0.85, 22.0), "train": (0.85, 14.0)}
+CYCLES = frozenset({"bicycle"})  # classes of what keeps right
 _SPREAD = (0.8, 1.0)  # of the speeds of drivers, as shares of it
 
 
@@ -62,12 +65,21 @@ class Driver:
     waited: float = 0.0  # s since it came to stand
     barred: float = math.inf  # how far along it its front can go [m]
     beside: bool = False  # whether it has been beside whom it overtakes
-    returns: bool = False  # to its lane
+    returns: bool = False  # to its lane, or to its `side` of it
+    side: float = 0.0  # how far left of the middle [m]
 
     def wish(self, time: float) -> float:
         """The speed of a free way [m/s]."""
         said = [speed for when, speed in self.motion.later if when <= time]
         return min(said[-1] if said else self.usual(), self.lane.limit(self.along))
+
+    def halt(self) -> float:
+        """How far along its lane its front can go before it has halted where it is to do so [m]."""
+        if self.motion.halt is None or self.waited > _HALTS:
+            return math.inf
+        (along,), _ = self.lane.line.along_across(np.array([self.motion.halt]))
+        line = float(along) + self.body.size[0] / 2 + self.motion.gap / 2
+        return line if self.along + self.body.size[0] / 2 < line else math.inf
 
     def usual(self) -> float:
         """The speed [m/s] that it is said to have, or that of its road and kind."""
@@ -110,7 +122,7 @@ def drive(
     standing = [solid for name, body in bodies.items() if name not in moving for solid in body.solids]
     extents = {id(driver.lane): extents_in(driver.lane, standing) for driver in drivers}
     for driver in drivers:
-        driver.barred = bar_of(driver, extents[id(driver.lane)])
+        settle(driver, extents[id(driver.lane)])
     at = (track.at(times) for track in others.values())
     rows = [np.column_stack([one[:, [0, 1, 3]], np.gradient(one[:, :2], STEP, axis=0)]) for one in at]
     known = np.array(rows).reshape(-1, len(times), 5)
@@ -141,6 +153,15 @@ def extents_in(lane: Lane, solids: Sequence[Solid]) -> np.ndarray:
     return np.stack(rows, axis=1)
 
 
+def settle(driver: Driver, extents: np.ndarray) -> None:
+    """Let a driver know where it is barred by what stands, of `extents_in` its lane; cyclists keep right."""
+    driver.barred = bar_of(driver, extents)
+    if driver.body.labels & CYCLES and driver.lane.kind == "driving":
+        side = min(_TO_EDGE - driver.lane.width / 2, 0.0)
+        if bar_of(replace(driver, left=side), extents) >= driver.barred:
+            driver.returns, driver.side = True, side
+
+
 def bar_of(driver: Driver, extents: np.ndarray) -> float:
     """How far along its lane a driver's front can go: to what stands in the way, of `extents_in` that lane, or to its
     end. Where others drive on at the end of the map, the ego vehicle stops."""
@@ -158,6 +179,7 @@ class Traffic:
     def __init__(self, drivers: Sequence[Driver], others: Sequence[Body], rules: RightOfWay) -> None:
         self.drivers, self.rules = drivers, rules
         bodies = [*(driver.body for driver in drivers), *others]
+        self.cycles = np.array([bool(body.labels & CYCLES) for body in bodies], dtype=bool)
         self.sizes = np.array([body.size[:2] for body in bodies]).reshape(-1, 2)
         self.lanes: dict[int, list[int]] = {}
         for number, driver in enumerate(drivers):
@@ -183,14 +205,15 @@ class Traffic:
             rows = [self.drivers[number] for number in numbers]
             lane = rows[0].lane
             end = lane.line.length
-            along, left, first, start, returns = np.array(
-                [(row.along, row.left, row.yaw, row.start, row.returns) for row in rows]
+            along, left, first, start, off_side = np.array(
+                [(row.along, row.left, row.yaw, row.start, row.returns * (row.left - row.side)) for row in rows]
             ).T
             found[numbers, :2], found[numbers, 2] = lane.line.at(along, left), lane.line.height(along, left)
-            off = first * np.exp((start - along) / _AIM) - np.arctan(returns * left / _RETURN)
+            off = first * np.exp((start - along) / _AIM) - np.arctan(off_side / _RETURN)
             found[numbers, 3] = lane.line.heading(along) + off
-            over = np.maximum(along - end, 0.0)  # off the map it goes straight on
-            found[numbers, :2] += np.outer(over, np.diff(lane.line.at(np.array([-1e-3, 0.0]) + end), axis=0)[0] / 1e-3)
+            if (over := np.maximum(along - end, 0.0)).any():  # off the map it goes straight on
+                heading = lane.line.heading(end)
+                found[numbers, :2] += np.outer(over, (np.cos(heading), np.sin(heading)))
         return found
 
     def advance(self, time: float, others: np.ndarray, span: float = STEP) -> None:
@@ -205,22 +228,25 @@ class Traffic:
             faster = min(speed + push * span, _safe(gap - motion.gap / 2, ahead))
             driver.speed = max(faster, speed - _HARDEST * span, 0.0)
             driver.along += driver.speed * span
-            driver.waited = 0.0 if driver.speed > _ROLLS else driver.waited + span * (driver.speed < _STANDS)
-            driver.left *= math.exp(-driver.speed * span / _RETURN * driver.returns)
+            rolls = driver.speed > (_ROLLS if motion.halt is None else _LEFT)
+            driver.waited = 0.0 if rolls else driver.waited + span * (driver.speed < _STANDS)
+            driver.left += (driver.side - driver.left) * (1 - math.exp(-driver.speed * span / _RETURN * driver.returns))
 
     def _free(self, others: np.ndarray, time: float, *, starts: bool = False) -> list[tuple[float, float]]:
         """As `_ahead`, with the lines at which drivers have to wait."""
         ahead = self._ahead(others)
         holds = self.rules.holds(self.drivers, ahead, time, starts=starts)
-        fronts = (driver.along + driver.body.size[0] / 2 for driver in self.drivers)
-        return [min(one, (hold - front, 0.0)) for one, hold, front in zip(ahead, holds, fronts, strict=True)]
+        rows = zip(self.drivers, ahead, holds, strict=True)
+        return [min(one, (min(hold, who.halt()) - who.along - who.body.size[0] / 2, 0.0)) for who, one, hold in rows]
 
     def _ahead(self, others: np.ndarray) -> list[tuple[float, float]]:
         """For each driver the free way before it [m] and the speed [m/s] of who is there."""
         now = self._all(others)
         found = [(0.0, 0.0)] * len(self.drivers)
         for numbers in self.lanes.values():
-            along, left, yaw, forward, sideways = self._in_lane(self.drivers[numbers[0]].lane, now)
+            lane = self.drivers[numbers[0]].lane
+            along, left, yaw, forward, sideways = self._in_lane(lane, now)
+            cycles = self.cycles & (forward > _ROLLS) & (np.abs(left) < lane.width / 2)
             cos, sin = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
             half_along = (cos * self.sizes[:, 0] + sin * self.sizes[:, 1]) / 2
             half_across = (sin * self.sizes[:, 0] + cos * self.sizes[:, 1]) / 2
@@ -238,12 +264,24 @@ class Traffic:
                     near = float(apart[passed].min(initial=np.inf))
                     driver.beside |= near < 0.0
                     driver.returns |= driver.beside and near > _PASSED
+                elif not self.cycles[number]:
+                    self._pass(
+                        driver, (left + half_across)[cycles & (np.abs(along - driver.along - _SEES / 3) < _SEES)]
+                    )
                 gaps = np.where(in_way, along - half_along - front, np.inf)
                 nearest = int(np.argmin(gaps))
                 found[number] = min(
                     (float(gaps[nearest]), max(0.0, float(forward[nearest]))), (driver.barred - front, 0.0)
                 )
         return found
+
+    def _pass(self, driver: Driver, edges: np.ndarray) -> None:
+        """Let a driver keep left of cyclists, whose left `edges` are so far left of its lane's middle [m], if there is
+        room in the lane; it is in the middle again then."""
+        half, driver.side = driver.body.size[1] / 2, 0.0
+        room = driver.lane.width / 2 + _SIDE - half
+        if len(edges) and edges.max() + half + 2 * _SIDE <= room:
+            driver.returns, driver.side = True, max(0.0, min(room, float(edges.max()) + half + _CLEAR))
 
     def _all(self, others: np.ndarray) -> np.ndarray:
         """x, y, yaw and the velocity [M, 5] of all that move: the drivers, then the rest."""

@@ -34,6 +34,7 @@ _SOON = 1.0  # s after which who brakes or accelerates does so
 _SLOW = 0.3  # share of its usual speed that who accelerates has before
 _FASTER = 1.4  # times as fast as whom it overtakes
 _TURN_RIGHT, _TURN_LEFT, _SHORT = 0.2, 0.15, 6.5  # shares of those who turn at a junction, of less than so many m
+_SHELTER = 8.0  # m to the right of a bus and ahead of it, where it can halt at a shelter
 _BESIDE_LANE = (1.5, 6.0)  # m from the middle of a lane to a vehicle in the next
 _TURNS = {"turning-left": ("left",), "turning-right": ("right",), "turning": ("left", "right")}
 
@@ -67,7 +68,8 @@ def usual_motions(
     by_itself = [name for name in bodies if name not in given and said[name].heading != "parked"]
     for name in (name for name in by_itself if said[name].speed != 0.0):
         if bodies[name].labels & DRIVES and (drives := _along_lane(bodies[name], said[name], lanes)) is not None:
-            found[name] = drives
+            halt = _halt_of(bodies[name], drives, lanes, bodies.values()) if "bus" in bodies[name].labels else None
+            found[name] = drives if halt is None else replace(drives, halt=halt)
     for name in (name for name in by_itself if said[name].speed != 0.0 and "person" in bodies[name].labels):
         together = crossing if name in crossing else {name}
         others = [other for one, other in bodies.items() if one not in together]
@@ -108,6 +110,17 @@ def _along_lane(body: Body, asked: Asked, lanes: Sequence[Lane]) -> Motion | Non
     if motion == "accelerates":
         return replace(driver.motion, speed=_SLOW * usual, later=((_SOON, usual),))
     return driver.motion
+
+
+def _halt_of(body: Body, motion: Motion, lanes: Sequence[Lane], bodies: Iterable[Body]) -> tuple[float, float] | None:
+    """The place of the next shelter beside a bus's lane."""
+    driver, best = _driver(body, motion, lanes), (math.inf, (0.0, 0.0))
+    for x, y, *_ in (one.place for one in bodies if one.name.rpartition("/")[2].startswith("shelter")):
+        if driver is not None:
+            (along,), (left,) = (rows.tolist() for rows in driver.lane.line.along_across(np.array([[x, y]])))
+            if -_SHELTER < left < 0.0 and along > driver.along + _SHELTER:
+                best = min(best, (along, (x, y)))
+    return best[1] if best[0] < math.inf else None
 
 
 def _turn_of(body: Body, lanes: Sequence[Lane]) -> str | None:

@@ -115,8 +115,8 @@ def _moved(
             track.places[:, 2] += home[0, 2] - track.places[0, 2]
         else:
             track.places[:, 2] = home[0, 2] + ground.at(track.places)[0] - ground.at(home)[0]
-            smooth = slice(None) if isinstance(motions[name], Walk) else slice(2, 3)
-            track.places[:, smooth] = _smooth(track.places)[:, smooth]
+        smooth = slice(None) if isinstance(motions[name], Walk) else slice(2, 3)
+        track.places[:, smooth] = _smooth(track.places)[:, smooth]
     return tracks
 
 
