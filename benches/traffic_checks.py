@@ -24,7 +24,7 @@ from lidardraft.scene.check import OVERLAP_TOLERANCE, VEHICLE_LABELS, objects
 from lidardraft.scene.scenario import Scenario
 from lidardraft.scene.solids import penetration
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.motion.driving import Body
+from lidardraft.simulation.motion.driver import Body
 from lidardraft.simulation.motion.motions import DRIVES, Ground
 from lidardraft.simulation.motion.tracks import EGO_BODY, Tracks, _solid, body_of, tracks_of
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes

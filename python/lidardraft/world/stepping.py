@@ -14,7 +14,8 @@ from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk, Waypoints
 from lidardraft.scene.solids import Solid, penetration
-from lidardraft.simulation.motion.driving import Driver, Seen, Traffic, driver_of, extents_in, settle
+from lidardraft.simulation.motion.driver import Driver, driver_of
+from lidardraft.simulation.motion.driving import Seen, Traffic, extents_in, settle
 from lidardraft.simulation.motion.motions import Ground, usual_motions
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.motion.tracks import through
@@ -134,7 +135,8 @@ class Stepping:
         drivers, others = self._movers(state)
         bodies = [self._thing_of(name, actors[name]).body for name in others]
         traffic = Traffic(list(drivers.values()), bodies, self._rules)
-        watch = Seen(traffic, state.time, traffic.places())
+        people = [one.spot[:2] for name, one in actors.items() if "person" in self._thing_of(name, one).body.labels]
+        watch = Seen(traffic, state.time, traffic.places(), np.array(people).reshape(-1, 2))
         changes = {name: _gone(actors[name], state.time, time, left, watch) for name in others}
         rows = [
             _row(actors[name], [(b - a) / span for a, b in zip(actors[name].spot, after.spot, strict=True)])

@@ -7,105 +7,29 @@ in their way (Gipps, Transportation Research B 15, 1981).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from zlib import crc32
 
 import numpy as np
 
 from lidardraft.scene.lane import Lane
-from lidardraft.scene.scenario import AlongLane, Track, Walk
+from lidardraft.scene.scenario import Track, Walk
 from lidardraft.scene.solids import Solid
+from lidardraft.simulation.motion.driver import Body, Driver
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.motion.walking import walked
 
 STEP = 0.05  # s between the places of a track
-_TURN = 0.35  # rad against its lane; what is turned by more does not drive along it
 _AHEAD = 2.0  # s for which whoever follows no lane is expected to go on as now
 _SIDE = 0.2  # m that stay free beside a vehicle
 _TOUCHING = 0.5  # m by which what stands before a vehicle may reach into its box at the start
 _ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what tyres give
 _STANDS, _ROLLS = 0.1, 1.5  # m/s: who wants to be slower than that stands; from which it waits no more
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
-_AWAY = 1e6  # m, where nobody is
-_BESIDE = 3  # halves of a lane that who overtakes is beside the middle of its own, at most
 _SEES, _CLEAR, _TO_EDGE = 20.0, 1.0, 0.7  # m to cyclists who are passed, beside them, and from these to the lane's edge
-_HALTS, _LEFT = 8.0, 4.0  # s that a bus halts, m/s at which it has left
+_LEFT = 4.0  # m/s at which a bus has left its stop
 _RETURN, _PASSED = 25.0, 6.0  # m over which it returns, and that it is ahead of whom it has passed then
-# Times the speed of the road, and m/s at most: estimates.
-_PACES = {"bicycle": (1.0, 5.0), "rider": (1.0, 5.0), "bus": (0.85, 22.0), "truck": (0.85, 22.0), "train": (0.85, 14.0)}
 CYCLES = frozenset({"bicycle"})  # classes of what keeps right
-_SPREAD = (0.8, 1.0)  # of the speeds of drivers, as shares of it
-
-
-@dataclass(frozen=True, slots=True)
-class Body:
-    """An object that may move: its name and classes, x, y, z of its middle [m] and yaw, its length, width, height [m]
-    and the parts that may be bumped into."""
-
-    name: str
-    labels: frozenset[str]
-    place: tuple[float, float, float, float]
-    size: tuple[float, float, float]
-    solids: tuple[Solid, ...]
-
-
-@dataclass(slots=True, eq=False)
-class Driver:
-    """Who drives along a lane: from how far along it [m], so far left of its middle [m], at which speed [m/s]."""
-
-    body: Body
-    motion: AlongLane
-    lane: Lane
-    along: float
-    left: float
-    yaw: float  # against the lane, at the start
-    start: float  # how far along it was then [m]
-    speed: float = 0.0
-    waited: float = 0.0  # s since it came to stand
-    barred: float = math.inf  # how far along it its front can go [m]
-    beside: bool = False  # whether it has been beside whom it overtakes
-    returns: bool = False  # to its lane, or to its `side` of it
-    side: float = 0.0  # how far left of the middle [m]
-
-    def wish(self, time: float) -> float:
-        """The speed of a free way [m/s]."""
-        said = [speed for when, speed in self.motion.later if when <= time]
-        return min(said[-1] if said else self.usual(), self.lane.limit(self.along))
-
-    def halt(self) -> float:
-        """How far along its lane its front can go before it has halted where it is to do so [m]."""
-        if self.motion.halt is None or self.waited > _HALTS:
-            return math.inf
-        (along,), _ = self.lane.line.along_across(np.array([self.motion.halt]))
-        line = float(along) + self.body.size[0] / 2 + self.motion.gap / 2
-        return line if self.along + self.body.size[0] / 2 < line else math.inf
-
-    def usual(self) -> float:
-        """The speed [m/s] that it is said to have, or that of its road and kind."""
-        if self.motion.speed is not None:
-            return self.motion.speed
-        label = next((label for label in _PACES if label in self.body.labels), "")
-        share, most = _PACES.get(label, (1.0, math.inf))
-        low, high = _SPREAD
-        return min(self.lane.speed * share * (low + (high - low) * crc32(self.body.name.encode()) / 2**32), most)
-
-
-def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | None:
-    """The body as a driver in the lane that it stands in and looks along; None where there is none.
-
-    Where no lane goes on straight it turns, and of several that are one there it takes any."""
-    x, y, _, yaw = body.place
-    best, least = None, (True, True, math.inf, 0)
-    for lane in lanes:
-        (along,), (left,) = (values.tolist() for values in lane.line.along_across(np.array([[x, y]])))
-        off = math.remainder(yaw - float(lane.line.heading(np.array([along]))[0]), math.tau)
-        aside = lane.width / 2 * (_BESIDE if motion.overtakes else 1)
-        inside = 0.0 < along < lane.line.length and abs(left) < aside and abs(off) < _TURN
-        rank = lane.closed, lane.turn != motion.turn, round(abs(left), 2), crc32(f"{body.name} {lane.id}".encode())
-        if inside and lane.turn in (motion.turn, motion.turn or lane.turn) and (best is None or rank < least):
-            best, least = Driver(body, motion, lane, along, left, off, along), rank
-    return best
 
 
 def drive(
@@ -119,28 +43,44 @@ def drive(
     """The tracks of drivers at `times` [s], a step apart, and those of `walks` over roads, among `others` that move as
     they do and bodies that stand."""
     moving = {*others, *walks, *(driver.body.name for driver in drivers)}
-    standing = [solid for name, body in bodies.items() if name not in moving for solid in body.solids]
-    extents = {id(driver.lane): extents_in(driver.lane, standing) for driver in drivers}
+    standing = [body for name, body in bodies.items() if name not in moving]
+    solids = [solid for body in standing for solid in body.solids]
+    extents = {id(driver.lane): extents_in(driver.lane, solids) for driver in drivers}
     for driver in drivers:
         settle(driver, extents[id(driver.lane)])
     at = (track.at(times) for track in others.values())
     rows = [np.column_stack([one[:, [0, 1, 3]], np.gradient(one[:, :2], STEP, axis=0)]) for one in at]
     known = np.array(rows).reshape(-1, len(times), 5)
+    walking = np.array(["person" in bodies[name].labels for name in others], dtype=bool)
+    people = np.array([body.place[:2] for body in standing if "person" in body.labels]).reshape(-1, 2)
     traffic = Traffic(drivers, [bodies[name] for name in (*others, *walks)], rules)
-    traffic.begin(drivers, np.concatenate([known[:, 0], np.zeros((len(walks), 5)) + _AWAY]))
     places = np.empty((len(times), len(drivers) + len(walks), 4))
     on_foot = np.array([bodies[name].place for name in walks]).reshape(-1, 4)
+    traffic.begin(drivers, np.concatenate([known[:, 0], _rows(on_foot, _towards(on_foot, walks.values()))]))
     for step, time in enumerate(times.tolist()):
         places[step] = np.concatenate([traffic.places(), on_foot])
-        after, watch = on_foot.copy(), Seen(traffic, time, places[step, : len(drivers)])
+        seen = np.concatenate([people, on_foot[:, :2], known[walking, step, :2]])
+        after, watch = on_foot.copy(), Seen(traffic, time, places[step, : len(drivers)], seen)
         for row, walk in zip(after, walks.values(), strict=True):
             row[[0, 1, 3]] = walked(walk, tuple(row[[0, 1, 3]].tolist()), time, time + STEP, watch)[0]
-        rates = (after - on_foot)[:, :2] / STEP
-        traffic.advance(time, np.concatenate([known[:, step], np.column_stack([on_foot[:, [0, 1, 3]], rates])]))
+        traffic.advance(time, np.concatenate([known[:, step], _rows(on_foot, (after - on_foot)[:, :2] / STEP)]))
         on_foot = after
     places[:, :, 3] = np.unwrap(places[:, :, 3], axis=0)
     names = (*(driver.body.name for driver in drivers), *walks)
     return {name: Track(times, places[:, number]) for number, name in enumerate(names)}
+
+
+def _rows(places: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """x, y, yaw and velocity [N, 5] of places [N, 4]."""
+    return np.column_stack([places[:, [0, 1, 3]], rates])
+
+
+def _towards(places: np.ndarray, walks: Iterable[Walk]) -> np.ndarray:
+    """The velocities [N, 2] of people at places [N, 4] who walk on."""
+    rows = np.array([(*walk.to, walk.speed) for walk in walks]).reshape(-1, 3)
+    ways = rows[:, :2] - places[:, :2]
+    rates: np.ndarray = ways * (rows[:, 2] / np.maximum(np.hypot(*ways.T), 1e-9))[:, None]
+    return rates
 
 
 def extents_in(lane: Lane, solids: Sequence[Solid]) -> np.ndarray:
@@ -265,9 +205,8 @@ class Traffic:
                     driver.beside |= near < 0.0
                     driver.returns |= driver.beside and near > _PASSED
                 elif not self.cycles[number]:
-                    self._pass(
-                        driver, (left + half_across)[cycles & (np.abs(along - driver.along - _SEES / 3) < _SEES)]
-                    )
+                    seen = cycles & (np.abs(along - driver.along - _SEES / 3) < _SEES)
+                    self._pass(driver, (left + half_across)[seen])
                 gaps = np.where(in_way, along - half_along - front, np.inf)
                 nearest = int(np.argmin(gaps))
                 found[number] = min(
@@ -301,11 +240,13 @@ class Traffic:
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What people on foot see of the traffic at a time [s], whose drivers are at `places` f64 [D, 4]."""
+    """What people on foot see at a time [s]: the traffic, whose drivers are at `places` f64 [D, 4], and other `people`
+    f64 [P, 2]."""
 
     traffic: Traffic
     time: float
     places: np.ndarray
+    people: np.ndarray
 
     def can_cross(self, places: np.ndarray, speed: float) -> bool:
         """As `RightOfWay.lets_cross`."""

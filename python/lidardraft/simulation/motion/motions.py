@@ -20,7 +20,7 @@ from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk
 from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME, GROUND
-from lidardraft.simulation.motion.driving import Body, Driver, driver_of
+from lidardraft.simulation.motion.driver import Body, Driver, driver_of
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 
 DRIVES = frozenset({*VEHICLE_LABELS, "rider"})  # classes of what drives along lanes
@@ -66,17 +66,18 @@ def usual_motions(
     crossing = {name for name, asked in said.items() if str(asked.heading).startswith("across")}
     lanes, found = rules.ways, dict[str, Motion]()
     by_itself = [name for name in bodies if name not in given and said[name].heading != "parked"]
-    for name in (name for name in by_itself if said[name].speed != 0.0):
-        if bodies[name].labels & DRIVES and (drives := _along_lane(bodies[name], said[name], lanes)) is not None:
-            halt = _halt_of(bodies[name], drives, lanes, bodies.values()) if "bus" in bodies[name].labels else None
-            found[name] = drives if halt is None else replace(drives, halt=halt)
-    for name in (name for name in by_itself if said[name].speed != 0.0 and "person" in bodies[name].labels):
-        together = crossing if name in crossing else {name}
-        others = [other for one, other in bodies.items() if one not in together]
-        way = _Way(bodies[name], said[name].speed or _WALKING, duration, ground)
-        standing = [one for one in others if one.name not in found]
-        walk = None if name in crossing else _over_road(way, rules, standing)
-        if (walk := walk or _free_walk(way, others, name in crossing)) is not None:
+    by_itself = [name for name in by_itself if said[name].speed != 0.0]
+    for name in (name for name in by_itself if bodies[name].labels & DRIVES):
+        if (drives := _along_lane(bodies[name], said[name], lanes)) is not None:
+            found[name] = _with_halt(drives, bodies[name], lanes, bodies.values())
+    for name in (name for name in by_itself if "person" in bodies[name].labels):
+        body, crosses = bodies[name], name in crossing
+        others = [other for one, other in bodies.items() if one not in (crossing if crosses else {name})]
+        way = _Way(body, said[name].speed or _WALKING, duration, ground)
+        if way.road.any():  # it looks out for those who drive
+            others = [one for one in others if one.name not in found]
+        walk = (None if crosses else _over_road(way, rules, others)) or _free_walk(way, others, crosses)
+        if walk is not None:
             found[name] = walk
     for name in ("ego", *intent.objects):
         if name in bodies and said[name].motion == "overtakes":
@@ -112,15 +113,15 @@ def _along_lane(body: Body, asked: Asked, lanes: Sequence[Lane]) -> Motion | Non
     return driver.motion
 
 
-def _halt_of(body: Body, motion: Motion, lanes: Sequence[Lane], bodies: Iterable[Body]) -> tuple[float, float] | None:
-    """The place of the next shelter beside a bus's lane."""
-    driver, best = _driver(body, motion, lanes), (math.inf, (0.0, 0.0))
-    for x, y, *_ in (one.place for one in bodies if one.name.rpartition("/")[2].startswith("shelter")):
-        if driver is not None:
-            (along,), (left,) = (rows.tolist() for rows in driver.lane.line.along_across(np.array([[x, y]])))
-            if -_SHELTER < left < 0.0 and along > driver.along + _SHELTER:
-                best = min(best, (along, (x, y)))
-    return best[1] if best[0] < math.inf else None
+def _with_halt(motion: Motion, body: Body, lanes: Sequence[Lane], bodies: Iterable[Body]) -> Motion:
+    """That of a bus with a halt at the next shelter beside its lane, if there is one."""
+    driver = _driver(body, motion, lanes) if "bus" in body.labels else None
+    if driver is None or not isinstance(motion, AlongLane):
+        return motion
+    shelters = [one.place[:2] for one in bodies if one.name.rpartition("/")[2].startswith("shelter")]
+    along, left = driver.lane.line.along_across(np.array(shelters).reshape(-1, 2))
+    beside = (left < 0.0) & (left > -_SHELTER) & (along > driver.along + _SHELTER)
+    return replace(motion, halt=shelters[int(np.where(beside, along, np.inf).argmin())]) if beside.any() else motion
 
 
 def _turn_of(body: Body, lanes: Sequence[Lane]) -> str | None:

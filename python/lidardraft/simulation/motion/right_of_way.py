@@ -8,7 +8,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 from zlib import crc32
 
 import numpy as np
@@ -16,12 +15,11 @@ import numpy as np
 from lidardraft.scene.lane import Junction, Lane
 from lidardraft.scene.pose import rotation
 from lidardraft.scene.road_network import RoadNetwork
-
-if TYPE_CHECKING:
-    from lidardraft.simulation.motion.driving import Driver
+from lidardraft.simulation.motion.driver import Driver
 
 # Lights: the first road of a junction and those along it, then the others. Seconds, estimates.
-_GREEN, _AMBER, _ALL_RED = (18.0, 12.0), 3.0, 2.0
+_GREEN, _AMBER, _ALL_RED = (18.0, 8.0), 3.0, 1.5
+_FIRST = (-6.0, 12.0)  # s since the first road has had green at the time 0, so that it has not to wait for long
 _CYCLE = sum(_GREEN) + 2 * (_AMBER + _ALL_RED)
 
 _SAMPLED, _BESIDE = 1.0, 2.2  # m along ways, and between the middles of two that are in each other's way
@@ -103,7 +101,7 @@ class RightOfWay:
         for number, passage in enumerate(self.passages):
             self.of_way.setdefault(id(passage.way), []).append(number)
         lengths = [f"{lane.line.length:.2f}" for lane in (() if roads is None else roads.lanes)]
-        self._offset = crc32(" ".join(lengths).encode()) / 2**32 * _CYCLE
+        self._offset = _FIRST[0] + crc32(" ".join(lengths).encode()) / 2**32 * (_FIRST[1] - _FIRST[0])
 
     def is_green(self, phase: int, time: float) -> bool:
         """Whether those of a phase may go [s]."""
@@ -121,7 +119,8 @@ class RightOfWay:
         holds = [math.inf] * len(drivers)
         for some in users.values():
             for user in some:
-                if not user.committed and (user.held or self._is_in_way(user, users)):
+                gives = user.driver.motion.gives_way and not user.committed
+                if gives and (user.held or self._is_in_way(user, users)):
                     holds[user.number] = min(holds[user.number], user.passage.line)
         return holds
 
@@ -191,7 +190,7 @@ class RightOfWay:
                 behind = free < room and speed < _SLOW
                 held = passage.phase is not None and not self.is_green(passage.phase, time)
                 if not driver.motion.gives_way:
-                    committed, held = True, False
+                    committed, held = committed or driver.speed > _SLOW, False
                 yield _User(number, driver, passage, front, rear, committed, held, behind), index
 
     def _is_in_way(self, user: _User, users: dict[int, list[_User]]) -> bool:
@@ -227,7 +226,9 @@ def _goes_first(user: _User, in_it: float, zone: Zone, other: _User, theirs_in: 
     waited, theirs = user.driver.waited, other.driver.waited
     if max(waited, theirs) > _PATIENCE:
         return (waited, other.number) > (theirs, user.number)
-    return zone.gives < 0 if zone.gives else (in_it, user.number) < (theirs_in, other.number)
+    if zone.gives or not other.driver.motion.gives_way:
+        return zone.gives < 0 and other.driver.motion.gives_way
+    return (in_it, user.number) < (theirs_in, other.number)
 
 
 def _seconds(way: float, speed: float, top: float) -> float:

@@ -18,7 +18,8 @@ from lidardraft.scene.layout import Layout, Primitive, box_around
 from lidardraft.scene.scenario import AlongLane, Motion, Scenario, Straight, Track, Walk, Waypoints
 from lidardraft.scene.solids import Solid, penetration
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.motion.driving import STEP, Body, Driver, drive, driver_of
+from lidardraft.simulation.motion.driver import Body, Driver, driver_of
+from lidardraft.simulation.motion.driving import STEP, drive
 from lidardraft.simulation.motion.motions import Ground, usual_motions
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.roads import with_known_roads
@@ -72,7 +73,7 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
         free = {name: motion for name, motion in free.items() if name not in stopped}
     for (one, other), time in collisions:
         raise LayoutError(f"{one} and {other} collide after {time:.1f} s; change the motion of one of them")
-    _check_on_road(tracks, bodies, set(given), ground)
+    _check_on_road(tracks, bodies, {name for name in given if not isinstance(given[name], AlongLane)}, ground)
     return Tracks(tracks.pop("ego"), {name: track for name, track in tracks.items() if track.moves()})
 
 
@@ -188,7 +189,7 @@ def _solid(body: Body, place: np.ndarray) -> Solid:
 
 
 def _check_on_road(tracks: Mapping[str, Track], bodies: Mapping[str, Body], named: set[str], ground: Ground) -> None:
-    """Raises `LayoutError` where a vehicle that stands on a road at first is beside it later."""
+    """Raises `LayoutError` where a vehicle that stands on a road at first and follows no lane is beside it later."""
     for name in named & set(tracks):
         if name != "ego" and not bodies[name].labels & set(VEHICLE_LABELS):
             continue

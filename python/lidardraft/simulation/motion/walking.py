@@ -9,7 +9,8 @@ import numpy as np
 
 from lidardraft.scene.scenario import Walk
 
-_STEP = 0.5  # m ahead that have to be free
+_MEETS = (2.5, 0.9)  # m ahead and beside it where others are passed
+_STEP = 0.6  # m ahead that have to be free
 _LOOKS = 0.4  # s between the times at which who waits looks
 
 
@@ -21,6 +22,10 @@ class Watch(Protocol):
 
     def is_free(self, x: float, y: float) -> bool:
         """Whether nobody drives or stands there."""
+
+    @property
+    def people(self) -> np.ndarray:
+        """x, y [P, 2] of all on foot."""
 
 
 def walked(
@@ -38,9 +43,23 @@ def walked(
             looks = math.floor(begin / _LOOKS) != math.floor(end / _LOOKS)
             if not (looks and watch.can_cross(there, walk.speed)):
                 return place, False
-        elif last < rest < first and not watch.is_free(x + _STEP * ahead[0], y + _STEP * ahead[1]):
-            return place, False
     if way >= rest:
         return (*walk.to, yaw), True
     yaw += math.remainder(math.atan2(ahead[1], ahead[0]) - yaw, math.tau)
+    if any(last < rest < first for first, last in walk.crosses):
+        on, aside = _passing(watch.people - (x, y), ahead)
+        ahead = (on * ahead[0] - aside * ahead[1], on * ahead[1] + aside * ahead[0])
+        if not watch.is_free(x + _STEP * ahead[0], y + _STEP * ahead[1]):
+            return place, False
     return (x + way * ahead[0], y + way * ahead[1], yaw), False
+
+
+def _passing(off: np.ndarray, ahead: tuple[float, float]) -> tuple[float, float]:
+    """How far ahead and left it steps, of 1 m, to pass others who are `off` it [P, 2]."""
+    along, left = off @ np.array(ahead), off @ np.array((-ahead[1], ahead[0]))
+    met = np.flatnonzero((along > 0.0) & (along < _MEETS[0]) & (np.abs(left) < _MEETS[1]))
+    if not len(met):
+        return 1.0, 0.0
+    nearest = met[int(along[met].argmin())]
+    aside = -1.0 if left[nearest] >= 0.0 else 1.0
+    return (0.0, aside) if along[nearest] < _MEETS[1] else (math.sqrt(0.5), aside * math.sqrt(0.5))
