@@ -67,8 +67,8 @@ class RoadNetwork:
         drawn: tuple[Drawn, ...] | None = None,
         ground: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> None:
-        self._flat, self.crossings, self.paved, self.drawn, self._ground = street, crossings, paved, drawn, ground
-        self._given = (lanes, junctions, signals)
+        self._flat, self.paved, self.drawn, self._ground = street, paved, drawn, ground
+        self._given, self._crossings = (lanes, junctions, signals), crossings
         if street is None:
             self._check()
         elif any(self._given):
@@ -100,6 +100,11 @@ class RoadNetwork:
     def signals(self) -> tuple[Signal, ...]:
         """Lights and signs."""
         return self._made[2]
+
+    @property
+    def crossings(self) -> tuple[Crossing, ...]:
+        """Where people cross, with the zebras of a street."""
+        return self._crossings if self._flat is None else (*self._crossings, *self._flat.crossings())
 
     def _check(self) -> None:
         for what in ("lanes", "junctions", "crossings", "signals"):
@@ -290,7 +295,7 @@ class RoadNetwork:
     def _fields(self) -> dict[str, Any]:
         """What the network is made from: a street without the lanes that follow from it."""
         lanes, junctions, signals = self._given
-        given = {"lanes": lanes, "junctions": junctions, "signals": signals}
+        given = {"lanes": lanes, "junctions": junctions, "signals": signals, "crossings": self._crossings}
         return {name: given[name] if name in given else getattr(self, name) for name in _FIELDS}
 
     def to_dict(self) -> dict[str, Any]:

@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lidardraft.errors import LayoutError, check_that
-from lidardraft.scene.lane import Junction, Lane, Pavement, Signal
+from lidardraft.scene.lane import Crossing, Junction, Lane, Pavement, Signal
 from lidardraft.scene.line import Line
-from lidardraft.scene.pose import Place, rotation
+from lidardraft.scene.pose import Place, in_frame, rotation
 from lidardraft.scene.road import KERB_HEIGHT, LEFT, PARKING_STRIP, RIGHT, RING, SIDES, TERRAIN_HEIGHT, Road
 
 # Limits [m/s] of the German road code (StVO).
@@ -31,6 +31,7 @@ _GIVES_WAY = 2.0  # from where traffic waits that gives way
 _AISLE_END = 2.5  # at either end of an aisle that is not driven in
 _AISLE_OFF = 1.4  # from the middle of an aisle to that of each way
 _JUNCTION_GAP = 2.0  # between the lane of a roundabout, or the road, and the lanes that lead to it
+_ZEBRA = 4.0  # along the road
 _CORNER = 1.0  # from the road that is crossed to where turns begin and end
 _SHORTEST = 12.0  # a piece of the road before or behind a roundabout
 _TWO_LANES = 6.0  # width from which a one-way street has two
@@ -99,10 +100,10 @@ class StreetFrame:
 
     `speed` [m/s] is its limit, None that of where it leads. `parked` are the sides where cars are parked in the
     outermost of several lanes or beside the only one (`LEFT`, `RIGHT`); None where the lanes are those of `road`. With
-    `one_way` all the room between them leads in the ego's direction. `aisles` are the middle across and from
-    and to along [m] of those of its car park, `lights` is
-    whether the junction has traffic lights. `relief` holds, for each of its lanes and then of its ways, the height [m]
-    and the slope to the left of each of its points; empty on level ground.
+    `one_way` all the room between them leads in the ego's direction. `aisles` are the middle across and from and to
+    along [m] of those of its car park, `lights` is whether the junction has traffic lights, `zebras` are where people
+    cross the road [m along]. `relief` holds, for each of its lanes and then of its ways, the height [m] and the slope
+    to the left at even distances; empty on level ground.
     """
 
     road: Road
@@ -116,12 +117,19 @@ class StreetFrame:
     one_way: bool = False
     aisles: tuple[tuple[float, float, float], ...] = ()
     lights: bool = False
+    zebras: tuple[float, ...] = ()
     relief: tuple[tuple[tuple[float, float], ...], ...] = ()
 
     def __post_init__(self) -> None:
         check_that(self.speed is None or self.speed > 0.0, "street: speed", self.speed, "over 0 m/s, or null")
         check_that(set(self.parked or ()) <= set(SIDES), "street: parked", self.parked, "of 1 (left) and -1 (right)")
         check_that(self.ends is None or self.ends[0] < self.ends[1], "street: ends", self.ends, "from less to more")
+
+    def crossings(self) -> tuple[Crossing, ...]:
+        """Its zebras, in the frame of the layout."""
+        own = [in_frame(self.road.at(along, 0.0), self.place) for along in self.zebras]
+        size = (_ZEBRA, 2 * self.road.edge)
+        return tuple(Crossing(id=f"zebra_{number}", place=place, size=size) for number, place in enumerate(own))
 
     def over(self, height: Callable[[np.ndarray], np.ndarray]) -> StreetFrame:
         """The same street on ground whose `height` f64 [N] is known at points [N, 2] of the layout's frame."""
