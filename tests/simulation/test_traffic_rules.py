@@ -90,7 +90,7 @@ def test_a_side_road_waits_for_a_gap_and_then_goes() -> None:
     tracks = moved(layout_of(road, side, *main), 25.0, car_1=AlongLane(8.0))
     waited = standing(tracks["car_1"])
     assert waited.any()
-    assert 7.0 < tracks["car_1"].places[waited, 1].min() < 12.0
+    assert 11.0 < tracks["car_1"].places[waited, 1].min() < 14.0
     last = max(passed(tracks[f"car_{number}"], 80.0) for number in (2, 3, 4))
     crossed = tracks["car_1"].times[int(np.argmax(tracks["car_1"].places[:, 1] < 0.0))]
     assert last < crossed < last + 8.0
@@ -111,7 +111,7 @@ def test_nobody_waits_for_ever_where_all_have_to_give_way() -> None:
     crowd = [thing("car", 41.75, -14.0 - 7 * k, math.pi / 2, number=1 + k) for k in range(3)]
     crowd += [thing("car", 38.25, 17.0 + 7 * k, -math.pi / 2, number=4 + k) for k in range(3)]
     flow = [thing("car", 60.0 + 15 * k, 3.5, math.pi, number=7 + k) for k in range(8)]
-    tracks = moved(layout_of(road, *crowd, *flow), 60.0)
+    tracks = moved(layout_of(road, *crowd, *flow), 45.0)
     for number in range(1, 15):
         assert math.dist(tracks[f"car_{number}"].places[-1, :2], (40.0, 1.75)) > 15.0
 
@@ -130,9 +130,10 @@ def test_a_side_road_of_a_t_junction_turns_and_a_roundabout_is_driven_through() 
 def test_people_wait_for_a_car_and_cross_at_a_zebra_and_a_car_yields() -> None:
     road = Road(sidewalk=3.0, half_length=120.0)
     person = thing("person", 40.0, -3.5, math.pi / 2)
-    near = moved(layout_of(road, person, thing("car", 28.0, 0.0), zebras=(40.0,)), 20.0)
-    entered = passed(Track(near["person_1"].times, near["person_1"].places[:, [1, 0, 2, 3]]), -1.75)
-    assert passed(near["car_1"], 42.1) < entered  # which cannot stop any more
+    corner, comes = Road(sidewalk=3.0, half_length=120.0, junction=44.8), thing("car", 10.0, 0.0)
+    near = moved(layout_of(corner, person, comes), 20.0, car_1=AlongLane(9.0))
+    entered = passed(Track(near["person_1"].times, near["person_1"].places[:, [1, 0, 2, 3]]), -1.0)
+    assert passed(near["car_1"], 42.0) < entered
     assert near["person_1"].places[-1, 1] > 5.0
     far = moved(layout_of(road, person, thing("car", 2.0, 0.0), zebras=(40.0,)), 20.0)
     entered = passed(Track(far["person_1"].times, far["person_1"].places[:, [1, 0, 2, 3]]), -1.75)
@@ -179,7 +180,7 @@ def test_rules_of_a_world_are_those_of_a_sequence_and_its_file_goes_on_alike() -
     again = World(WorldState.from_json(world.state().to_json()), SMALL)
     for name in ("car_1", "car_2", "person_1"):
         there = tracks.actors[name].at(np.array([6.0]))[0]
-        assert world[name].pose[:2] == pytest.approx(there[:2].tolist(), abs=0.3)
+        assert world[name].pose[:2] == pytest.approx(there[:2].tolist(), abs=0.5)
     for one in (world, again):
         one.step(3.0)
     assert world.state().to_json() == again.state().to_json()
