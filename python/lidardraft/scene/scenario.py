@@ -43,8 +43,8 @@ class AlongLane:
 
     `later` are changes of the speed, (time [s], speed) each. It keeps `gap` [m] plus the way of `headway` [s] to
     whoever is ahead, by the Intelligent Driver Model (Treiber, Hennecke and Helbing, Physical Review E 62, 2000), and
-    stops where the lane ends, and on a side road before the junction, unless it need not give way. At the junction it
-    may `turn` "left" or "right". Who `overtakes` goes beside its lane, and returns to it once it has passed somebody.
+    stops before junctions as lights and signs have it, unless it need not give way. At the junction it may `turn`
+    "left" or "right". Who `overtakes` goes beside its lane, and returns to it once it has passed somebody.
     It halts beside the place `halt` x, y [m], as a bus at its stop, for some seconds.
     """
 
