@@ -379,7 +379,7 @@ RIGHT = ((0.0, 10.0, 0.0), (2.0, 20.0, 0.0))
     ("scenario", "said"),
     [
         (Scenario(None, {"car_9": Straight(1.0)}), "no object 'car_9'; did you mean 'car_2'"),
-        (Scenario(Straight(9.0)), "ego and car_1 collide after"),
+        (Scenario(Straight(9.0), {"car_1": Straight(0.0)}), "ego and car_1 collide after"),
         (Scenario(None, {"car_1": Waypoints(((0, 12, 0), (3, 12, 30)))}), "car_1 leaves the road after"),
         (Scenario(Waypoints(((0, 0, 0), (3, -30, 20)))), "ego leaves the road after"),
         (Scenario(None, {"car_2": AlongLane()}), "car_2 stands in no lane"),

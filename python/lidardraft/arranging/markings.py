@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,12 +74,11 @@ def road_markings(
     car_park: CarPark | None,
     speed: float,
     rng: np.random.Generator,
-    *,
-    crossings: Sequence[float] = (),
 ) -> np.ndarray:
-    """Painted rectangles [n, 4] of the road's frame: from and to along, from and to across [m].
+    """Painted rectangles [n, 4] of the road's frame: from and to along, from and to across [m], without zebras
+    but those of junctions.
 
-    `speed` [m/s] is the limit on the road. There are zebras at `crossings` [m along], or else perhaps one.
+    `speed` [m/s] is the limit on the road.
     """
     spans: list[Span] = []
     more = rng.spawn(1)[0]  # it leaves what follows in a street as it is
@@ -95,14 +94,23 @@ def road_markings(
     if car_park is not None:
         rows = [across for across, _ in car_park.rows]
         spans += bay_lines(car_park.paved_area.along, rows, car_park.gate)
-    if not crossings and road.sidewalk > 0 and speed > CALM and rng.random() < _ZEBRAS:
-        place = rng.uniform(-_ZEBRA_PLACE, _ZEBRA_PLACE) * road.half_length
-        crossings = () if road.in_junction(place, _ZEBRA_JUNCTION) else (place,)
     if road.junction is not None and not road.roundabout_radius and road.sidewalk > 0 and more.random() < _CROSSED:
         off = (road.edge + road.verge) / 2
-        crossings = (*crossings, road.junction - off, road.junction + off)
-    spans += [bar for along in crossings for bar in _zebra(road, along)]
+        spans += [bar for side in SIDES for bar in _zebra(road, road.junction + side * off)]
     return np.array(spans).reshape(-1, 4)
+
+
+def sample_zebras(road: Road, speed: float, rng: np.random.Generator) -> tuple[float, ...]:
+    """Where a road with a limit [m/s] has zebras [m along]: there is perhaps one."""
+    if road.sidewalk == 0 or speed <= CALM or rng.random() >= _ZEBRAS:
+        return ()
+    place = float(rng.uniform(-_ZEBRA_PLACE, _ZEBRA_PLACE) * road.half_length)
+    return () if road.in_junction(place, _ZEBRA_JUNCTION) else (place,)
+
+
+def zebras(road: Road, places: Iterable[float]) -> np.ndarray:
+    """The bars of zebras at places [m along], as `road_markings`."""
+    return np.array([bar for along in places for bar in _zebra(road, along)]).reshape(-1, 4)
 
 
 def _lines(road: Road, lanes: tuple[Path, ...], speed: float) -> list[Line]:

@@ -18,7 +18,7 @@ from lidardraft.arranging.gardens import (
     place_yard_objects,
 )
 from lidardraft.arranging.ground import Ground
-from lidardraft.arranging.markings import road_markings
+from lidardraft.arranging.markings import road_markings, sample_zebras, zebras
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.road_equipment import place_road_equipment, place_traffic_lights
 from lidardraft.arranging.roadside import (
@@ -85,7 +85,9 @@ def sample_frame(rng: np.random.Generator, half_length: float, mix: StreetMix) -
         aisles=() if car_park is None else tuple((across, *car_park.paved_area.along) for across in car_park.aisles),
         lights=lights,
     )
-    occupancy.ground.paint(road_markings(road, paths_of(street), car_park, district.speed, rng))
+    spans = road_markings(road, paths_of(street), car_park, district.speed, rng)
+    street = replace(street, zebras=sample_zebras(road, district.speed, rng))
+    occupancy.ground.paint(np.concatenate([spans, zebras(road, street.zebras)]))
     return Frame(district, street, occupancy, car_park), name
 
 

@@ -14,7 +14,7 @@ from lidardraft.scene.line import Line
 from lidardraft.scene.pose import Place
 
 LANE_KINDS = ("driving", "aisle", "parking", "shoulder", "cycling", "sidewalk")
-_TURNING, _EASING = 5.0, 1.5  # m/s in a turn, m/s2 on the way to it
+_TURNING, _SIDEWAYS, _EASING = 5.0, 2.5, 1.5  # m/s in a turn at most, m/s2 sideways there, and on the way to it
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
@@ -24,7 +24,8 @@ class Lane:
     `kind` is one of LANE_KINDS, `width` [m] is that of all of it, `speed` [m/s] the limit. `left` and `right` are the
     ids of lanes of the same direction beside it, `successors` those that begin where it ends, `junction` is the id of
     the one that it leads through. Those who give way wait `stop` [m] along it. One that turns, "left" or "right", does
-    so from and to along it: `bend` [m]. Raises `LayoutError` naming the lane and an invalid value.
+    so from and to along it: `bend` [m]. One that is `closed` ends where nobody can drive on, as at a kerb. Raises
+    `LayoutError` naming the lane and an invalid value.
     """
 
     id: str
@@ -40,6 +41,7 @@ class Lane:
     stop: float | None = None
     turn: str | None = None
     bend: tuple[float, float] = (0.0, 0.0)
+    closed: bool = False
 
     def __post_init__(self) -> None:
         with named(f"lane {self.id}"):
@@ -53,8 +55,11 @@ class Lane:
 
     def limit(self, along: float) -> float:
         """The speed [m/s] at a place along it from which a turn can be taken."""
-        before = max(0.0, self.bend[0] - along)
-        return math.sqrt(_TURNING**2 + 2 * _EASING * before) if along < self.bend[1] else math.inf
+        if along >= self.bend[1]:
+            return math.inf
+        radius = (self.bend[1] - self.bend[0]) / (math.pi / 2)
+        turning = min(_TURNING**2, _SIDEWAYS * radius)
+        return math.sqrt(turning + 2 * _EASING * max(0.0, self.bend[0] - along))
 
     def leads_along(self, lane: Lane) -> bool:
         """Whether a way leads through a lane."""

@@ -70,16 +70,15 @@ class Line:
 
     def along_across(self, points: np.ndarray, *, beyond: bool = True) -> tuple[np.ndarray, np.ndarray]:
         """Along and across [N] of points [N, 2]; also before its begin and `beyond` its end, as if it went on there."""
-        steps = np.diff(self.middle, axis=0)
         lengths = np.diff(self.along)
-        ahead = steps / lengths[:, None]
-        off = points[:, None] - self.middle[None, :-1]
-        share = (off * ahead).sum(axis=-1)
+        ahead, left = (np.diff(self.middle, axis=0) / lengths[:, None]).T
+        x, y = (points[:, None, k] - self.middle[None, :-1, k] for k in (0, 1))
+        share = x * ahead + y * left
         clipped = np.clip(share, 0.0, lengths)
         if beyond:
             clipped[:, 0] = np.minimum(share[:, 0], lengths[0])
             clipped[:, -1] = np.maximum(share[:, -1], clipped[:, -1])
-        across = off[..., 1] * ahead[:, 0] - off[..., 0] * ahead[:, 1]
+        across = y * ahead - x * left
         best = np.argmin((share - clipped) ** 2 + across**2, axis=1)
         row = np.arange(len(points))
         return self.along[best] + clipped[row, best], across[row, best]

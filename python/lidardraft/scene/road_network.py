@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import heapq
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any
@@ -19,6 +19,7 @@ from lidardraft.scene.pose import Place, in_frame
 from lidardraft.scene.street import StreetFrame
 
 MEETS = 0.5  # m that a lane may end from where its successor begins
+_STRAIGHT_ON, _BACK = math.pi / 4, 3 * math.pi / 4  # rad by which one who turns does so, and who goes back
 _CHANGE = 20.0  # m that a change of lanes counts as much as, in a route
 
 
@@ -66,8 +67,8 @@ class RoadNetwork:
         drawn: tuple[Drawn, ...] | None = None,
         ground: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> None:
-        self._flat, self.crossings, self.paved, self.drawn, self._ground = street, crossings, paved, drawn, ground
-        self._given = (lanes, junctions, signals)
+        self._flat, self.paved, self.drawn, self._ground = street, paved, drawn, ground
+        self._given, self._crossings = (lanes, junctions, signals), crossings
         if street is None:
             self._check()
         elif any(self._given):
@@ -99,6 +100,11 @@ class RoadNetwork:
     def signals(self) -> tuple[Signal, ...]:
         """Lights and signs."""
         return self._made[2]
+
+    @property
+    def crossings(self) -> tuple[Crossing, ...]:
+        """Where people cross, with the zebras of a street."""
+        return self._crossings if self._flat is None else (*self._crossings, *self._flat.crossings())
 
     def _check(self) -> None:
         for what in ("lanes", "junctions", "crossings", "signals"):
@@ -218,7 +224,8 @@ class RoadNetwork:
         Those of a street are sampled as its sequences are; of other networks, lanes are joined at their ends.
         """
         if self.street is not None:
-            return self.street.ways()
+            ring = self.street.road.roundabout_radius is not None
+            return (*self.street.ways(), *(self._around() if ring else self._from_side_roads()))
         before = {after: lane for lane in self.lanes for after in lane.successors}
         ways, covered = list[Lane](), set[str]()
         for lane in sorted(self.lanes, key=lambda lane: lane.junction is None):
@@ -227,6 +234,38 @@ class RoadNetwork:
                 covered |= {one.id for one in chain}
                 ways.append(_joined(chain, lane))
         return tuple(ways)
+
+    def _from_side_roads(self) -> Iterator[Lane]:
+        """The ways of a street that turn into its road."""
+        for start in (lane for lane in self.lanes if lane.road != "road"):
+            for turn in (after for after in self.successors(start) if after.turn is not None):
+                yield _joined([start, turn, *self.successors(turn)], turn)
+
+    def _around(self) -> Iterator[Lane]:
+        """The ways of a street through its roundabout and out of it."""
+        through = {lane.id for lane in self.lanes if lane.junction is not None}
+        exits = {self._by_id[lane.successors[0]].id: lane for lane in self.lanes if lane.id.startswith("ring>")}
+        for start in (lane for lane in self.lanes if through.intersection(lane.successors)):
+            if start.junction is None:
+                for out, leaves in exits.items():
+                    turned = _turned(start.line, self._by_id[out].line)
+                    beside = (start.right is None) == (self._by_id[out].right is None)
+                    if abs(turned) < _BACK and beside:
+                        chain = [start, *self._along(self.successors(start)[0], leaves), self._by_id[out]]
+                        turn = None if abs(turned) < _STRAIGHT_ON else "left" if turned > 0.0 else "right"
+                        yield replace(_joined(chain, chain[1], *chain[2:-1]), turn=turn, speed=start.speed)
+        for out, leaves in exits.items():
+            (last,) = (lane for lane in self.lanes if leaves.id in lane.successors)
+            ring = self._along(self._by_id[last.successors[0]], leaves)
+            yield replace(_joined([*ring, self._by_id[out]], *ring), speed=self._by_id[out].speed)
+
+    def _along(self, first: Lane, last: Lane) -> list[Lane]:
+        """The lanes from one in a roundabout to one that leaves it."""
+        lanes = [first]
+        while lanes[-1] is not last:
+            after = lanes[-1].successors
+            lanes.append(last if last.id in after else self._by_id[after[0]])
+        return lanes
 
     def _chain(self, middle: Lane, before: Mapping[str, Lane]) -> list[Lane]:
         """The lanes through which one leads on, straight where it can, and from as far before it."""
@@ -256,7 +295,7 @@ class RoadNetwork:
     def _fields(self) -> dict[str, Any]:
         """What the network is made from: a street without the lanes that follow from it."""
         lanes, junctions, signals = self._given
-        given = {"lanes": lanes, "junctions": junctions, "signals": signals}
+        given = {"lanes": lanes, "junctions": junctions, "signals": signals, "crossings": self._crossings}
         return {name: given[name] if name in given else getattr(self, name) for name in _FIELDS}
 
     def to_dict(self) -> dict[str, Any]:
@@ -272,8 +311,13 @@ class RoadNetwork:
         return cls(**{name: read_as(_FIELDS[name], value, name) for name, value in fields.items()})
 
 
-def _joined(chain: Sequence[Lane], middle: Lane) -> Lane:
-    """The lanes of a chain as one, that turns as the middle one does."""
+def _turned(before: Line, after: Line) -> float:
+    """By how much one turns [rad] from the end of a line to the begin of another."""
+    return math.remainder(float(after.heading(0.0) - before.heading(before.length)), math.tau)
+
+
+def _joined(chain: Sequence[Lane], middle: Lane, *more: Lane) -> Lane:
+    """The lanes of a chain as one, that turns as the middle one does, or as several in a row do."""
     lines = [np.array(lane.line.written()["points"]) for lane in chain]
     starts = np.cumsum([0.0, *(lane.line.length for lane in chain)]).tolist()
     stops = [start + lane.stop for start, lane in zip(starts, chain, strict=False) if lane.stop is not None]
@@ -284,5 +328,5 @@ def _joined(chain: Sequence[Lane], middle: Lane) -> Lane:
         line=Line.through(np.concatenate([lines[0], *(line[1:] for line in lines[1:])])),
         successors=(),
         stop=stops[0] if stops else None,
-        bend=(begin, begin + middle.line.length) if middle.turn else (0.0, 0.0),
+        bend=(begin, begin + sum(one.line.length for one in (middle, *more))) if middle.turn or more else (0.0, 0.0),
     )

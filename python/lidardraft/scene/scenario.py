@@ -43,8 +43,9 @@ class AlongLane:
 
     `later` are changes of the speed, (time [s], speed) each. It keeps `gap` [m] plus the way of `headway` [s] to
     whoever is ahead, by the Intelligent Driver Model (Treiber, Hennecke and Helbing, Physical Review E 62, 2000), and
-    stops where the lane ends, and on a side road before the junction, unless it need not give way. At the junction it
-    may `turn` "left" or "right". Who `overtakes` goes beside its lane, and returns to it once it has passed somebody.
+    stops before junctions as lights and signs have it, unless it need not give way. At the junction it may `turn`
+    "left" or "right". Who `overtakes` goes beside its lane, and returns to it once it has passed somebody.
+    It halts beside the place `halt` x, y [m], as a bus at its stop, for some seconds.
     """
 
     speed: float | None = None
@@ -54,6 +55,7 @@ class AlongLane:
     turn: str | None = None
     overtakes: bool = False
     gives_way: bool = True
+    halt: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         if self.speed is not None:
@@ -65,6 +67,8 @@ class AlongLane:
         _check("headway", self.headway, 0.0, 60.0, "s")
         if self.turn not in (None, "left", "right"):
             raise LayoutError(f"turn is {self.turn!r:.80}; it must be left or right")
+        if self.halt is not None:
+            object.__setattr__(self, "halt", _place("halt", self.halt))
         for name in ("overtakes", "gives_way"):
             if type(getattr(self, name)) is not bool:
                 raise LayoutError(f"{name} is {getattr(self, name)!r:.80}; it must be true or false")
@@ -72,18 +76,21 @@ class AlongLane:
 
 @dataclass(frozen=True, slots=True)
 class Walk:
-    """Straight to the place `to`, x and y [m] of the layout, at `speed` [m/s] from the time `start` [s] on."""
+    """Straight to the place `to`, x and y [m] of the layout, at `speed` [m/s] from the time `start` [s] on. Before it
+    `crosses` roads, from and to so far [m] before that place, it waits until it can."""
 
     to: tuple[float, float]
     speed: float = 1.4
     start: float = 0.0
+    crosses: tuple[tuple[float, float], ...] = ()
 
     def __post_init__(self) -> None:
-        if not are_numbers(self.to, 2) or max(map(abs, self.to)) > _FURTHEST:
-            raise LayoutError(f"to is {self.to!r:.80}; it must be x and y within {_FURTHEST:g} m")
-        object.__setattr__(self, "to", (float(self.to[0]), float(self.to[1])))
+        object.__setattr__(self, "to", _place("to", self.to))
         _check("speed", self.speed, 0.01, FASTEST, "m/s")
         _check("start", self.start, 0.0, _LONGEST, "s")
+        if not isinstance(self.crosses, list | tuple) or not all(are_numbers(span, 2) for span in self.crosses):
+            raise LayoutError(f"crosses is {self.crosses!r:.80}; it must be rows of 2 numbers")
+        object.__setattr__(self, "crosses", tuple((float(low), float(high)) for low, high in self.crosses))
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,6 +191,12 @@ class Track:
 def _check(name: str, value: Any, low: float, high: float, unit: str) -> None:
     if not is_number(value) or not low <= value <= high:
         raise LayoutError(f"{name} is {value!r:.80}; it must be {low:g} to {high:g} {unit}")
+
+
+def _place(name: str, place: Any) -> tuple[float, float]:
+    if not are_numbers(place, 2) or max(map(abs, place)) > _FURTHEST:
+        raise LayoutError(f"{name} is {place!r:.80}; it must be x and y within {_FURTHEST:g} m")
+    return float(place[0]), float(place[1])
 
 
 def _rows(name: str, rows: Any, widths: tuple[int, ...]) -> tuple[tuple[float, ...], ...]:

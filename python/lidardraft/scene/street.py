@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from lidardraft.errors import LayoutError, check_that
-from lidardraft.scene.lane import Junction, Lane, Pavement, Signal
+from lidardraft.scene.lane import Crossing, Junction, Lane, Pavement, Signal
 from lidardraft.scene.line import Line
-from lidardraft.scene.pose import Place, rotation
+from lidardraft.scene.pose import Place, in_frame, rotation
 from lidardraft.scene.road import KERB_HEIGHT, LEFT, PARKING_STRIP, RIGHT, RING, SIDES, TERRAIN_HEIGHT, Road
 
 # Limits [m/s] of the German road code (StVO).
@@ -31,14 +31,16 @@ _GIVES_WAY = 2.0  # from where traffic waits that gives way
 _AISLE_END = 2.5  # at either end of an aisle that is not driven in
 _AISLE_OFF = 1.4  # from the middle of an aisle to that of each way
 _JUNCTION_GAP = 2.0  # between the lane of a roundabout, or the road, and the lanes that lead to it
+_ZEBRA = 4.0  # along the road
 _CORNER = 1.0  # from the road that is crossed to where turns begin and end
 _SHORTEST = 12.0  # a piece of the road before or behind a roundabout
 _TWO_LANES = 6.0  # width from which a one-way street has two
 _FOUR_LANES = 6.5  # half width from which a side road has two each way
 _ONE_EACH_WAY, _TWO_EACH_WAY = (0.5,), (0.75, 0.25)  # middles of lanes in shares of the half width
 _STATION = 2.0  # between the points of a lane that bends
-_RELIEF = 4.0  # between the points of a lane that rises and falls
+_RELIEF, _SAME = 4.0, 0.05  # between the points of a lane that rises and falls; and less than that
 _QUARTER = np.linspace(0.0, math.pi / 2, 17)
+_WIDE = 1.5  # times as wide as others are turns to the right, which have a corner beside them
 _INTO_RING = 0.25  # rad further on than its lane that who enters a roundabout is on the ring, and before it who leaves
 MAIN_ROAD, SIDE_ROAD, ROUNDABOUT, AISLE = "main", "side", "ring", "aisle"  # what a path leads along
 
@@ -98,10 +100,10 @@ class StreetFrame:
 
     `speed` [m/s] is its limit, None that of where it leads. `parked` are the sides where cars are parked in the
     outermost of several lanes or beside the only one (`LEFT`, `RIGHT`); None where the lanes are those of `road`. With
-    `one_way` all the room between them leads in the ego's direction. `aisles` are the middle across and from
-    and to along [m] of those of its car park, `lights` is
-    whether the junction has traffic lights. `relief` holds, for each of its lanes and then of its ways, the height [m]
-    and the slope to the left of each of its points; empty on level ground.
+    `one_way` all the room between them leads in the ego's direction. `aisles` are the middle across and from and to
+    along [m] of those of its car park, `lights` is whether the junction has traffic lights, `zebras` are where people
+    cross the road [m along]. `relief` holds, for each of its lanes and then of its ways, the height [m] and the slope
+    to the left at even distances; empty on level ground.
     """
 
     road: Road
@@ -115,12 +117,19 @@ class StreetFrame:
     one_way: bool = False
     aisles: tuple[tuple[float, float, float], ...] = ()
     lights: bool = False
+    zebras: tuple[float, ...] = ()
     relief: tuple[tuple[tuple[float, float], ...], ...] = ()
 
     def __post_init__(self) -> None:
         check_that(self.speed is None or self.speed > 0.0, "street: speed", self.speed, "over 0 m/s, or null")
         check_that(set(self.parked or ()) <= set(SIDES), "street: parked", self.parked, "of 1 (left) and -1 (right)")
         check_that(self.ends is None or self.ends[0] < self.ends[1], "street: ends", self.ends, "from less to more")
+
+    def crossings(self) -> tuple[Crossing, ...]:
+        """Its zebras, in the frame of the layout."""
+        own = [in_frame(self.road.at(along, 0.0), self.place) for along in self.zebras]
+        size = (_ZEBRA, 2 * self.road.edge)
+        return tuple(Crossing(id=f"zebra_{number}", place=place, size=size) for number, place in enumerate(own))
 
     def over(self, height: Callable[[np.ndarray], np.ndarray]) -> StreetFrame:
         """The same street on ground whose `height` f64 [N] is known at points [N, 2] of the layout's frame."""
@@ -241,8 +250,11 @@ class StreetFrame:
             return line
         if not -len(self.relief) <= number < len(self.relief):
             raise LayoutError(f"street: relief is of {len(self.relief)} lines; it must be of all lanes and ways")
-        heights, camber = np.array(self.relief[number]).T
-        return Line.through(np.column_stack([line.spaced(len(heights)), heights]), camber)
+        stations, rows = np.linspace(0.0, line.length, len(self.relief[number])), np.array(self.relief[number])
+        bends = line.along[np.abs(line.along[:, None] - stations).min(axis=1) > _SAME]  # which stations would cut
+        along = np.sort(np.concatenate([stations, bends]))
+        heights, camber = (np.interp(along, stations, row) for row in rows.T)
+        return Line.through(np.column_stack([line.at(along), heights]), camber)
 
     def pieces(self, gap: float | None) -> list[tuple[float, float]]:
         """From and to along the road [m]: all of it, or what lies `gap` [m] or more from the middle of the junction."""
@@ -267,7 +279,8 @@ class StreetFrame:
         gap = None if self.road.roundabout_radius is None else self.gap
         for across, direction, _, width in self._offsets():
             for low, high in self.pieces(gap):
-                yield self.along(across, low, high, direction), {"width": width}
+                ends = gap is not None and (high < (self.road.junction or 0.0)) == (direction > 0)
+                yield self.along(across, low, high, direction), {"width": width, "closed": ends}
 
     def _side_ways(self) -> Iterator[_Points]:
         """Along the crossing road, whose traffic waits before the junction."""
@@ -278,8 +291,9 @@ class StreetFrame:
             end = road.half_length if goes_on in road.side_roads else road.edge
             across = direction * np.array([-start, end])
             stop = start - road.verge - _GIVES_WAY if begins in road.side_roads else None
+            known = {"stop": stop, "closed": goes_on not in road.side_roads}
             for off in [road.edge / 2] if self.parked is None else self.side_offsets():
-                yield middle + direction * off * ahead + across[:, None] * left, {"stop": stop}
+                yield middle + direction * off * ahead + across[:, None] * left, known
 
     def _turning_ways(self, junction: float) -> Iterator[_Points]:
         """From each lane of the road over a quarter of an ellipse into the outer lane of the crossing road."""
@@ -307,6 +321,8 @@ class StreetFrame:
         steps = np.linspace(0.0, path.length, math.ceil(path.length / _STATION) if path.bend else 2)
         places = np.array([path.at(step)[:2] for step in steps.tolist()])
         more = {"kind": "aisle" if path.kind == AISLE else "driving", "width": path.width, "speed": path.speed}
+        if path.kind in (AISLE, ROUNDABOUT):
+            more["closed"] = True
         if path.kind == SIDE_ROAD and self.road.junction is not None:
             middle, axes = self.crossed()
             return middle + (places - (self.road.junction, 0.0)) @ axes, more
@@ -405,7 +421,8 @@ class _Lanes:
                 out = exits[0 if turn else min(number, len(exits) - 1)]
                 if abs(turned) < 3 * math.pi / 4:
                     known = {"width": self.road.lane_width, "speed": self.known[start]["speed"], **turn}
-                    self._through(f"{start}>{out}", _bent(into, self.points[out][:2]), out, **known)
+                    wide = _WIDE if turn.get("turn") == "right" else 1.0
+                    self._through(f"{start}>{out}", _bent(into, self.points[out][:2], wide), out, **known)
                     self.known[start]["successors"] = (*self.known[start].get("successors", ()), f"{start}>{out}")
 
     def _around(self, radius: float) -> None:
@@ -459,10 +476,11 @@ def _heading(points: np.ndarray) -> float:
     return math.atan2(points[1, 1] - points[0, 1], points[1, 0] - points[0, 0])
 
 
-def _bent(into: np.ndarray, away: np.ndarray) -> np.ndarray:
-    """Points [S, 2] of the cubic curve from the end of one line [2, 2] to the begin of another, in their directions."""
+def _bent(into: np.ndarray, away: np.ndarray, wide: float = 1.0) -> np.ndarray:
+    """Points [S, 2] of the cubic curve from the end of one line [2, 2] to the begin of another, in their directions,
+    the further along them the wider it is."""
     start, end, t = into[1], away[0], np.linspace(0.0, 1.0, 17)[:, None]
-    reach = np.linalg.norm(end - start)
+    reach = wide * np.linalg.norm(end - start)
     first, last = (reach * (line[1] - line[0]) / np.linalg.norm(line[1] - line[0]) for line in (into, away))
     points: np.ndarray = start + (3 * t**2 - 2 * t**3) * (end - start)
     points += (t**3 - 2 * t**2 + t) * first + (t**3 - t**2) * last

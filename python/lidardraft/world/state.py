@@ -27,7 +27,7 @@ _FIELDS = ("seed", "origin", "time", "steps", "layouts", "things", "scenario", "
 class Drive:
     """Where a driver is on the way of that number: how far along it, how far left of its middle, its yaw against it
     and its place along it when it came there, its speed [m, rad, m/s], whether it has been beside whom it overtakes,
-    and whether it is on its way to the middle."""
+    whether it is on its way to the middle, and for how long it stands [s]."""
 
     way: int
     along: float
@@ -37,6 +37,7 @@ class Drive:
     speed: float
     beside: bool = False
     returns: bool = False
+    waited: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

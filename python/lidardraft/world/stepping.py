@@ -14,15 +14,18 @@ from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk, Waypoints
 from lidardraft.scene.solids import Solid, penetration
-from lidardraft.simulation.motion.driving import Driver, Traffic, bar_of, driver_of, extents_in
+from lidardraft.simulation.motion.driver import Driver, driver_of
+from lidardraft.simulation.motion.driving import Seen, Traffic, extents_in, settle
 from lidardraft.simulation.motion.motions import Ground, usual_motions
+from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.motion.tracks import through
+from lidardraft.simulation.motion.walking import walked
 from lidardraft.simulation.sweeps import Spot
 from lidardraft.world.state import Actor, Collision, Drive, WorldState
 from lidardraft.world.things import Thing
 
 _FORESEEN = 60.0  # s of a walk whose way is looked at
-_KEPT = ("along", "left", "yaw", "start", "speed", "beside", "returns")  # what a state keeps of a driver
+_KEPT = ("along", "left", "yaw", "start", "speed", "beside", "returns", "waited")  # what a state keeps of a driver
 ThingOf = Callable[[str, Actor], Thing]
 
 
@@ -35,6 +38,7 @@ class Stepping:
     def __init__(self, base: Layout, ground: Sequence[Primitive], thing_of: ThingOf, span: float) -> None:
         self.roads, self.intent = base.roads, base.intent
         self.ways: tuple[Lane, ...] = () if base.roads is None else base.roads.ways()
+        self._rules = RightOfWay(base.roads, self.ways)
         self._ground = Ground(Layout(tuple(ground))) if ground else None
         self._thing_of, self.span = thing_of, span
         self._standing: _Standing | None = None
@@ -60,14 +64,14 @@ class Stepping:
             if not (thing := self._thing_of(name, actor)).is_ground
         }
         given: dict[str, Motion] = {name: Straight(0.0) for name in set(bodies) - set(names)}
-        motions = usual_motions(self.intent, bodies, given, self.ways, self._ground or Ground(Layout()), _FORESEEN)
+        motions = usual_motions(self.intent, bodies, given, self._rules, self._ground or Ground(Layout()), _FORESEEN)
         actors = {name: self.commanded(name, state.actors[name], motion) for name, motion in motions.items()}
         state = state.but(actors)
         drivers, others = self._movers(state)
         rows = np.array([_row(state.actors[name], state.actors[name].rate()) for name in others]).reshape(-1, 5)
         among = [self._thing_of(name, state.actors[name]).body for name in others]
         starting = [drivers[name] for name in actors if name in drivers]
-        Traffic(list(drivers.values()), among).begin(starting, rows, state.time)
+        Traffic(list(drivers.values()), among, self._rules).begin(starting, rows, state.time)
         return state.but({name: self._begun(actor, drivers.get(name), state.time) for name, actor in actors.items()})
 
     def _begun(self, actor: Actor, driver: Driver | None, time: float) -> Actor:
@@ -75,7 +79,7 @@ class Stepping:
         speed, heading = 0.0, actor.spot[3]
         if driver is not None and actor.drive is not None:
             speed, actor = driver.speed, dataclasses.replace(actor, drive=_drive(driver, actor.drive.way))
-        elif isinstance(actor.motion, Walk | Straight):
+        elif isinstance(actor.motion, Straight) or (isinstance(actor.motion, Walk) and not actor.motion.crosses):
             speed = actor.motion.speed
         if isinstance(actor.motion, Walk):
             heading = math.atan2(actor.motion.to[1] - actor.spot[1], actor.motion.to[0] - actor.spot[0])
@@ -129,13 +133,15 @@ class Stepping:
     def _step(self, state: WorldState, time: float, left: int, policy: str) -> WorldState:
         span, actors = time - state.time, state.actors
         drivers, others = self._movers(state)
-        changes = {name: _gone(actors[name], state.time, time, left) for name in others}
+        bodies = [self._thing_of(name, actors[name]).body for name in others]
+        traffic = Traffic(list(drivers.values()), bodies, self._rules)
+        people = [one.spot[:2] for name, one in actors.items() if "person" in self._thing_of(name, one).body.labels]
+        watch = Seen(traffic, state.time, traffic.places(), np.array(people).reshape(-1, 2))
+        changes = {name: _gone(actors[name], state.time, time, left, watch) for name in others}
         rows = [
             _row(actors[name], [(b - a) / span for a, b in zip(actors[name].spot, after.spot, strict=True)])
             for name, after in changes.items()
         ]
-        bodies = [self._thing_of(name, actors[name]).body for name in others]
-        traffic = Traffic(list(drivers.values()), bodies)
         traffic.advance(state.time, np.array(rows).reshape(-1, 5), span)
         places = traffic.places().tolist() if drivers else []
         for (name, driver), (x, y, _, yaw) in zip(drivers.items(), places, strict=True):
@@ -169,7 +175,7 @@ class Stepping:
             assert isinstance(actor.motion, AlongLane)
             body, lane = self._thing_of(name, actor).body, self.ways[drive.way]
             driver = Driver(body, actor.motion, lane, **{name: getattr(drive, name) for name in _KEPT})
-            driver.barred = bar_of(driver, self._standing.extents(lane))
+            settle(driver, self._standing.extents(lane))
             drivers[name] = driver
         return drivers, others
 
@@ -277,7 +283,7 @@ def _row(actor: Actor, rate: Sequence[float]) -> tuple[float, ...]:
     return *actor.spot[:2], actor.spot[3], rate[0], rate[1]
 
 
-def _gone(actor: Actor, begin: float, end: float, left: int) -> Actor:
+def _gone(actor: Actor, begin: float, end: float, left: int, watch: Seen) -> Actor:
     """Who follows no lane at the end of a step, of `left` steps to its goal; heights are added later."""
     (x, y, z, yaw), motion = actor.spot, actor.motion
     if actor.goal is not None:
@@ -290,13 +296,8 @@ def _gone(actor: Actor, begin: float, end: float, left: int) -> Actor:
         way = motion.speed * (end - begin)
         return dataclasses.replace(actor, spot=(x + way * math.cos(yaw), y + way * math.sin(yaw), z, yaw))
     if isinstance(motion, Walk):
-        rest, way = math.dist(motion.to, (x, y)), motion.speed * max(0.0, end - max(begin, motion.start))
-        if way >= rest:
-            return dataclasses.replace(actor, spot=(*motion.to, z, yaw), motion=None)
-        if way > 0.0:
-            yaw += math.remainder(math.atan2(motion.to[1] - y, motion.to[0] - x) - yaw, math.tau)
-            x, y = x + (motion.to[0] - x) * way / rest, y + (motion.to[1] - y) * way / rest
-        return dataclasses.replace(actor, spot=(x, y, z, yaw))
+        (x, y, yaw), over = walked(motion, (x, y, yaw), begin, end, watch)
+        return dataclasses.replace(actor, spot=(x, y, z, yaw), motion=None if over else motion)
     assert isinstance(motion, Waypoints)
     u, v, _, looks = through(np.array(motion.points), yaw, np.array([begin, end])).places[-1].tolist()
     over = end >= motion.points[-1][0]

@@ -19,7 +19,7 @@ from lidardraft.scene.pose import inverse, point_at, upright
 from lidardraft.semantics import BY_NAME, GROUND
 from lidardraft.simulation.detail.detail import detail
 from lidardraft.simulation.detail.fitting import changed
-from lidardraft.simulation.motion.driving import Body
+from lidardraft.simulation.motion.driver import Body
 from lidardraft.simulation.motion.tracks import body_of
 from lidardraft.simulation.sweeps import Spot
 

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from lidardraft.arranging.ground import COAT, PAINT, cut
-from lidardraft.arranging.markings import COUNTRY, EDGE_OFF, TOWN, Line, bay_lines, road_markings
+from lidardraft.arranging.markings import COUNTRY, EDGE_OFF, TOWN, Line, bay_lines, road_markings, sample_zebras, zebras
 from lidardraft.drafting.solver.poses import half_of, row_poses
 from lidardraft.objects.mesh import quads
 from lidardraft.scene.layout import Layout, Primitive, object_of
@@ -62,8 +62,10 @@ def _known_markings(road: Road, layout: Layout, seed: int) -> list[Primitive]:
         lights = any(p.label == "traffic-light" and math.dist(p.center[:2], middle) < near for p in layout)
         district = district_of(layout, road)
         street = StreetFrame(road=road, speed=district.speed, parked=(), lights=lights)
-        rng, crossings = generator_of(seed, "markings"), _crossings(road, layout)
-        spans = road_markings(road, paths_of(street), None, district.speed, rng, crossings=crossings)
+        rng = generator_of(seed, "markings")
+        spans = road_markings(road, paths_of(street), None, district.speed, rng)
+        crossings = _crossings(road, layout) or sample_zebras(road, district.speed, rng)
+        spans = np.concatenate([spans, zebras(road, crossings)])
     if road.curvature and len(spans):
         spans = cut(spans, np.arange(-road.half_length, road.half_length, _BEND_PIECE), 0)
     plane = road.points(spans[:, [0, 1, 1, 0]], spans[:, [2, 2, 3, 3]]) if len(spans) else np.zeros((0, 4, 2))

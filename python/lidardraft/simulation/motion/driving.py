@@ -7,108 +7,80 @@ in their way (Gipps, Transportation Research B 15, 1981).
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from zlib import crc32
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from lidardraft.scene.lane import Lane
-from lidardraft.scene.scenario import AlongLane, Track
+from lidardraft.scene.scenario import Track, Walk
 from lidardraft.scene.solids import Solid
+from lidardraft.simulation.motion.driver import Body, Driver
+from lidardraft.simulation.motion.right_of_way import RightOfWay
+from lidardraft.simulation.motion.walking import walked
 
 STEP = 0.05  # s between the places of a track
-_TURN = 0.35  # rad against its lane; what is turned by more does not drive along it
 _AHEAD = 2.0  # s for which whoever follows no lane is expected to go on as now
 _SIDE = 0.2  # m that stay free beside a vehicle
 _TOUCHING = 0.5  # m by which what stands before a vehicle may reach into its box at the start
 _ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what tyres give
-_STANDS = 0.1  # m/s, who wants to be slower than that stands
+_STANDS, _ROLLS = 0.1, 1.5  # m/s: who wants to be slower than that stands; from which it waits no more
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
-_BESIDE = 3  # halves of a lane that who overtakes is beside the middle of its own, at most
+_SEES, _CLEAR, _TO_EDGE = 20.0, 1.0, 0.7  # m to cyclists who are passed, beside them, and from these to the lane's edge
+_LEFT = 4.0  # m/s at which a bus has left its stop
 _RETURN, _PASSED = 25.0, 6.0  # m over which it returns, and that it is ahead of whom it has passed then
-# Times the speed of the road, and m/s at most: estimates.
-_PACES = {"bicycle": (1.0, 5.0), "rider": (1.0, 5.0), "bus": (0.85, 22.0), "truck": (0.85, 22.0), "train": (0.85, 14.0)}
-_SPREAD = (0.8, 1.0)  # of the speeds of drivers, as shares of it
-
-
-@dataclass(frozen=True, slots=True)
-class Body:
-    """An object that may move: its name and classes, x, y, z of its middle [m] and yaw, its length, width, height [m]
-    and the parts that may be bumped into."""
-
-    name: str
-    labels: frozenset[str]
-    place: tuple[float, float, float, float]
-    size: tuple[float, float, float]
-    solids: tuple[Solid, ...]
-
-
-@dataclass(slots=True, eq=False)
-class Driver:
-    """Who drives along a lane: from how far along it [m], so far left of its middle [m], at which speed [m/s]."""
-
-    body: Body
-    motion: AlongLane
-    lane: Lane
-    along: float
-    left: float
-    yaw: float  # against the lane, at the start
-    start: float  # how far along it was then [m]
-    speed: float = 0.0
-    barred: float = math.inf  # how far along it its front can go [m]
-    beside: bool = False  # whether it has been beside whom it overtakes
-    returns: bool = False  # to its lane
-
-    def wish(self, time: float) -> float:
-        """The speed of a free way [m/s]."""
-        said = [speed for when, speed in self.motion.later if when <= time]
-        return min(said[-1] if said else self.usual(), self.lane.limit(self.along))
-
-    def usual(self) -> float:
-        """The speed [m/s] that it is said to have, or that of its road and kind."""
-        if self.motion.speed is not None:
-            return self.motion.speed
-        label = next((label for label in _PACES if label in self.body.labels), "")
-        share, most = _PACES.get(label, (1.0, math.inf))
-        low, high = _SPREAD
-        return min(self.lane.speed * share * (low + (high - low) * crc32(self.body.name.encode()) / 2**32), most)
-
-
-def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | None:
-    """The body as a driver in the lane that it stands in and looks along; None where there is none."""
-    x, y, _, yaw = body.place
-    best = None
-    for lane in lanes:
-        (along,), (left,) = (values.tolist() for values in lane.line.along_across(np.array([[x, y]])))
-        off = math.remainder(yaw - float(lane.line.heading(np.array([along]))[0]), math.tau)
-        aside = lane.width / 2 * (_BESIDE if motion.overtakes else 1)
-        inside = 0.0 < along < lane.line.length and abs(left) < aside and abs(off) < _TURN
-        if inside and lane.turn == motion.turn and (best is None or abs(left) < abs(best.left)):
-            best = Driver(body, motion, lane, along, left, off, along)
-    return best
+CYCLES = frozenset({"bicycle"})  # classes of what keeps right
 
 
 def drive(
-    drivers: Sequence[Driver], others: Mapping[str, Track], bodies: Mapping[str, Body], times: np.ndarray
+    drivers: Sequence[Driver],
+    others: Mapping[str, Track],
+    walks: Mapping[str, Walk],
+    bodies: Mapping[str, Body],
+    times: np.ndarray,
+    rules: RightOfWay,
 ) -> dict[str, Track]:
-    """The tracks of drivers at `times` [s], a step apart, among `others` that move as they do and bodies that stand."""
-    moving = {*others, *(driver.body.name for driver in drivers)}
-    standing = [solid for name, body in bodies.items() if name not in moving for solid in body.solids]
-    extents = {id(driver.lane): extents_in(driver.lane, standing) for driver in drivers}
+    """The tracks of drivers at `times` [s], a step apart, and those of `walks` over roads, among `others` that move as
+    they do and bodies that stand."""
+    moving = {*others, *walks, *(driver.body.name for driver in drivers)}
+    standing = [body for name, body in bodies.items() if name not in moving]
+    solids = [solid for body in standing for solid in body.solids]
+    extents = {id(driver.lane): extents_in(driver.lane, solids) for driver in drivers}
     for driver in drivers:
-        driver.barred = bar_of(driver, extents[id(driver.lane)])
+        settle(driver, extents[id(driver.lane)])
     at = (track.at(times) for track in others.values())
     rows = [np.column_stack([one[:, [0, 1, 3]], np.gradient(one[:, :2], STEP, axis=0)]) for one in at]
-    walkers = np.array(rows).reshape(-1, len(times), 5)
-    traffic = Traffic(drivers, [bodies[name] for name in others])
-    traffic.begin(drivers, walkers[:, 0])
-    places = np.empty((len(times), len(drivers), 4))
+    known = np.array(rows).reshape(-1, len(times), 5)
+    walking = np.array(["person" in bodies[name].labels for name in others], dtype=bool)
+    people = np.array([body.place[:2] for body in standing if "person" in body.labels]).reshape(-1, 2)
+    traffic = Traffic(drivers, [bodies[name] for name in (*others, *walks)], rules)
+    places = np.empty((len(times), len(drivers) + len(walks), 4))
+    on_foot = np.array([bodies[name].place for name in walks]).reshape(-1, 4)
+    traffic.begin(drivers, np.concatenate([known[:, 0], _rows(on_foot, _towards(on_foot, walks.values()))]))
     for step, time in enumerate(times.tolist()):
-        places[step] = traffic.places()
-        traffic.advance(time, walkers[:, step])
+        places[step] = np.concatenate([traffic.places(), on_foot])
+        seen = np.concatenate([people, on_foot[:, :2], known[walking, step, :2]])
+        after, watch = on_foot.copy(), Seen(traffic, time, places[step, : len(drivers)], seen)
+        for row, walk in zip(after, walks.values(), strict=True):
+            row[[0, 1, 3]] = walked(walk, tuple(row[[0, 1, 3]].tolist()), time, time + STEP, watch)[0]
+        traffic.advance(time, np.concatenate([known[:, step], _rows(on_foot, (after - on_foot)[:, :2] / STEP)]))
+        on_foot = after
     places[:, :, 3] = np.unwrap(places[:, :, 3], axis=0)
-    return {driver.body.name: Track(times, places[:, number]) for number, driver in enumerate(drivers)}
+    names = (*(driver.body.name for driver in drivers), *walks)
+    return {name: Track(times, places[:, number]) for number, name in enumerate(names)}
+
+
+def _rows(places: np.ndarray, rates: np.ndarray) -> np.ndarray:
+    """x, y, yaw and velocity [N, 5] of places [N, 4]."""
+    return np.column_stack([places[:, [0, 1, 3]], rates])
+
+
+def _towards(places: np.ndarray, walks: Iterable[Walk]) -> np.ndarray:
+    """The velocities [N, 2] of people at places [N, 4] who walk on."""
+    rows = np.array([(*walk.to, walk.speed) for walk in walks]).reshape(-1, 3)
+    ways = rows[:, :2] - places[:, :2]
+    rates: np.ndarray = ways * (rows[:, 2] / np.maximum(np.hypot(*ways.T), 1e-9))[:, None]
+    return rates
 
 
 def extents_in(lane: Lane, solids: Sequence[Solid]) -> np.ndarray:
@@ -121,13 +93,20 @@ def extents_in(lane: Lane, solids: Sequence[Solid]) -> np.ndarray:
     return np.stack(rows, axis=1)
 
 
+def settle(driver: Driver, extents: np.ndarray) -> None:
+    """Let a driver know where it is barred by what stands, of `extents_in` its lane; cyclists keep right."""
+    driver.barred = bar_of(driver, extents)
+    if driver.body.labels & CYCLES and driver.lane.kind == "driving":
+        side = min(_TO_EDGE - driver.lane.width / 2, 0.0)
+        if bar_of(replace(driver, left=side), extents) >= driver.barred:
+            driver.returns, driver.side = True, side
+
+
 def bar_of(driver: Driver, extents: np.ndarray) -> float:
-    """How far along its lane a driver's front can go: to the lane's end, to where it has to wait, or to what stands in
-    the way, of `extents_in` that lane."""
+    """How far along its lane a driver's front can go: to what stands in the way, of `extents_in` that lane, or to its
+    end. Where others drive on at the end of the map, the ego vehicle stops."""
     front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
-    ends = [driver.lane.line.length]
-    if driver.motion.gives_way and driver.lane.stop is not None and front < driver.lane.stop:
-        ends.append(driver.lane.stop)
+    ends = [driver.lane.line.length if driver.lane.closed or driver.body.name == "ego" else math.inf]
     nearest, low, high = extents.T
     in_way = (low < driver.left + reach) & (high > driver.left - reach) & (nearest > front - _TOUCHING)
     return min([*ends, *nearest[in_way].tolist()])
@@ -137,9 +116,10 @@ class Traffic:
     """All drivers, lane by lane, at one time, among `others` that follow no lane; their x, y, yaw and velocity are
     given for each time, f64 [W, 5]."""
 
-    def __init__(self, drivers: Sequence[Driver], others: Sequence[Body]) -> None:
-        self.drivers = drivers
+    def __init__(self, drivers: Sequence[Driver], others: Sequence[Body], rules: RightOfWay) -> None:
+        self.drivers, self.rules = drivers, rules
         bodies = [*(driver.body for driver in drivers), *others]
+        self.cycles = np.array([bool(body.labels & CYCLES) for body in bodies], dtype=bool)
         self.sizes = np.array([body.size[:2] for body in bodies]).reshape(-1, 2)
         self.lanes: dict[int, list[int]] = {}
         for number, driver in enumerate(drivers):
@@ -151,9 +131,10 @@ class Traffic:
             driver.speed = driver.wish(time)
         for _ in starting:  # a queue needs as many rounds as it is long
             before = [driver.speed for driver in starting]
-            for driver, (gap, ahead) in zip(self.drivers, self._ahead(others), strict=True):
+            for driver, (gap, ahead) in zip(self.drivers, self._free(others, time, starts=True), strict=True):
                 if driver in starting:
-                    driver.speed = min(driver.speed, _safe(gap - driver.motion.gap, ahead))
+                    safe = _safe(gap - driver.motion.gap, ahead)
+                    driver.speed = min(driver.speed, safe, self.rules.pace(driver))
             if before == [driver.speed for driver in starting]:
                 return
 
@@ -163,18 +144,22 @@ class Traffic:
         for numbers in self.lanes.values():
             rows = [self.drivers[number] for number in numbers]
             lane = rows[0].lane
-            along, left, first, start, returns = np.array(
-                [(row.along, row.left, row.yaw, row.start, row.returns) for row in rows]
+            end = lane.line.length
+            along, left, first, start, off_side = np.array(
+                [(row.along, row.left, row.yaw, row.start, row.returns * (row.left - row.side)) for row in rows]
             ).T
             found[numbers, :2], found[numbers, 2] = lane.line.at(along, left), lane.line.height(along, left)
-            off = first * np.exp((start - along) / _AIM) - np.arctan(returns * left / _RETURN)
+            off = first * np.exp((start - along) / _AIM) - np.arctan(off_side / _RETURN)
             found[numbers, 3] = lane.line.heading(along) + off
+            if (over := np.maximum(along - end, 0.0)).any():  # off the map it goes straight on
+                heading = lane.line.heading(end)
+                found[numbers, :2] += np.outer(over, (np.cos(heading), np.sin(heading)))
         return found
 
     def advance(self, time: float, others: np.ndarray, span: float = STEP) -> None:
         """A step of `span` [s] on."""
-        for driver, (gap, ahead) in zip(self.drivers, self._ahead(others), strict=True):
-            motion, speed, wish = driver.motion, driver.speed, driver.wish(time)
+        for driver, (gap, ahead) in zip(self.drivers, self._free(others, time), strict=True):
+            motion, speed, wish = driver.motion, driver.speed, min(driver.wish(time), self.rules.pace(driver))
             free = 1.0 - (speed / wish) ** 4 if wish > _STANDS else -_BRAKING / _ACCELERATION * (speed > 0.0)
             kept = motion.gap + max(
                 0.0, speed * motion.headway + speed * (speed - ahead) / (2 * math.sqrt(_ACCELERATION * _BRAKING))
@@ -183,14 +168,25 @@ class Traffic:
             faster = min(speed + push * span, _safe(gap - motion.gap / 2, ahead))
             driver.speed = max(faster, speed - _HARDEST * span, 0.0)
             driver.along += driver.speed * span
-            driver.left *= math.exp(-driver.speed * span / _RETURN * driver.returns)
+            rolls = driver.speed > (_ROLLS if motion.halt is None else _LEFT)
+            driver.waited = 0.0 if rolls else driver.waited + span * (driver.speed < _STANDS)
+            driver.left += (driver.side - driver.left) * (1 - math.exp(-driver.speed * span / _RETURN * driver.returns))
+
+    def _free(self, others: np.ndarray, time: float, *, starts: bool = False) -> list[tuple[float, float]]:
+        """As `_ahead`, with the lines at which drivers have to wait."""
+        ahead = self._ahead(others)
+        holds = self.rules.holds(self.drivers, ahead, time, starts=starts)
+        rows = zip(self.drivers, ahead, holds, strict=True)
+        return [min(one, (min(hold, who.halt()) - who.along - who.body.size[0] / 2, 0.0)) for who, one, hold in rows]
 
     def _ahead(self, others: np.ndarray) -> list[tuple[float, float]]:
         """For each driver the free way before it [m] and the speed [m/s] of who is there."""
         now = self._all(others)
         found = [(0.0, 0.0)] * len(self.drivers)
         for numbers in self.lanes.values():
-            along, left, yaw, forward, sideways = self._in_lane(self.drivers[numbers[0]].lane, now)
+            lane = self.drivers[numbers[0]].lane
+            along, left, yaw, forward, sideways = self._in_lane(lane, now)
+            cycles = self.cycles & (forward > _ROLLS) & (np.abs(left) < lane.width / 2)
             cos, sin = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
             half_along = (cos * self.sizes[:, 0] + sin * self.sizes[:, 1]) / 2
             half_across = (sin * self.sizes[:, 0] + cos * self.sizes[:, 1]) / 2
@@ -208,12 +204,23 @@ class Traffic:
                     near = float(apart[passed].min(initial=np.inf))
                     driver.beside |= near < 0.0
                     driver.returns |= driver.beside and near > _PASSED
+                elif not self.cycles[number]:
+                    seen = cycles & (np.abs(along - driver.along - _SEES / 3) < _SEES)
+                    self._pass(driver, (left + half_across)[seen])
                 gaps = np.where(in_way, along - half_along - front, np.inf)
                 nearest = int(np.argmin(gaps))
                 found[number] = min(
                     (float(gaps[nearest]), max(0.0, float(forward[nearest]))), (driver.barred - front, 0.0)
                 )
         return found
+
+    def _pass(self, driver: Driver, edges: np.ndarray) -> None:
+        """Let a driver keep left of cyclists, whose left `edges` are so far left of its lane's middle [m], if there is
+        room in the lane; it is in the middle again then."""
+        half, driver.side = driver.body.size[1] / 2, 0.0
+        room = driver.lane.width / 2 + _SIDE - half
+        if len(edges) and edges.max() + half + 2 * _SIDE <= room:
+            driver.returns, driver.side = True, max(0.0, min(room, float(edges.max()) + half + _CLEAR))
 
     def _all(self, others: np.ndarray) -> np.ndarray:
         """x, y, yaw and the velocity [M, 5] of all that move: the drivers, then the rest."""
@@ -229,6 +236,28 @@ class Traffic:
         heading = lane.line.heading(along)
         cos, sin = np.cos(heading), np.sin(heading)
         return along, left, now[:, 2] - heading, now[:, 3] * cos + now[:, 4] * sin, now[:, 4] * cos - now[:, 3] * sin
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """What people on foot see at a time [s]: the traffic, whose drivers are at `places` f64 [D, 4], and other `people`
+    f64 [P, 2]."""
+
+    traffic: Traffic
+    time: float
+    places: np.ndarray
+    people: np.ndarray
+
+    def can_cross(self, places: np.ndarray, speed: float) -> bool:
+        """As `RightOfWay.lets_cross`."""
+        return self.traffic.rules.lets_cross(self.traffic.drivers, self.time, places, speed)
+
+    def is_free(self, x: float, y: float) -> bool:
+        """Whether nobody drives or stands there."""
+        off, yaw = (x, y) - self.places[:, :2], self.places[:, 3]
+        cos, sin = np.cos(yaw), np.sin(yaw)
+        aside = np.abs(np.stack([off[:, 0] * cos + off[:, 1] * sin, off[:, 1] * cos - off[:, 0] * sin], axis=1))
+        return not (aside < self.traffic.sizes[: len(off)] / 2 + _SIDE).all(axis=1).any()
 
 
 def _safe(gap: float, ahead: float) -> float:

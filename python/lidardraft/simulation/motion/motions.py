@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from zlib import crc32
 
 import numpy as np
 
@@ -19,16 +20,22 @@ from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk
 from lidardraft.scene.solids import Solid
 from lidardraft.semantics import BY_NAME, GROUND
-from lidardraft.simulation.motion.driving import Body, Driver, driver_of
+from lidardraft.simulation.motion.driver import Body, Driver, driver_of
+from lidardraft.simulation.motion.right_of_way import RightOfWay
 
 DRIVES = frozenset({*VEHICLE_LABELS, "rider"})  # classes of what drives along lanes
 _WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around who walks; m between places that are looked at
+_LONG = 1e4  # m, longer than all ways
+_WIDEST = 30.0  # m of a way to the far side of a road
 _SHORTEST_WALK = 2.0  # m; who has less room stands
 _BESIDE_ROAD = 1.0  # m, how far who crosses a road goes on beside it
 _HIGH = 500.0  # m, over all ground
 _SOON = 1.0  # s after which who brakes or accelerates does so
 _SLOW = 0.3  # share of its usual speed that who accelerates has before
 _FASTER = 1.4  # times as fast as whom it overtakes
+_TURN_RIGHT, _TURN_LEFT, _SHORT = 0.2, 0.15, 6.5  # shares of those who turn at a junction, of less than so many m
+_SHELTER = 8.0  # m to the right of a bus and ahead of it, where it can halt at a shelter
+_BESIDE_LANE = (1.5, 6.0)  # m from the middle of a lane to a vehicle in the next
 _TURNS = {"turning-left": ("left",), "turning-right": ("right",), "turning": ("left", "right")}
 
 
@@ -49,7 +56,7 @@ def usual_motions(
     intent: Intent,
     bodies: Mapping[str, Body],
     given: Mapping[str, Motion],
-    lanes: Sequence[Lane],
+    rules: RightOfWay,
     ground: Ground,
     duration: float,
 ) -> dict[str, Motion]:
@@ -57,29 +64,32 @@ def usual_motions(
     the ego vehicle after others, and what the sentence moves after the rest."""
     said = {name: intent.of(name) for name in bodies}
     crossing = {name for name, asked in said.items() if str(asked.heading).startswith("across")}
-    found: dict[str, Motion] = {}
-    for name, body in bodies.items():
-        asked = said[name]
-        if name in given or asked.heading == "parked" or asked.speed == 0.0:
-            continue
-        motion: Motion | None = None
-        if body.labels & DRIVES:
-            motion = _along_lane(body, asked, lanes)
-        elif "person" in body.labels:
-            together = crossing if name in crossing else {name}
-            still = [other for one, other in bodies.items() if one not in together]
-            motion = _free_walk(body, asked.speed or _WALKING, still, ground, duration, name in crossing)
-        if motion is not None:
-            found[name] = motion
+    lanes, found = rules.ways, dict[str, Motion]()
+    by_itself = [name for name in bodies if name not in given and said[name].heading != "parked"]
+    by_itself = [name for name in by_itself if said[name].speed != 0.0]
+    for name in (name for name in by_itself if bodies[name].labels & DRIVES):
+        if (drives := _along_lane(bodies[name], said[name], lanes)) is not None:
+            found[name] = _with_halt(drives, bodies[name], lanes, bodies.values())
+    for name in (name for name in by_itself if "person" in bodies[name].labels):
+        body, crosses = bodies[name], name in crossing
+        others = [other for one, other in bodies.items() if one not in (crossing if crosses else {name})]
+        way = _Way(body, said[name].speed or _WALKING, duration, ground)
+        if way.road.any():  # it looks out for those who drive
+            others = [one for one in others if one.name not in found]
+        walk = (None if crosses else _over_road(way, rules, others)) or _free_walk(way, others, crosses)
+        if walk is not None:
+            found[name] = walk
     for name in ("ego", *intent.objects):
         if name in bodies and said[name].motion == "overtakes":
-            others = [one for one in bodies if said[one].group in said[name].overtakes]
-            _pass(name, others or ["ego"], {**given, **found}, found, bodies, lanes)
+            passed = [one for one in bodies if said[one].group in said[name].overtakes]
+            _pass(name, passed or ["ego"], {**given, **found}, found, bodies, lanes)
 
-    def gives_way_late(name: str) -> tuple[bool, bool]:
+    order = {name: number for number, name in enumerate(bodies)}
+
+    def gives_way_late(name: str) -> tuple[bool, bool, int]:
         asked = said[name]
         moves = str(asked.heading) in _TURNS or asked.motion is not None or asked.speed is not None
-        return name in crossing or moves, name == "ego"
+        return name in crossing or moves, name == "ego", order[name]
 
     return {name: found[name] for name in sorted(found, key=gives_way_late)}
 
@@ -88,6 +98,8 @@ def _along_lane(body: Body, asked: Asked, lanes: Sequence[Lane]) -> Motion | Non
     """How a vehicle drives along its lane, if it is in one, as was asked."""
     heading, speed, motion = str(asked.heading), asked.speed, asked.motion
     straight = AlongLane(speed, overtakes=motion == "overtakes", gives_way=not heading.startswith("across"))
+    if asked.heading is None and motion is None and body.name != "ego" and body.size[0] < _SHORT:
+        straight = replace(straight, turn=_turn_of(body, lanes))
     turned = [replace(straight, turn=turn) for turn in _TURNS.get(heading, ())]
     drivers = [driver for one in turned if (driver := driver_of(body, one, lanes)) is not None]
     driver = min(drivers, key=lambda one: abs(one.yaw), default=driver_of(body, straight, lanes))
@@ -99,6 +111,35 @@ def _along_lane(body: Body, asked: Asked, lanes: Sequence[Lane]) -> Motion | Non
     if motion == "accelerates":
         return replace(driver.motion, speed=_SLOW * usual, later=((_SOON, usual),))
     return driver.motion
+
+
+def _with_halt(motion: Motion, body: Body, lanes: Sequence[Lane], bodies: Iterable[Body]) -> Motion:
+    """That of a bus with a halt at the next shelter beside its lane, if there is one."""
+    driver = _driver(body, motion, lanes) if "bus" in body.labels else None
+    if driver is None or not isinstance(motion, AlongLane):
+        return motion
+    shelters = [one.place[:2] for one in bodies if one.name.rpartition("/")[2].startswith("shelter")]
+    along, left = driver.lane.line.along_across(np.array(shelters).reshape(-1, 2))
+    beside = (left < 0.0) & (left > -_SHELTER) & (along > driver.along + _SHELTER)
+    return replace(motion, halt=shelters[int(np.where(beside, along, np.inf).argmin())]) if beside.any() else motion
+
+
+def _turn_of(body: Body, lanes: Sequence[Lane]) -> str | None:
+    """How somebody turns at the next junction of whom nothing is said; only the outermost of those beside each other
+    do."""
+    chance = crc32(f"{body.name} turns".encode()) / 2**32
+    turn = "right" if chance < _TURN_RIGHT else "left"
+    if chance >= _TURN_RIGHT + _TURN_LEFT * ("rider" not in body.labels):
+        return None
+    driver = driver_of(body, AlongLane(turn=turn), lanes)
+    if driver is None or driver.along + body.size[0] / 2 > driver.lane.bend[0]:
+        return None
+    for lane in (lane for lane in lanes if lane.turn is None):
+        (along,), (left,) = (rows.tolist() for rows in lane.line.along_across(np.array([body.place[:2]])))
+        same = math.cos(body.place[3] - float(lane.line.heading(along))) > 0.9 and 0.0 < along < lane.line.length
+        if same and _BESIDE_LANE[0] < (left if turn == "right" else -left) < _BESIDE_LANE[1]:
+            return None
+    return turn
 
 
 def _pass(
@@ -125,28 +166,66 @@ def _driver(body: Body, motion: Motion | None, lanes: Sequence[Lane]) -> Driver 
     return driver_of(body, motion, lanes) if isinstance(motion, AlongLane) else None
 
 
-def _free_walk(
-    body: Body, speed: float, others: Iterable[Body], ground: Ground, duration: float, crosses: bool
-) -> Walk | None:
+class _Way:
+    """The way of a person ahead as far as it comes: places f64 [N, 2] and how far they are [m], and whether the ground
+    there is road, or what it stands on."""
+
+    def __init__(self, body: Body, speed: float, duration: float, ground: Ground) -> None:
+        x, y, _, yaw = body.place
+        self.body, self.speed = body, speed
+        usual = np.arange(0.0, max(speed * duration, _SHORTEST_WALK) + _STRIDE, _STRIDE)
+        self.usual = len(usual) - 1
+        self.steps = np.arange(0.0, usual[-1] + _WIDEST, _STRIDE)
+        self.places = np.array([x, y]) + self.steps[:, None] * np.array([math.cos(yaw), math.sin(yaw)])
+        _, label = ground.at(self.places)
+        self.road, self.same = label == BY_NAME["road"].id, label == label[0]
+
+    def free_of(self, others: Iterable[Body]) -> np.ndarray:
+        """Which places [N] are free of others."""
+        free = np.ones(len(self.steps), dtype=bool)
+        for other in others:
+            if math.dist(other.place[:2], self.body.place[:2]) < self.steps[-1] + max(other.size) + _CLEAR:
+                for solid in other.solids:
+                    free &= ~_near(self.places, solid)
+        return free
+
+    def walk(self, end: int, crosses: tuple[tuple[float, float], ...] = ()) -> Walk:
+        """As far as that place."""
+        return Walk((float(self.places[end, 0]), float(self.places[end, 1])), self.speed, crosses=crosses)
+
+
+def _over_road(way: _Way, rules: RightOfWay, others: Iterable[Body]) -> Walk | None:
+    """The walk of somebody on a sidewalk who comes to where people cross; None where the way does not lead there."""
+    if way.road[0] or not way.road.any():
+        return None
+    free, edges = way.free_of(others), np.flatnonzero(np.diff(way.road.astype(int)))
+    end, spans = way.usual, list[tuple[int, int]]()
+    for before, last in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=False):
+        if before >= end or not (way.same | way.road)[: last + 2].all() or not free[: last + 2].all():
+            break
+        if not rules.is_crossing(way.places[[before, last + 1]]):
+            break
+        spans.append((before, last + 1))
+        end = max(end, last + 1)
+    if not spans:
+        return None
+    beyond = np.flatnonzero(~(free & way.same)[spans[-1][1] :])
+    end = min(end, spans[-1][1] + int(beyond[0]) - 1) if len(beyond) else end
+    return way.walk(end, tuple(tuple((way.steps[end] - way.steps[[a, b]]).tolist()) for a, b in spans))
+
+
+def _free_walk(way: _Way, others: Iterable[Body], crosses: bool) -> Walk | None:
     """The walk of a person ahead as far as its way is free: on the kind of ground that it is on, and across the road
     that it is on or `crosses`."""
-    x, y, _, yaw = body.place
-    steps = np.arange(0.0, max(speed * duration, _SHORTEST_WALK) + _STRIDE, _STRIDE)
-    places = np.array([x, y]) + steps[:, None] * np.array([math.cos(yaw), math.sin(yaw)])
-    _, label = ground.at(places)
-    road, free = label == BY_NAME["road"].id, label == label[0]
+    road, free = way.road[: way.usual + 1], way.same.copy()
     if road[0] or (crosses and road.any()):
         begin = int(np.argmax(road))
         end = begin + int(np.argmin(np.append(road[begin:], False)))
         free |= np.arange(len(free)) < end + _BESIDE_ROAD / _STRIDE
-    for other in others:
-        if math.dist(other.place[:2], (x, y)) < steps[-1] + max(other.size) + _CLEAR:
-            for solid in other.solids:
-                free &= ~_near(places, solid)
+    free = (free & way.free_of(others))[: way.usual + 1]
     end = int(np.argmin(free)) - 1 if not free.all() else len(free) - 1
-    if steps[max(end, 0)] < (_STRIDE if crosses else _SHORTEST_WALK):
-        return None
-    return Walk((float(places[end, 0]), float(places[end, 1])), speed)
+    on_road = ((_LONG, 0.0),) if road.any() else ()  # it does not wait, but nor does it walk into cars
+    return way.walk(end, on_road) if way.steps[max(end, 0)] >= (_STRIDE if crosses else _SHORTEST_WALK) else None
 
 
 def _near(places: np.ndarray, solid: Solid) -> np.ndarray:

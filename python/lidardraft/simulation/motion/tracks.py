@@ -18,11 +18,14 @@ from lidardraft.scene.layout import Layout, Primitive, box_around
 from lidardraft.scene.scenario import AlongLane, Motion, Scenario, Straight, Track, Walk, Waypoints
 from lidardraft.scene.solids import Solid, penetration
 from lidardraft.semantics import BY_NAME
-from lidardraft.simulation.motion.driving import STEP, Body, Driver, drive, driver_of
+from lidardraft.simulation.motion.driver import Body, Driver, driver_of
+from lidardraft.simulation.motion.driving import STEP, drive
 from lidardraft.simulation.motion.motions import Ground, usual_motions
+from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.roads import with_known_roads
 
 _REACHED = 1.9  # m over the ground, what hangs higher is passed under
+_SMOOTH = 4  # steps before and after one over which tracks of people and heights are smooth
 _CHECKED = 0.2  # s between the times at which it is looked for collisions
 
 
@@ -50,6 +53,7 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     scenario.check_names(list(bodies))
     roads, ground = with_known_roads(layout).roads, Ground(layout)
     lanes = () if roads is None else roads.ways()
+    rules = RightOfWay(roads, lanes)
     given = {name: motion for name in bodies if (motion := scenario.of(name)) is not None}
     if scenario.ego is not None and speed is not None:
         raise LayoutError(f"speed is {speed:g}, and the scenario says how the ego vehicle moves; give one of them")
@@ -59,9 +63,9 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     elif speed is not None:
         in_lane = driver_of(EGO_BODY, AlongLane(), lanes) is not None
         given["ego"] = AlongLane(speed) if in_lane and speed >= 0.0 else Straight(speed)
-    free = usual_motions(layout.intent, bodies, given, lanes, ground, duration)
+    free = usual_motions(layout.intent, bodies, given, rules, ground, duration)
     while True:
-        tracks = _moved({"ego": Straight(0.0), **given, **free}, bodies, lanes, ground, duration)
+        tracks = _moved({"ego": Straight(0.0), **given, **free}, bodies, lanes, rules, ground, duration)
         collisions = _collisions(tracks, bodies, duration)
         stopped = {next((name for name in free if name in pair), "") for pair, _ in collisions} - {""}
         if not stopped:
@@ -69,7 +73,7 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
         free = {name: motion for name, motion in free.items() if name not in stopped}
     for (one, other), time in collisions:
         raise LayoutError(f"{one} and {other} collide after {time:.1f} s; change the motion of one of them")
-    _check_on_road(tracks, bodies, set(given), ground)
+    _check_on_road(tracks, bodies, {name for name in given if not isinstance(given[name], AlongLane)}, ground)
     return Tracks(tracks.pop("ego"), {name: track for name, track in tracks.items() if track.moves()})
 
 
@@ -84,20 +88,27 @@ EGO_BODY = dataclasses.replace(body_of("ego", [EGO]), place=(0.0, 0.0, 0.0, 0.0)
 
 
 def _moved(
-    motions: Mapping[str, Motion], bodies: Mapping[str, Body], lanes: Sequence[Lane], ground: Ground, duration: float
+    motions: Mapping[str, Motion],
+    bodies: Mapping[str, Body],
+    lanes: Sequence[Lane],
+    rules: RightOfWay,
+    ground: Ground,
+    duration: float,
 ) -> dict[str, Track]:
     """The tracks of all that has a motion, on the ground."""
     times = np.arange(math.ceil(duration / STEP) + 2) * STEP  # two at least, as rates need
-    others, drivers = dict[str, Track](), list[Driver]()
+    others, walks, drivers = dict[str, Track](), dict[str, Walk](), list[Driver]()
     for name, motion in motions.items():
         if isinstance(motion, AlongLane):
             driver = driver_of(bodies[name], motion, lanes)
             if driver is None:
                 raise LayoutError(f"{name} stands in no lane that it could drive along; give it way-points")
             drivers.append(driver)
+        elif isinstance(motion, Walk) and motion.crosses:
+            walks[name] = motion
         elif name == "ego" or motion != Straight(0.0):
             others[name] = _track(motion, bodies[name].place, times)
-    tracks = others | drive(drivers, others, bodies, times)
+    tracks = others | drive(drivers, others, walks, bodies, times, rules)
     rises = {driver.body.name for driver in drivers if driver.lane.line.heights.any()}
     for name, track in tracks.items():
         home = np.array([bodies[name].place])
@@ -105,6 +116,8 @@ def _moved(
             track.places[:, 2] += home[0, 2] - track.places[0, 2]
         else:
             track.places[:, 2] = home[0, 2] + ground.at(track.places)[0] - ground.at(home)[0]
+        smooth = slice(None) if isinstance(motions[name], Walk) else slice(2, 3)
+        track.places[:, smooth] = _smooth(track.places)[:, smooth]
     return tracks
 
 
@@ -120,6 +133,13 @@ def _track(motion: Straight | Walk | Waypoints, place: tuple[float, float, float
         yaw += math.remainder(heading - yaw, math.tau)
     flat = np.zeros_like(times)
     return Track(times, np.stack([x + way * math.cos(heading), y + way * math.sin(heading), flat, flat + yaw], axis=1))
+
+
+def _smooth(places: np.ndarray) -> np.ndarray:
+    """Places [K, 4] without jumps, as at kerbs and where somebody stops: means of those before and after."""
+    wide = np.pad(places, ((_SMOOTH, _SMOOTH), (0, 0)), mode="reflect", reflect_type="odd")
+    smooth: np.ndarray = np.lib.stride_tricks.sliding_window_view(wide, 2 * _SMOOTH + 1, axis=0).mean(axis=-1)
+    return smooth
 
 
 def through(points: np.ndarray, yaw: float, times: np.ndarray) -> Track:
@@ -169,7 +189,7 @@ def _solid(body: Body, place: np.ndarray) -> Solid:
 
 
 def _check_on_road(tracks: Mapping[str, Track], bodies: Mapping[str, Body], named: set[str], ground: Ground) -> None:
-    """Raises `LayoutError` where a vehicle that stands on a road at first is beside it later."""
+    """Raises `LayoutError` where a vehicle that stands on a road at first and follows no lane is beside it later."""
     for name in named & set(tracks):
         if name != "ego" and not bodies[name].labels & set(VEHICLE_LABELS):
             continue

@@ -1,0 +1,98 @@
+"""Who drives along a lane: where, and how fast it would like to go."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from zlib import crc32
+
+import numpy as np
+
+from lidardraft.scene.lane import Lane
+from lidardraft.scene.scenario import AlongLane
+from lidardraft.scene.solids import Solid
+
+_TURN = 0.35  # rad against its lane; what is turned by more does not drive along it
+_BESIDE = 3  # halves of a lane that who overtakes is beside the middle of its own, at most
+# Times the speed of the road, and m/s at most: estimates.
+_PACES = {
+    "motorcycle": (1.0, math.inf),
+    "bicycle": (1.0, 5.0),
+    "rider": (1.0, 5.0),
+    "bus": (0.85, 22.0),
+    "truck": (0.85, 22.0),
+    "train": (0.85, 14.0),
+}
+_SPREAD = (0.8, 1.0)  # of the speeds of drivers, as shares of it
+_HALTS = 8.0  # s that a bus halts
+
+
+@dataclass(frozen=True, slots=True)
+class Body:
+    """An object that may move: its name and classes, x, y, z of its middle [m] and yaw, its length, width, height [m]
+    and the parts that may be bumped into."""
+
+    name: str
+    labels: frozenset[str]
+    place: tuple[float, float, float, float]
+    size: tuple[float, float, float]
+    solids: tuple[Solid, ...]
+
+
+@dataclass(slots=True, eq=False)
+class Driver:
+    """Who drives along a lane: from how far along it [m], so far left of its middle [m], at which speed [m/s]."""
+
+    body: Body
+    motion: AlongLane
+    lane: Lane
+    along: float
+    left: float
+    yaw: float  # against the lane, at the start
+    start: float  # how far along it was then [m]
+    speed: float = 0.0
+    waited: float = 0.0  # s since it came to stand
+    barred: float = math.inf  # how far along it its front can go [m]
+    beside: bool = False  # whether it has been beside whom it overtakes
+    returns: bool = False  # to its lane, or to its `side` of it
+    side: float = 0.0  # how far left of the middle [m]
+
+    def wish(self, time: float) -> float:
+        """The speed of a free way [m/s]."""
+        said = [speed for when, speed in self.motion.later if when <= time]
+        return min(said[-1] if said else self.usual(), self.lane.limit(self.along))
+
+    def halt(self) -> float:
+        """How far along its lane its front can go before it has halted where it is to do so [m]."""
+        if self.motion.halt is None or self.waited > _HALTS:
+            return math.inf
+        (along,), _ = self.lane.line.along_across(np.array([self.motion.halt]))
+        line = float(along) + self.body.size[0] / 2 + self.motion.gap / 2
+        return line if self.along + self.body.size[0] / 2 < line else math.inf
+
+    def usual(self) -> float:
+        """The speed [m/s] that it is said to have, or that of its road and kind."""
+        if self.motion.speed is not None:
+            return self.motion.speed
+        label = next((label for label in _PACES if label in self.body.labels), "")
+        share, most = _PACES.get(label, (1.0, math.inf))
+        low, high = _SPREAD
+        return min(self.lane.speed * share * (low + (high - low) * crc32(self.body.name.encode()) / 2**32), most)
+
+
+def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | None:
+    """The body as a driver in the lane that it stands in and looks along; None where there is none.
+
+    Where no lane goes on straight it turns, and of several that are one there it takes any."""
+    x, y, _, yaw = body.place
+    best, least = None, (True, True, math.inf, 0)
+    for lane in lanes:
+        (along,), (left,) = (values.tolist() for values in lane.line.along_across(np.array([[x, y]])))
+        off = math.remainder(yaw - float(lane.line.heading(np.array([along]))[0]), math.tau)
+        aside = lane.width / 2 * (_BESIDE if motion.overtakes else 1)
+        inside = 0.0 < along < lane.line.length and abs(left) < aside and abs(off) < _TURN
+        rank = lane.closed, lane.turn != motion.turn, round(abs(left), 2), crc32(f"{body.name} {lane.id}".encode())
+        if inside and lane.turn in (motion.turn, motion.turn or lane.turn) and (best is None or rank < least):
+            best, least = Driver(body, motion, lane, along, left, off, along), rank
+    return best

@@ -1,0 +1,343 @@
+"""Who goes first: lights, signs, turns and people who cross, at the junctions of a road network.
+
+All of it is a function of the network, the time and where everybody is: a state is enough to go on from.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from zlib import crc32
+
+import numpy as np
+
+from lidardraft.scene.lane import Junction, Lane
+from lidardraft.scene.pose import rotation
+from lidardraft.scene.road_network import RoadNetwork
+from lidardraft.simulation.motion.driver import Driver
+
+# Lights: the first road of a junction and those along it, then the others. Seconds, estimates.
+_GREEN, _AMBER, _ALL_RED = (18.0, 8.0), 3.0, 1.5
+_FIRST = (-6.0, 12.0)  # s since the first road has had green at the time 0, so that it has not to wait for long
+_CYCLE = sum(_GREEN) + 2 * (_AMBER + _ALL_RED)
+
+_SAMPLED, _BESIDE = 1.0, 2.2  # m along ways, and between the middles of two that are in each other's way
+_MERGING = 6.0  # m from where two ways meet in which who is later waits
+_BEFORE = 1.5  # m before what is in its way that waits who has no line
+_LOOKS = 15.0  # m before the way in which it could brake from which a driver looks
+_BRAKING, _ACCELERATION = 3.0, 1.5  # m/s2, as drivers have them
+_TURNING, _CAREFUL = 5.0, 6.0  # m/s in a turn, and at the line of who gives way
+_MARGIN = 0.7  # s between two who are at one place
+_PATIENCE = 8.0  # s after which it is the turn of who has waited longest
+_SLOW = 1.0  # m/s
+_ROOM = 0.7  # m around who crosses
+_CORNER, _BEYOND = 0.5, 5.0  # where people cross beside a junction: share of its radius, and m beyond it
+_OVER = 0.5  # m over the line at which nobody waits any more
+_ONCOMING = 0.4  # rad that those turn against each other at most who pass side by side
+
+
+@dataclass(frozen=True, slots=True)
+class Zone:
+    """Where another passage is in the way of one: from and to along both ways [m]; who of both `gives` way: 1 that one,
+    -1 the other, 0 who comes later."""
+
+    other: int
+    own: tuple[float, float]
+    theirs: tuple[float, float]
+    gives: int
+
+
+@dataclass(slots=True)
+class Passage:
+    """A way through a junction: those wait at the `line` [m along] who cannot go, and are through at its `end`.
+
+    It has the light of a `phase` or none, and a sign where it is `signed`. It turns left (1), right (-1) or not.
+    """
+
+    way: Lane
+    line: float
+    end: float
+    phase: int | None
+    signed: bool
+    turn: int
+    heading: float
+    zones: list[Zone]
+
+
+@dataclass(slots=True)
+class _User:
+    """A driver before a passage or on it: where its front and rear are along its way, whether it cannot stop at the
+    line any more, whether it has to for a light, and whether it stands behind somebody who is at the line."""
+
+    number: int
+    driver: Driver
+    passage: Passage
+    front: float
+    rear: float
+    committed: bool
+    held: bool
+    behind: bool
+
+    def reaches(self, along: float, of: float) -> float:
+        """The seconds after which its front or rear, `of` which it is given where that is, is as far along."""
+        way, turns = self.passage.way, self.passage.turn or any(self.passage.way.bend)
+        top = min(_TURNING, way.limit(way.bend[0])) if turns else max(way.speed, self.driver.speed)
+        return _seconds(along - of, min(self.driver.speed, top), top)
+
+
+class RightOfWay:
+    """The junctions of a network, for those who drive along its `ways`."""
+
+    def __init__(self, roads: RoadNetwork | None, ways: Sequence[Lane]) -> None:
+        self.ways, self.passages = ways, list[Passage]()
+        self._zebras = () if roads is None else roads.crossings
+        self._areas = list[tuple[np.ndarray, float]]()
+        if roads is not None:
+            self._areas = [_area(roads, junction) for junction in roads.junctions]
+            for junction, area in zip(roads.junctions, self._areas, strict=True):
+                self.passages += _passages(roads, junction, area, ways, len(self.passages))
+        self.of_way: dict[int, list[int]] = {}
+        for number, passage in enumerate(self.passages):
+            self.of_way.setdefault(id(passage.way), []).append(number)
+        lengths = [f"{lane.line.length:.2f}" for lane in (() if roads is None else roads.lanes)]
+        self._offset = _FIRST[0] + crc32(" ".join(lengths).encode()) / 2**32 * (_FIRST[1] - _FIRST[0])
+
+    def is_green(self, phase: int, time: float) -> bool:
+        """Whether those of a phase may go [s]."""
+        since = (time + self._offset - phase * (_GREEN[0] + _AMBER + _ALL_RED)) % _CYCLE
+        return since < _GREEN[phase]
+
+    def holds(
+        self, drivers: Sequence[Driver], ahead: Sequence[tuple[float, float]], time: float, *, starts: bool = False
+    ) -> list[float]:
+        """How far along its way [m] the front of each driver may come now, of whom `ahead` says how much way is free
+        and how fast it is there [m/s]. Who `starts` can stop anywhere."""
+        users: dict[int, list[_User]] = {}
+        for user, number in self._users(drivers, ahead, time, starts):
+            users.setdefault(number, []).append(user)
+        holds = [math.inf] * len(drivers)
+        for some in users.values():
+            for user in some:
+                gives = user.driver.motion.gives_way and not user.committed
+                if gives and (user.held or self._is_in_way(user, users)):
+                    holds[user.number] = min(holds[user.number], user.passage.line)
+        return holds
+
+    def pace(self, driver: Driver) -> float:
+        """The speed [m/s] at which a driver comes to where it gives way."""
+        front = driver.along + driver.body.size[0] / 2
+        lines = (self.passages[number] for number in self.of_way.get(id(driver.lane), ()))
+        rooms = [one.line - front for one in lines if one.signed and one.line >= front]
+        return math.sqrt(_CAREFUL**2 + 2 * _ACCELERATION * min(rooms)) if rooms else math.inf
+
+    def is_crossing(self, places: np.ndarray) -> bool:
+        """Whether people cross a road from and to places [2, 2]: on a zebra, or beside a junction."""
+        middle = places.mean(axis=0)
+        off = ((float(np.hypot(*(middle - center))), reach) for center, reach in self._areas)
+        return self._on_zebra(middle) or any(_CORNER * reach < away < reach + _BEYOND for away, reach in off)
+
+    def _on_zebra(self, place: np.ndarray) -> bool:
+        for zebra in self._zebras:
+            along, across = rotation(zebra.place[2]) @ (place - zebra.place[:2])
+            if abs(along) < zebra.size[0] / 2 and abs(across) < zebra.size[1] / 2:
+                return True
+        return False
+
+    def lets_cross(self, drivers: Sequence[Driver], time: float, places: np.ndarray, speed: float) -> bool:
+        """Whether somebody on foot, as fast as that [m/s], can go over a road from and to places [2, 2] now: nobody
+        comes, or who comes has to stop and can."""
+        length = float(np.hypot(*np.diff(places, axis=0)[0]))
+        on_foot = np.linspace(0.0, length, 2 + int(length / _SAMPLED))
+        points = places[0] + np.outer(on_foot / length, places[1] - places[0])
+        zebra, free = self._on_zebra(points.mean(axis=0)), [(math.inf, 0.0)] * len(drivers)
+        stops = {user.number for user, _ in self._users(drivers, free, time, False) if user.held and not user.committed}
+        crossed: dict[int, tuple[np.ndarray, np.ndarray]] = {}
+        for number, driver in enumerate(drivers):
+            if id(driver.lane) not in crossed:
+                crossed[id(driver.lane)] = driver.lane.line.along_across(points)
+            along, left = crossed[id(driver.lane)]
+            there = np.flatnonzero(np.abs(left - driver.left) < driver.body.size[1] / 2 + _ROOM)
+            if not len(there) or number in stops:
+                continue
+            half, when = driver.body.size[0] / 2, on_foot[there] / speed
+            room = float(along[there].min()) - driver.along - half
+            if room < -driver.body.size[0] - _ROOM or (driver.speed < _SLOW and room > _ROOM):
+                continue
+            yields = zebra or driver.lane.bend[0] < driver.along + half + max(room, 0.0) < driver.lane.bend[1] + _BEYOND
+            if yields and room > driver.speed**2 / (2 * _BRAKING) + _ROOM:
+                continue
+            comes = room / max(driver.speed, _SLOW)
+            gone = (room + driver.body.size[0] + _ROOM) / max(driver.speed, _SLOW)
+            if comes < when[-1] + _MARGIN and gone > when[0] - _MARGIN:
+                return False
+        return True
+
+    def _users(
+        self, drivers: Sequence[Driver], ahead: Sequence[tuple[float, float]], time: float, starts: bool
+    ) -> Iterator[tuple[_User, int]]:
+        for number, driver in enumerate(drivers):
+            half = driver.body.size[0] / 2
+            front, rear = driver.along + half, driver.along - half
+            brakes = 0.0 if starts else driver.speed**2 / (2 * _BRAKING)
+            for index in self.of_way.get(id(driver.lane), ()):
+                passage = self.passages[index]
+                room = passage.line - front
+                if rear > passage.end or room > 3 * brakes + 3 * _LOOKS:
+                    continue
+                committed = room < -_OVER or brakes > room + _OVER
+                free, speed = ahead[number]
+                behind = free < room and speed < _SLOW
+                held = passage.phase is not None and not self.is_green(passage.phase, time)
+                if not driver.motion.gives_way:
+                    committed, held = committed or driver.speed > _SLOW, False
+                yield _User(number, driver, passage, front, rear, committed, held, behind), index
+
+    def _is_in_way(self, user: _User, users: dict[int, list[_User]]) -> bool:
+        """Whether somebody is in the way of a driver before its line."""
+        brakes = user.driver.speed**2 / (2 * _BRAKING)
+        if user.passage.line - user.front > brakes + _LOOKS:
+            return False
+        return any(
+            _meet(user, zone, other)
+            for zone in user.passage.zones
+            for other in users.get(zone.other, ())
+            if other.number != user.number
+        )
+
+
+def _meet(user: _User, zone: Zone, other: _User) -> bool:
+    """Whether a driver would meet another in a zone that it does not leave first."""
+    (begin, end), (near, far) = zone.own, zone.theirs
+    if other.rear > far:
+        return False
+    in_it, out = user.reaches(begin, user.front), user.reaches(end, user.rear)
+    theirs_in, theirs_out = other.reaches(near, other.front), other.reaches(far, other.rear)
+    if not other.committed:
+        if other.held or other.behind or _goes_first(user, in_it, zone, other, theirs_in):
+            return False
+    elif other.driver.speed < _SLOW and other.front > near:
+        return True
+    return in_it < theirs_out + _MARGIN and theirs_in < out + _MARGIN
+
+
+def _goes_first(user: _User, in_it: float, zone: Zone, other: _User, theirs_in: float) -> bool:
+    """Whether it is a driver's turn, of two who both can still stop."""
+    waited, theirs = user.driver.waited, other.driver.waited
+    if max(waited, theirs) > _PATIENCE:
+        return (waited, other.number) > (theirs, user.number)
+    if zone.gives or not other.driver.motion.gives_way:
+        return zone.gives < 0 and other.driver.motion.gives_way
+    return (in_it, user.number) < (theirs_in, other.number)
+
+
+def _seconds(way: float, speed: float, top: float) -> float:
+    """How long it takes to go so far [m] for who goes with `speed` now and as fast as `top` [m/s] soon."""
+    if way <= 0.0:
+        return 0.0
+    faster = (top**2 - speed**2) / (2 * _ACCELERATION)
+    if way < faster:
+        return (math.sqrt(speed**2 + 2 * _ACCELERATION * way) - speed) / _ACCELERATION
+    return (top - speed) / _ACCELERATION + (way - faster) / top
+
+
+def _area(roads: RoadNetwork, junction: Junction) -> tuple[np.ndarray, float]:
+    """The middle [2] and radius [m] of a circle around a junction."""
+    points = np.concatenate([roads.lane(id).line.middle for id in junction.lanes])
+    middle = points.mean(axis=0)
+    return middle, float(np.hypot(*(points - middle).T).max()) + _BEFORE
+
+
+def _passages(
+    roads: RoadNetwork, junction: Junction, area: tuple[np.ndarray, float], ways: Sequence[Lane], first: int
+) -> list[Passage]:
+    """Those through a junction, which are counted from `first` on."""
+    middle, reach = area
+    lights = [one for one in roads.signals if one.kind == "traffic-light"]
+    lights = [one for one in lights if any(_leads(roads, id, junction) for id in one.lanes)]
+    found, rows = list[Passage](), list[np.ndarray]()
+    for way in ways:
+        along = np.arange(0.0, way.line.length, _SAMPLED)
+        points = way.line.at(along)
+        inside = np.flatnonzero(np.hypot(*(points - middle).T) < reach)
+        if way.closed or not len(inside):
+            continue
+        inside = inside[: int(np.argmax(np.append(np.diff(inside) > 1, True))) + 1]
+        along = along[inside]
+        heading = way.line.heading(along)
+        turned = math.remainder(heading[-1] - heading[0], math.tau)
+        stops = [at for light in lights if (at := _line_of(way, light.place, along[-1])) is not None]
+        line = -math.inf if along[0] == 0.0 else math.inf
+        if stops:
+            line = max(stops)
+        elif way.stop is not None and way.stop < along[-1]:
+            line = way.stop
+        axis = found[0].heading if found else heading[0]  # of the first road
+        found.append(
+            Passage(
+                way=way,
+                line=line,
+                end=float(along[-1]),
+                phase=int(abs(math.cos(heading[0] - axis)) < math.sqrt(0.5)) if stops else None,
+                signed=way.stop is not None and not stops,
+                turn=0 if abs(turned) < math.pi / 4 else int(math.copysign(1, turned)),
+                heading=float(heading[0]),
+                zones=[],
+            )
+        )
+        rows.append(np.column_stack([along, points[inside], heading]))
+    _add_zones(found, rows, first)
+    return found
+
+
+def _leads(roads: RoadNetwork, id: str, junction: Junction) -> bool:
+    """Whether a lane leads into a junction or through it."""
+    return id in junction.lanes or any(after in junction.lanes for after in roads.lane(id).successors)
+
+
+def _line_of(way: Lane, place: tuple[float, float, float], end: float) -> float | None:
+    """How far along a way a light is that it obeys."""
+    (along,), (left,) = (rows.tolist() for rows in way.line.along_across(np.array([place[:2]])))
+    looks = math.cos(place[2] - float(way.line.heading(along)))
+    return along if abs(left) < 0.75 * way.width and 0.0 < along < end and looks > math.sqrt(0.5) else None
+
+
+def _add_zones(found: Sequence[Passage], rows: Sequence[np.ndarray], first: int) -> None:
+    for one, (passage, row) in enumerate(zip(found, rows, strict=True)):
+        for other, (against, their) in enumerate(zip(found, rows, strict=True)):
+            spans = None if one == other else _spans(row, their)
+            if spans is not None:
+                zone = Zone(first + other, *spans, _gives(passage, against))
+                passage.zones.append(zone)
+        if passage.line == math.inf:
+            passage.line = min((zone.own[0] for zone in passage.zones), default=math.inf) - _BEFORE
+
+
+def _spans(row: np.ndarray, their: np.ndarray) -> tuple[tuple[float, float], tuple[float, float]] | None:
+    """From and to along two ways where they are in each other's way, of rows along, x, y and heading; None where they
+    are not, or have been one way before."""
+    near = np.hypot(row[:, None, 1] - their[None, :, 1], row[:, None, 2] - their[None, :, 2]) < _BESIDE
+    near &= np.cos(row[:, None, 3] - their[None, :, 3]) > -math.cos(_ONCOMING)
+    mine, theirs = np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
+    if not len(mine) or (near[0, 0] and math.cos(row[0, 3] - their[0, 3]) > 0.0):
+        return None
+    (begin, end), (near_at, far) = row[mine[[0, -1]], 0].tolist(), their[theirs[[0, -1]], 0].tolist()
+    if math.cos(row[mine[-1], 3] - their[theirs[-1], 3]) > math.sqrt(0.5):  # they go on together
+        end, far = min(end, begin + _MERGING), min(far, near_at + _MERGING)
+    return (begin, end), (near_at, far)
+
+
+def _gives(one: Passage, other: Passage) -> int:
+    """Who of two gives way: 1 the first, -1 the other, 0 neither."""
+    return int(_yields(one, other)) - int(_yields(other, one))
+
+
+def _yields(one: Passage, other: Passage) -> bool:
+    if one.signed != other.signed:
+        return one.signed
+    off = math.remainder(other.heading - one.heading, math.tau)
+    if abs(off) > 3 * math.pi / 4:
+        return one.turn > 0 >= other.turn
+    if abs(off) < math.pi / 4:
+        return one.turn != 0 and other.turn == 0
+    return one.phase is None and off > 0.0
