@@ -56,7 +56,7 @@ def test_wheels_stand_on_the_ground() -> None:
         scan = frame(number, FRAMES // 2)
         road = scan.points()[scan.labels() == BY_NAME["road"].id]
         for box in scan.boxes():
-            near = road[np.hypot(*(road[:, :2] - box.center[:2]).T) < 4.0]
+            near = road[np.hypot(*(road[:, :2] - box.center[:2]).T) < 3.0]  # the road falls by up to 8 %
             if box.label == "car" and len(near) > 5:
                 gaps.append(box.center[2] - box.size[2] / 2 - float(np.median(near[:, 2])))
     assert len(gaps) > 2

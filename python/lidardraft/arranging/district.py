@@ -127,7 +127,7 @@ DISTRICTS: dict[str, District] = {
         built=0.82, blocks=0.1, setback=(3.5, 11.0), gap=(2.5, 9.0),
         front_fences=0.95, street_trees=0.7, thickets=5.5, wild_trees=52,
         roundabout=0.14, oneway=0.12, car_park=0.04, strip=0.15,
-        land=Land(grade=0.02, hillside=0.035, bank=0.3),
+        land=Land(grade=0.036, hillside=0.035, bank=0.3),
     ),
     "urban": District(
         share=0.18, lanes=(1, 1, 2), lane_width=(2.75, 3.25), sidewalk=(2.2, 5.5), speed=50 / 3.6, bend=0.2,
@@ -135,7 +135,7 @@ DISTRICTS: dict[str, District] = {
         built=0.95, blocks=0.95, setback=(0.0, 0.4), gap=(0.0, 0.0),
         front_fences=0.0, street_trees=0.8, thickets=0.6, wild_trees=26,
         roundabout=0.08, lights=0.6, oneway=0.35, car_park=0.06, paved=0.7,
-        land=Land(grade=0.014, hillside=0.015, rolling=0.1),
+        land=Land(grade=0.025, hillside=0.015, rolling=0.1),
     ),
     "avenue": District(
         share=0.15, lanes=(2, 2, 3), lane_width=(3.0, 3.5), sidewalk=(2.0, 4.0), speed=50 / 3.6, bend=0.25,
@@ -143,7 +143,7 @@ DISTRICTS: dict[str, District] = {
         built=0.75, blocks=0.65, setback=(1.5, 7.0), gap=(1.0, 12.0),
         front_fences=0.7, street_trees=0.9, thickets=6.0, wild_trees=40,
         roundabout=0.15, lights=0.75, car_park=0.12, median=(0.0, 4.0), strip=0.4, paved=0.4,
-        land=Land(grade=0.012, bank=0.1),
+        land=Land(grade=0.022, bank=0.1),
     ),
     "retail": District(
         share=0.06, lanes=(1, 1, 2), lane_width=(3.0, 3.5), sidewalk=(1.5, 2.5), speed=50 / 3.6, bend=0.2, junction=0.3,
@@ -159,7 +159,7 @@ DISTRICTS: dict[str, District] = {
         built=0.18, blocks=0.0, setback=(8.0, 22.0), gap=(8.0, 40.0),
         front_fences=0.4, street_trees=0.6, thickets=7.0, wild_trees=65,
         roundabout=0.35,
-        land=Land(grade=0.025, hillside=0.06, rolling=0.6, ditch=0.5, bank=0.4),
+        land=Land(grade=0.045, hillside=0.06, rolling=0.6, ditch=0.5, bank=0.4),
         equipment=_COUNTRY_ROAD,
     ),
     "motorway": District(
@@ -168,7 +168,7 @@ DISTRICTS: dict[str, District] = {
         built=0.05, blocks=0.2, setback=(20.0, 40.0), gap=(15.0, 60.0),
         front_fences=0.0, street_trees=0.0, thickets=8.0, wild_trees=60,
         median=(2.5, 4.0), shoulder=2.5, curvature=(0.0003, 0.002),
-        land=Land(grade=0.014, hillside=0.05, rolling=0.5, ditch=0.35, bank=0.5),
+        land=Land(grade=0.025, hillside=0.05, rolling=0.5, ditch=0.35, bank=0.5),
         equipment=_MOTORWAY,
     ),
 }  # fmt: skip

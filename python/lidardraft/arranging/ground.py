@@ -104,21 +104,28 @@ class RoundaboutMesh:
 # What the ground is made of, and its classes.
 _SURFACES = ("road", "sidewalk", "terrain", "grass")
 _LABELS = ("road", "sidewalk", "terrain", "terrain")
-_SPACING = 4.5  # m between the stations of the mesh; the chord of a 110 m bend leaves the arc by 2 cm
+_KERBED = (1, 3)  # of these, what lies behind kerbs
+_SPACING = 4.5  # m between the stations of a level mesh; the chord of a 110 m bend leaves the arc by 2 cm
+_FINE = 2.5  # m between the lines on a road with waves
 _MARGIN = 36.0  # m that the ground goes on behind the ends of the road, for what stands there
 _BEYOND = (11.0, 16.0, 23.0, 33.0, 48.0, 70.0, 100.0)  # m from the verge, where the land is sampled
 _AROUND = (2.5, 6.0)  # m beyond the square of a roundabout, where the land is sampled
 _INSIDE = 0.8  # of the way to the centre of a bend, where the land inside it ends
 _GARDEN_DROP, _GRASS_DROP = 0.03, 0.02  # m from a sidewalk down to gardens and to the grass beside it
+# m, of streets: of a kerb over the road, of one that is dropped, and of gardens over the sidewalk: estimates
+_KERBS, _DROPPED, _GARDENS = (0.0, KERB_HEIGHT), 0.03, (-0.04, 0.08)
+_CROSSED = 2.5  # m beside a side road, where kerbs are dropped for people who cross
 _FAR, _FAR_DROP = 500.0, 0.5  # m, the extents of the land far away, and how far under the lowest ground it lies
 _MEDIAN_GAP = 1.0  # m from the crossing road to where the median begins
 _PIECES, _PAVED = 3, 0.04  # pieces of a driveway, and m that it lies over the land
 PAINT, COAT = "road-paint", 0.005  # m that markings lie over the road
+_BENT = 4  # pieces of paint along and across a cell of the mesh, which is no plane
 # Level pieces, estimates: m that one may leave the ground at its ends, m of the shortest, and of the longest in
 # bends of this curvature [1/m].
 _OFF_GROUND, _LEAST_PIECE, _BEND_PIECE, _BEND = 0.12, 3.0, 7.0, 0.002
 _FLAT = 1e-3  # slopes under this count as none
 _CLOSE = 1.0  # m, a station this near to another line is left out
+_NEAR = 1e-6  # m
 
 
 class Ground:
@@ -142,9 +149,12 @@ class Ground:
     ) -> None:
         self.road, self.strip, self.paved, self.plain = road, strip, paved, plain
         self.relief = Relief(road, land or Land(), rng, level_road=plain is not None)
-        # beside a sidewalk gardens are as high as it, beside a bare road the land is a little lower
-        land_level = KERB_HEIGHT - _GARDEN_DROP if road.sidewalk > 0 else TERRAIN_HEIGHT
-        self._levels = np.array([0.0, KERB_HEIGHT, land_level, max(land_level, KERB_HEIGHT - _GRASS_DROP)])
+        (own,) = rng.spawn(1)
+        kerb = KERB_HEIGHT if plain is not None or road.sidewalk == 0 else own.uniform(*_KERBS)
+        garden = -_GARDEN_DROP if plain is not None else own.uniform(*_GARDENS)
+        # beside a sidewalk gardens are about as high as it, beside a bare road the land is a little lower
+        land_level = kerb + garden if road.sidewalk > 0 else TERRAIN_HEIGHT
+        self._levels = np.array([0.0, kerb, land_level, kerb - _GRASS_DROP])
         self._roundabout = None if road.roundabout_radius is None else RoundaboutMesh(road)
         self._along, self._across = self._lines()
         self._lattice = self.relief.heights(self._along[:, None], self._across[None, :])
@@ -152,6 +162,7 @@ class Ground:
             self._lattice = self._lattice * share(road.points(self._along[:, None], self._across[None, :]))
         if plain is not None:
             self._lattice = np.maximum(self._lattice, 0.0)
+        self._drop = self._dropped_at_crossings()
         self.low = float(self._lattice.min())
         self._driveways: list[PavedArea] = []
         self._painted = np.zeros((0, 4))
@@ -178,18 +189,17 @@ class Ground:
 
     def heights(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
         """The heights [n] of the ground at points [n], as the mesh has it [m]."""
-        level = self._levels[self.kinds(along, across)] if self.plain is None else self.levels(along, across)
+        kinds = self.kinds(along, across)
+        level = self._levels[kinds] if self.plain is None else self.levels(along, across)
         row = np.clip(np.searchsorted(self._along, along) - 1, 0, len(self._along) - 2)
         column = np.clip(np.searchsorted(self._across, across) - 1, 0, len(self._across) - 2)
         p = (along - self._along[row]) / (self._along[row + 1] - self._along[row])
         q = (across - self._across[column]) / (self._across[column + 1] - self._across[column])
         p, q = np.clip(p, 0.0, 1.0), np.clip(q, 0.0, 1.0)
-        here, after = self._lattice[row, column], self._lattice[row + 1, column + 1]
-        ahead, beside = self._lattice[row + 1, column], self._lattice[row, column + 1]
-        # the two triangles of a cell, as `quads` cuts it
-        height = here + np.where(
-            p >= q, p * (ahead - here) + q * (after - ahead), q * (beside - here) + p * (after - beside)
-        )
+        height = _within(self._lattice, row, column, p, q)
+        if self.plain is None:
+            kerbed = np.isin(kinds, _KERBED)
+            height = height - np.where(kerbed, _within(self._drop, row, column, p, q), 0.0)
         if self._roundabout is not None and self.plain is None:
             height = np.where(self._roundabout.covers(along, across), self.relief.heights(along, across), height)
         heights: np.ndarray = level + height
@@ -205,8 +215,11 @@ class Ground:
         return max(_LEAST_PIECE, min(limit, 2 * _OFF_GROUND / max(abs(self.grade(along)), _FLAT)))
 
     def add_driveway(self, area: PavedArea) -> None:
-        """Pave a driveway, a little over the land."""
+        """Pave a driveway, a little over the land, and drop the kerb before it."""
         self._driveways.append(area)
+        (low, high), side = area.along, np.sign(sum(area.across))
+        rows = (self._along >= low - _FINE / 2) & (self._along <= high + _FINE / 2)
+        self._drop[np.ix_(rows, np.isclose(self._across, side * self.road.edge))] = self._most_dropped
 
     def paint(self, spans: np.ndarray) -> None:
         """Add painted rectangles [n, 4], from and to along and from and to across [m], to the surfaces."""
@@ -231,11 +244,12 @@ class Ground:
         kinds = self.kinds(*middle)
         hidden = None if self._roundabout is None else self._roundabout.covers(*middle)
         xy = self.road.points(along[:, None], across[None, :])
-        pieces = [_cells(kinds, self._levels, xy, self._lattice, hidden)]
+        pieces = [_cells(kinds, self._levels, xy, self._lattice, hidden, self._drop)]
         if self._roundabout is not None:
             s, d = self._roundabout.along, self._roundabout.across
             inner = self.kinds(*self._roundabout.middles())
-            pieces.append(_cells(inner, self._levels, self.road.points(s, d), self.relief.heights(s, d), None))
+            heights = self.relief.heights(s, d)
+            pieces.append(_cells(inner, self._levels, self.road.points(s, d), heights, None, 0.0 * heights))
         size = (_FAR, _FAR, 0.0)
         far = Primitive(shape="plane", center=(0.0, 0.0, self.low - _FAR_DROP), size=size, label="terrain", id="far")
         primitives = [far]
@@ -255,7 +269,10 @@ class Ground:
 
     def _coat(self, spans: np.ndarray) -> np.ndarray:
         """Corners [Q, 4, 3] of painted rectangles, cut at the lines of the mesh so that they lie on it."""
-        spans = cut(cut(spans, self._along, 0), self._across, 1)
+        for axis, lines in enumerate((self._along, self._across)):
+            number = np.arange(len(lines))
+            finer = np.interp(np.linspace(0, number[-1], _BENT * number[-1] + 1), number, lines)
+            spans = cut(spans, finer, axis)
         along, across = spans[:, [0, 1, 1, 0]], spans[:, [2, 2, 3, 3]]
         height = self.heights(along.ravel(), across.ravel()).reshape(along.shape)
         return np.concatenate([self.road.points(along, across), (height + COAT)[..., None]], axis=-1)
@@ -302,10 +319,28 @@ class Ground:
             kinds = np.where(np.abs(along) > road.half_length, 2, kinds)
         return kinds
 
+    @property
+    def _most_dropped(self) -> float:
+        """How much lower than the others a kerb is where it is dropped [m]."""
+        return max(0.0, float(self._levels[1]) - _DROPPED)
+
+    def _dropped_at_crossings(self) -> np.ndarray:
+        """How much lower [m] the sidewalks are at each point of the mesh: at the corners of side roads."""
+        road, drop = self.road, np.zeros_like(self._lattice)
+        if road.junction is None or road.roundabout_radius is not None or road.sidewalk == 0 or self.plain is not None:
+            return drop
+        off = np.abs(self._along - road.junction)
+        for side in road.side_roads:
+            out, far = side * self._across, road.verge + _CROSSED
+            corner = (off >= road.edge - _NEAR) & (off <= far)
+            drop[np.ix_(corner, np.isclose(out, road.edge))] = self._most_dropped
+            drop[np.ix_(np.isclose(off, road.edge), (out >= road.edge - _NEAR) & (out <= far))] = self._most_dropped
+        return drop
+
     def _lines(self) -> tuple[np.ndarray, np.ndarray]:
         road = self.road
         end = road.half_length + _MARGIN
-        stations = np.linspace(-end, end, round(2 * end / _SPACING) + 1)
+        stations = np.linspace(-end, end, round(2 * end / (_SPACING if self.plain is not None else _FINE)) + 1)
         ways = np.array([road.edge, *([road.edge + self.strip] if self.strip else []), road.verge])
         section = road.verge + np.array(SECTION)
         lines = [d for area in road.paved_areas for d in area.along]
@@ -324,6 +359,8 @@ class Ground:
             stations = stations[np.abs(stations[:, None] - fixed).min(axis=1) > _CLOSE]
         along = np.concatenate([stations, fixed])
         middle = [road.median / 2] if road.median > 0 else [0.0]
+        if self.plain is None:
+            middle += np.arange(middle[0] + _FINE, road.edge - _CLOSE, _FINE).tolist()
         half_lines = np.concatenate([middle, ways, section, road.verge + np.array(_BEYOND)])
         if self._roundabout is not None:
             beyond = half_lines[half_lines > self._roundabout.half + _CLOSE]
@@ -341,17 +378,34 @@ def _distinct(lines: np.ndarray) -> np.ndarray:
     return lines[np.concatenate([[True], np.diff(lines) > 1e-3])]
 
 
+def _within(lattice: np.ndarray, row: np.ndarray, column: np.ndarray, p: np.ndarray, q: np.ndarray) -> np.ndarray:
+    """Heights [n] at the shares p, q of cells of a lattice, on the two triangles that `quads` makes of each."""
+    here, after = lattice[row, column], lattice[row + 1, column + 1]
+    ahead, beside = lattice[row + 1, column], lattice[row, column + 1]
+    return here + np.where(p >= q, p * (ahead - here) + q * (after - ahead), q * (beside - here) + p * (after - beside))
+
+
 def _cells(
-    kinds: np.ndarray, levels: np.ndarray, xy: np.ndarray, relief: np.ndarray, hidden: np.ndarray | None
+    kinds: np.ndarray,
+    levels: np.ndarray,
+    xy: np.ndarray,
+    relief: np.ndarray,
+    hidden: np.ndarray | None,
+    drop: np.ndarray,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Corners [Q, 4, 3] and kind [Q] of the cells [n, m] over a lattice [n + 1, m + 1], and of the steps between."""
+    """Corners [Q, 4, 3] and kind [Q] of the cells [n, m] over a lattice [n + 1, m + 1], and of the steps between.
+
+    What lies behind kerbs is lower by `drop` at the points of the lattice.
+    """
     rows, columns = (np.arange(n + 1.0) for n in kinds.shape)
     corners, cell = stepped_grid(rows, columns, levels[kinds])
     if hidden is not None:
         corners, cell = corners[~hidden.ravel()[cell]], cell[~hidden.ravel()[cell]]
     row, column = corners[..., 0].astype(np.intp), corners[..., 1].astype(np.intp)
-    vertices = np.concatenate([xy[row, column], (relief[row, column] + corners[..., 2])[..., None]], axis=-1)
-    return vertices, kinds.ravel()[cell]
+    owners = kinds.ravel()[cell]
+    on_top = np.isin(owners, _KERBED)[:, None] & (corners[..., 2] == levels[owners][:, None])
+    height = relief[row, column] + corners[..., 2] - np.where(on_top, drop[row, column], 0.0)
+    return np.concatenate([xy[row, column], height[..., None]], axis=-1), owners
 
 
 def cut(spans: np.ndarray, lines: np.ndarray, axis: int) -> np.ndarray:

@@ -1,4 +1,6 @@
-"""What the ground has over its flat level: grade and crests of the road, camber, hillsides, ditches, rolling land."""
+"""What the ground has over its flat level: grade and crests of the road, camber, short waves, hillsides, ditches,
+rolling land.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,7 @@ from lidardraft.scene.road import Road
 
 # m from the verge where the land beside a road bends: shoulder, ditch or foot of a bank, top of the bank.
 SECTION = (1.0, 1.9, 2.4, 3.6, 6.5)
-_CAMBER = 0.025  # usual cross fall of a paved road, 2 to 3 %
+_CAMBER = (0.02, 0.03)  # usual cross fall of a paved road
 _BANKED = 0.05  # RAL: cross fall in bends up to 7 %
 _STEEPEST = 0.06  # RASt 06 and RAL allow 4.5 to 8 %
 _DITCH = (0.3, 0.6)  # m deep: the German guide to road drainage (RAS-Ew) has 0.5 m
@@ -21,16 +23,20 @@ _BANKED_EACH = 12.0  # m: cross fall times radius of the bend, up to `_BANKED`: 
 # are usual (RAL), and how steep the second is against the first, an estimate.
 _WAVELENGTHS = ((120.0, 55.0), (320.0, 140.0))
 _WAVES = (1.0, 0.45)
+# Short waves: how many, the least and longest [m], and the slope of all together on one street, deviation. ISO 8608 has
+# .003 for good roads (class B) and .009 for poor ones (D) at these lengths.
+_RIPPLES, _RIPPLE_LENGTHS, _ROUGHNESS = 6, (6.0, 25.0), (0.003, 0.009)
 # The land beside the road: estimates.
 _STEEPEST_HILL = 0.12
+_STREET_HILLS = 1.6  # times those beside level roads, which hide all that falls
 _HILL_BEGINS = 20.0  # m from the verge, where a hillside has half of its slope
 _ROLLING = (0.3, 1.0)  # how high its waves are, in shares of what the district has
 _ROLLING_BEGINS = 15.0  # m from what is paved, where they have their full height
 _ROLLING_WAVES = ((0.03, -0.06, 0.0), (0.22, 0.06, 2 * math.pi))  # rad/m along and across, phase: least and most
 _MOUND = (0.1, 1.4)  # m that the island of a roundabout rises to its middle
-_CAMBER_BEGINS = 6.0  # m from the circle of a roundabout, where a road has its full camber
+_CAMBER_BEGINS = 6.0  # m from the circle of a roundabout, where a road has its full camber and waves
 _TOWN_BANK = 0.4  # height of a bank behind a sidewalk against one without
-_FALLING = 0.5  # share of banks outside towns that fall
+_FALLING = 0.5  # share of banks that fall
 _SHOULDER_DROP = 0.03  # m from the road to its bare shoulder
 _FOOT_OF_BANK = 0.35  # of its height at the last but one of `SECTION`
 
@@ -41,7 +47,7 @@ class Land:
     height [m] of its waves, `ditch` and `bank` probabilities a side.
     """
 
-    grade: float = 0.015
+    grade: float = 0.027
     hillside: float = 0.02
     rolling: float = 0.25
     ditch: float = 0.0
@@ -57,7 +63,7 @@ class Relief:
 
     def __init__(self, road: Road, land: Land, rng: np.random.Generator, *, level_road: bool = False) -> None:
         self.road = road
-        self._camber = rng.uniform(0.0, _CAMBER)
+        self._camber = rng.uniform(*_CAMBER)
         outside = road.sidewalk == 0.0
         self._bank = (
             math.copysign(min(_BANKED, _BANKED_EACH * abs(road.curvature)), -road.curvature) if outside else 0.0
@@ -65,14 +71,23 @@ class Relief:
         self._wavenumbers = 2 * math.pi / rng.uniform(*_WAVELENGTHS)
         self._rise = np.clip(rng.normal(0.0, land.grade, 2) * _WAVES, -0.5 * _STEEPEST, 0.5 * _STEEPEST)
         self._phase = rng.uniform(0.0, 2 * math.pi, 2)
-        self.hillside = np.clip(rng.normal(0.0, land.hillside, 2), -_STEEPEST_HILL, _STEEPEST_HILL)
+        slopes = rng.normal(0.0, land.hillside, 2) * (1.0 if level_road else _STREET_HILLS)
+        self.hillside = np.clip(slopes, -_STEEPEST_HILL, _STEEPEST_HILL)
         self._sections = np.stack([_section(road, land, rng) for _ in range(2)])
         self._rolling = rng.uniform(*_ROLLING) * land.rolling
         self._waves = rng.uniform(*_ROLLING_WAVES, (3, 3))
         self._mound = rng.uniform(*_MOUND)
         self._level_road = level_road
+        (own,) = rng.spawn(1)
+        lengths = np.geomspace(*_RIPPLE_LENGTHS, _RIPPLES)
+        heading, self._ripple_phases = own.uniform(0.0, 2 * math.pi, (2, _RIPPLES))
+        self._ripples = 2 * math.pi / lengths * np.stack([np.cos(heading), np.sin(heading)])
+        self._ripple_heights = own.uniform(*_ROUGHNESS) / math.sqrt(_RIPPLES / 2) * lengths / (2 * math.pi)
         if level_road:
             self._camber, self._bank, self._mound, self._rise = 0.0, 0.0, 0.0, 0.0 * self._rise
+            self._ripple_heights = 0.0 * self._ripple_heights
+        elif not outside:  # behind a sidewalk, too, land falls as often as it rises
+            self._sections[:, -2:] *= np.where(own.random(2) < _FALLING, -1.0, 1.0)[:, None]
 
     def grade(self, along: float) -> float:
         """The slope of the road along itself."""
@@ -83,7 +98,7 @@ class Relief:
         road = self.road
         side = np.abs(across)
         left = across > 0
-        relief = self._profile(along) + self._crossfall(along, across)
+        relief = self._profile(along) + self._crossfall(along, across) + self._short_waves(along, across)
         out = np.maximum(side - road.verge, 0.0)
         relief = relief + np.where(left, self.hillside[0], self.hillside[1]) * out * out / (out + _HILL_BEGINS)
         away = self._away(along, across)
@@ -110,11 +125,20 @@ class Relief:
             banked: np.ndarray = self._bank * np.clip(across, -verge, verge)
             return banked
         camber = self._camber * (edge / 2 - np.minimum(np.abs(across), edge))
-        if self.road.roundabout_radius is not None and self.road.junction is not None:
-            # a roundabout has none
-            off = np.hypot(along - self.road.junction, across) - self.road.roundabout_radius
-            camber = camber * np.clip(off / _CAMBER_BEGINS, 0.0, 1.0)
-        return np.asarray(camber)
+        return np.asarray(camber * self._off_roundabout(along, across))
+
+    def _short_waves(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+        """Patches, ruts and what has settled."""
+        p, q = self._ripples
+        waves = np.sin(along[..., None] * p + across[..., None] * q + self._ripple_phases) @ self._ripple_heights
+        return np.asarray(waves * self._off_roundabout(along, across))
+
+    def _off_roundabout(self, along: np.ndarray, across: np.ndarray) -> np.ndarray | float:
+        """0 in a roundabout, which has neither camber nor waves, and 1 away from it."""
+        if self.road.roundabout_radius is None or self.road.junction is None:
+            return 1.0
+        off = np.hypot(along - self.road.junction, across) - self.road.roundabout_radius
+        return np.asarray(np.clip(off / _CAMBER_BEGINS, 0.0, 1.0))
 
     def _away(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
         """Distance from all that is paved [m]."""
