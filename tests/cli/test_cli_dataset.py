@@ -184,7 +184,7 @@ def test_recipes_of_drives_are_split_by_drive(recipe: Path) -> None:
         assert scans[name] == [f"{number:06d}" for number in numbers]
     times = [row["timestamp"] for row in tables["sample"][:3]]
     assert np.diff(times).tolist() == [200_000, 200_000]
-    card = Path("set/CARD.md").read_text()
+    card = Path("set/README.md").read_text()
     assert "5 drives of 3 scans at 5 Hz" in card
     assert "| train | 9 |" in card
     assert made("-o", "set", "--jobs", "1", "-n", "6").items() > {"set/recipe.json"[4:]: whole["recipe.json"]}.items()
@@ -242,7 +242,7 @@ def test_any_processes_make_the_same_shards(capsys: pytest.CaptureFixture[str]) 
     assert made("-o", "shares", "--jobs", "1", "--shard", "1/3") == whole
     assert sorted(whole) == sorted(
         [f"{k:06d}.{ending}" for k in range(7) for ending in ("tar", "json")]
-        + ["CARD.md", "recipe.json", "summary.json"]
+        + ["README.md", "recipe.json", "summary.json"]
     )
 
 

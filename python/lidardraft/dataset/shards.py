@@ -208,7 +208,7 @@ class DataSet:
             if self.recipe.splits:
                 parts = by_split({f"{k:06d}": self.recipe.split(k) for k in range(self.recipe.scans)})
                 write_text(self.folder / "splits.json", json.dumps(parts))
-            write_text(self.folder / "CARD.md", card(self.recipe, total))
+            write_text(self.folder / "README.md", card(self.recipe, total))
             write_text(path, text)
 
 
