@@ -82,3 +82,12 @@ def test_bad_drives_are_refused() -> None:
         street_drive(-1, config=CONFIG)
     with pytest.raises(LidarDraftError, match="hz is 0"):
         street_drive(0, config=CONFIG, hz=0)
+
+
+def test_traffic_passes_under_crowns_on_hills_too() -> None:
+    """Here two cars waited for ever at trees whose crowns hang over the lane, and the ego vehicle behind them."""
+    few = dataclasses.replace(SMALL, name="few", elevations=SMALL.elevations[:8], columns=64)
+    for number in (1, 2):
+        tracks = street_drive(number, seed=2, config=dataclasses.replace(CONFIG, sensor=few), frames=120).tracks
+        late = tracks.ego.at(np.array([8.0, 11.5]))[:, :2]
+        assert math.dist(*late) > 10.0

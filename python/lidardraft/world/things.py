@@ -13,14 +13,15 @@ from dataclasses import dataclass
 
 from lidardraft.scene.bodies import Bodies
 from lidardraft.scene.box import Box
-from lidardraft.scene.check import EGO, EGO_SIZE
+from lidardraft.scene.check import EGO
 from lidardraft.scene.layout import Layout, Primitive, box_around, object_of
 from lidardraft.scene.pose import inverse, point_at, upright
 from lidardraft.semantics import BY_NAME, GROUND
 from lidardraft.simulation.detail.detail import detail
 from lidardraft.simulation.detail.fitting import changed
 from lidardraft.simulation.motion.driver import Body
-from lidardraft.simulation.motion.tracks import body_of
+from lidardraft.simulation.motion.motions import Ground
+from lidardraft.simulation.motion.tracks import EGO_BODY, bodies_of
 from lidardraft.simulation.sweeps import Spot
 
 
@@ -85,7 +86,7 @@ class Thing:
 EGO_THING = Thing(
     (EGO,),
     Bodies.of(Layout()),
-    dataclasses.replace(body_of("ego", [EGO]), place=(0.0, 0.0, 0.0, 0.0), size=EGO_SIZE),
+    EGO_BODY,
     False,
 )
 
@@ -106,11 +107,17 @@ def built(
     for number, part in enumerate(scene):
         own.setdefault(object_of(part), []).append(number)
     around = origin or whole.origin
-    return {name: _thing(name, parts, whole.some(own.get(name, []), around)) for name, parts in given.items()}
+    standing = {name: [part for part in parts if part.label not in GROUND] for name, parts in given.items()}
+    solid = bodies_of({name: parts for name, parts in standing.items() if parts}, Ground(base or layout))
+    things = {}
+    for name, parts in given.items():
+        body = solid[name] if name in solid else _bare(name, parts)
+        bodies = whole.some(own.get(name, []), around)
+        things[name] = Thing(tuple(parts), bodies, body, len(standing[name]) < len(parts))
+    return things
 
 
-def _thing(name: str, parts: Sequence[Primitive], bodies: Bodies) -> Thing:
-    standing = [part for part in parts if part.label not in GROUND]
-    box = box_around(standing or parts)
-    body = body_of(name, standing) if standing else Body(name, frozenset(), (*box.center, box.yaw), box.size, ())
-    return Thing(tuple(parts), bodies, body, len(standing) < len(parts))
+def _bare(name: str, parts: Sequence[Primitive]) -> Body:
+    """Ground, which nobody runs into."""
+    box = box_around(parts)
+    return Body(name, frozenset(), (*box.center, box.yaw), box.size, ())

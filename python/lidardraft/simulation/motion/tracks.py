@@ -12,6 +12,7 @@ import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from lidardraft.errors import LayoutError
+from lidardraft.scene.box import Box
 from lidardraft.scene.check import EGO, EGO_SIZE, OVERLAP_TOLERANCE, VEHICLE_LABELS, objects
 from lidardraft.scene.lane import Lane
 from lidardraft.scene.layout import Layout, Primitive, box_around
@@ -49,9 +50,9 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     Raises `LayoutError` naming an object that the layout does not have or that has no lane to drive along, objects that
     collide, and a vehicle that leaves the road. What the scenario does not name stands where it would collide.
     """
-    bodies = {name: body_of(name, parts) for name, parts in objects(layout).items()}
-    scenario.check_names(list(bodies))
     roads, ground = with_known_roads(layout).roads, Ground(layout)
+    bodies = bodies_of(objects(layout), ground)
+    scenario.check_names(list(bodies))
     lanes = () if roads is None else roads.ways()
     rules = RightOfWay(roads, lanes)
     given = {name: motion for name in bodies if (motion := scenario.of(name)) is not None}
@@ -77,14 +78,24 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     return Tracks(tracks.pop("ego"), {name: track for name, track in tracks.items() if track.moves()})
 
 
-def body_of(name: str, parts: list[Primitive]) -> Body:
-    """An object that is made of these parts."""
-    box = box_around(parts)
-    solids = tuple(Solid.from_primitive(part) for part in parts if part.center[2] - part.size[2] / 2 < _REACHED)
-    return Body(name, frozenset(part.label for part in parts), (*box.center, box.yaw), box.size, solids)
+def bodies_of(parts: Mapping[str, list[Primitive]], ground: Ground) -> dict[str, Body]:
+    """Objects that are made of these parts, by their names. Crowns are passed under; trunks are run into."""
+    boxes = {name: box_around(some) for name, some in parts.items()}
+    floors = ground.at(np.array([box.center for box in boxes.values()]).reshape(-1, 3))[0].tolist()
+    return {
+        name: _body(name, parts[name], box, floor) for (name, box), floor in zip(boxes.items(), floors, strict=True)
+    }
 
 
-EGO_BODY = dataclasses.replace(body_of("ego", [EGO]), place=(0.0, 0.0, 0.0, 0.0), size=EGO_SIZE)
+def _body(name: str, parts: list[Primitive], box: Box, floor: float) -> Body:
+    hard = [part for part in parts if part.label != "vegetation"] or parts
+    low = (part for part in hard if part.center[2] - part.size[2] / 2 < floor + _REACHED)
+    labels = frozenset(part.label for part in parts)
+    return Body(name, labels, (*box.center, box.yaw), box.size, tuple(map(Solid.from_primitive, low)))
+
+
+_EGO = _body("ego", [EGO], box_around([EGO]), 0.0)
+EGO_BODY = dataclasses.replace(_EGO, place=(0.0, 0.0, 0.0, 0.0), size=EGO_SIZE)
 
 
 def _moved(
