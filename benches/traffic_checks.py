@@ -25,7 +25,7 @@ from lidardraft.scene.solids import penetration
 from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.motion.driver import Body
 from lidardraft.simulation.motion.motions import Ground
-from lidardraft.simulation.motion.tracks import EGO_BODY, Tracks, _solid, body_of, tracks_of
+from lidardraft.simulation.motion.tracks import EGO_BODY, Tracks, _solid, bodies_of, tracks_of
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
 from lidardraft.streets.pairs import sample_viewpoint
 from lidardraft.streets.street import StreetConfig, make_street
@@ -126,7 +126,7 @@ def main() -> None:
         begin = time.process_time()
         tracks = tracks_of(layout, Scenario(), times[-1])
         spent.append(time.process_time() - begin)
-        bodies = {name: body_of(name, parts) for name, parts in objects(layout).items()} | {"ego": EGO_BODY}
+        bodies = bodies_of(objects(layout), Ground(layout)) | {"ego": EGO_BODY}
         for name, track in {"ego": tracks.ego, **tracks.actors}.items():
             speeds = np.hypot(*np.diff(track.at(times)[:, :2], axis=0).T) * HZ
             kinds = (label for label in ("rider", "person", "bus", "truck", "car") if label in bodies[name].labels)
