@@ -1,8 +1,5 @@
-import base64
 import html
-import json
 import re
-import zlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +10,7 @@ from PIL import Image
 from lidardraft import Layout, Primitive, Sensor, raycast, simulate, view
 from lidardraft.drawing import Drawing, Eye
 from lidardraft.errors import LayoutError
+from page_fields import fields_of_page, page_data
 
 CAR = Primitive(shape="box", center=(10, 0, 0.75), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(100, 8, 0), label="road", id="road")
@@ -153,22 +151,6 @@ def test_a_picture_is_saved_as_it_is(tmp_path: Path) -> None:
     picture = np.random.default_rng(0).integers(0, 256, (7, 5, 3), dtype=np.uint8)
     view.save_png(tmp_path / "a.png", picture)
     np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "a.png").convert("RGB")), picture)
-
-
-def page_data(page: str) -> dict:
-    return json.loads(re.search(r'<script type="application/json" id="data">(.*?)</script>', page, re.DOTALL)[1])
-
-
-def fields_of_page(page: str) -> dict[str, np.ndarray]:
-    """What a page holds of each point, in metres and seconds."""
-    data, start, found = page_data(page), 0, {}
-    packed = np.frombuffer(zlib.decompress(base64.b64decode(data["packed"])), np.uint8)
-    for name, width, unit in data["fields"]:
-        planes = packed[start : start + width * data["count"]].reshape(width, -1)
-        steps = np.ascontiguousarray(planes.T).view(f"<i{width}")[:, 0]
-        found[name], start = np.cumsum(steps, dtype=steps.dtype) * unit, start + planes.size
-    assert start == len(packed)
-    return found
 
 
 def test_a_page_of_html_holds_a_whole_scan() -> None:

@@ -67,7 +67,7 @@ def test_halves_are_completed_beside_a_procedural_street_and_a_lawn(
     scores, shares = ({line[0].strip("| "): line for line in some} for some in (lines[1:5], lines[6:]))
     assert list(scores) == list(shares) == ["weights", "surround", "bare", "detailed scan"]
     assert set(shares["bare"][1:4]) == {"1"}
-    assert float(scores["surround"][2]) < float(scores["bare"][2])  # heights
+    assert float(scores["surround"][2]) <= float(scores["bare"][2])  # heights
     assert (tmp_path / "look.png").exists()
 
 

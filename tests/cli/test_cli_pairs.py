@@ -213,7 +213,7 @@ def test_npz_with_gaps_and_labels_of_a_folder(recordings: Path, capsys: pytest.C
 def test_what_cannot_be_is_refused(refused: Refused) -> None:
     assert "--sensor is needed" in refused("pairs", "00", "-o", "out")
     Path("empty").mkdir()
-    assert "there is no .bin, .pcd, .ply, .npz, .las, .pkl.gz or .pcap file" in refused(
+    assert "there is no .bin, .pcd, .ply, .npz, .las, .pkl.gz, .pcap, .osf, .mcap or .db3 file" in refused(
         "pairs", "empty", "--sensor", "small.json", "-o", "out"
     )
     assert "nothing.safetensors" in refused(*RECORDED, "--segmenter", "nothing.safetensors")

@@ -217,7 +217,7 @@ def test_heights_and_normals_are_those_of_the_ground() -> None:
                         steep = max(steep, math.acos(network.normal(x, y)[2]))
                 assert lane.line.height(s) == pytest.approx(network.height(x, y), abs=0.2)
     assert len(off) > 100
-    assert np.quantile(np.abs(off), 0.95) < 0.05
+    assert np.quantile(np.abs(off), 0.95) < 0.08  # waves are shorter than the pieces of lanes
     assert np.median(turned) < 0.01
     assert steep > 0.03  # what a level road would miss
 

@@ -62,7 +62,7 @@ def test_a_saved_street_is_driven(number: int, tmp_path: Path) -> None:
     for name in moving:
         places = tracks.actors[name].places
         over = places[:, 2] - ground.at(places)[0]
-        assert np.ptp(over) < 0.08  # the shapes of the ground are coarse
+        assert np.ptp(over) < 0.12  # the shapes of the ground are coarse
     assert np.ptp(heights) > 0.03
     frames = [scan.image.depth for scan in SequenceSimulator(layout, SENSOR, frames=2, hz=2, seed=1)]
     assert (frames[0] != frames[1]).mean() > 0.3

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from lidardraft.errors import FormatError, extra
 from lidardraft.formats.frame import Annotation, Drives, Frame, point_records, timed
@@ -115,6 +114,7 @@ def _pose(pose: np.ndarray) -> Any:
 
 def _place_and_turn(pose: np.ndarray) -> tuple[Any, Any]:
     from foxglove.messages import Quaternion, Vector3
+    from scipy.spatial.transform import Rotation  # which no --help waits for
 
     x, y, z, w = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
     return Vector3(**dict(zip("xyz", pose[:3, 3].tolist(), strict=True))), Quaternion(x=x, y=y, z=z, w=w)

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from lidardraft.errors import extra
 from lidardraft.formats.frame import Annotation, Drives, Frame, timed
@@ -133,5 +132,7 @@ class _Messages:
         return self.Detection3D(header=header, results=[guess], bbox=bounds, id=box.id)
 
     def _placed(self, point: Any, pose: np.ndarray) -> tuple[Any, Any]:
+        from scipy.spatial.transform import Rotation  # which no --help waits for
+
         turn = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
         return point(*pose[:3, 3].tolist()), self.Quaternion(*turn)

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation, Slerp
 
 from lidardraft.errors import FormatError, extra, one_of
 from lidardraft.files import expecting, named, regular_size
@@ -142,6 +141,8 @@ class _Edge:
 
     def at(self, times: np.ndarray) -> np.ndarray:
         """Poses [N, 4, 4], between those that are known, of the first or the last beyond."""
+        from scipy.spatial.transform import Rotation, Slerp  # which no --help waits for
+
         known, first = np.unique(np.array(self.times), return_index=True)
         rows = np.array(self.poses, np.float64)[first]
         inside = np.clip(times, known[0], known[-1])

@@ -532,11 +532,8 @@ class World:
 
     def _cast(self, state: WorldState, channel: str, swept: dict[str, Any]) -> tuple[RangeImage, Surfaces]:
         """The clean returns, and the surfaces that they are of."""
-        sensor, still, moving = (
-            self.rig.mounts[channel].sensor,
-            list[tuple[Thing, Actor]](),
-            list[tuple[Thing, Actor]](),
-        )
+        sensor = self.rig.mounts[channel].sensor
+        still, moving = list[tuple[Thing, Actor]](), list[tuple[Thing, Actor]]()
         for name, actor in state.actors.items():
             if name != EGO_NAME:
                 (moving if actor.past else still).append((self._thing(name, actor), actor))
