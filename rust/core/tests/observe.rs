@@ -37,8 +37,9 @@ pub(super) fn ideal() -> SensorModel {
     }
 }
 
-/// Rays of so many rows and columns, a whole turn.
+/// Rays of so many rows, one at least, and columns, a whole turn.
 fn pattern(rows: usize, columns: usize) -> SensorPattern {
+    let rows = rows.max(1);
     SensorPattern::new(SensorSpec {
         elevations: (0..rows).map(|row| 0.2 - 0.0005 * row as f64).collect(),
         azimuth_offsets: vec![0.0; rows],
