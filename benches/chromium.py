@@ -8,11 +8,12 @@ from __future__ import annotations
 import shutil
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from typing import Any
 
 import numpy as np
 
+from lidardraft.errors import LidarDraftError
 from lidardraft.scene.pose import point_at
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -34,9 +35,12 @@ def chromium() -> Iterator[Any]:
 
 
 def until(is_so: Callable[[], object], seconds: float = 20.0) -> None:
-    """Wait until it is so."""
+    """Wait until it is so, also where the thread of a studio has its world just then."""
     end = time.monotonic() + seconds
-    while not is_so():
+    while True:
+        with suppress(LidarDraftError):
+            if is_so():
+                return
         assert time.monotonic() < end, "it did not come to that"
         time.sleep(0.05)
 

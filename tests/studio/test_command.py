@@ -20,9 +20,15 @@ from lidardraft.studio.server import KEPT, served
 from lidardraft.studio.session import Session
 
 
+def hear_interrupts() -> None:
+    """Ctrl-C reaches the process also when the tests run in the background, where it is ignored."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 def started(*options: str) -> tuple[subprocess.Popen[str], str]:
     words = [sys.executable, "-m", "lidardraft", "studio", "--sensor", "vlp16", *options]
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    pipe = subprocess.PIPE
+    process = subprocess.Popen(words, stdout=pipe, stderr=pipe, text=True, preexec_fn=hear_interrupts)
     assert process.stdout is not None
     return process, process.stdout.readline().split(" ")[0].strip()
 
