@@ -259,7 +259,7 @@ class Scan:
 
 def read_motion(path: str | os.PathLike[str]) -> dict[str, Any]:
     """What a .npz of a scan or a cast says of `pose`, `speed`, `heading`, `turn`, `time`, `velocities`, `mount` and
-    `seed`: arguments of `Scan`. Raises `FormatError` naming what is broken."""
+    `seed`: arguments of `Scan`. Raises `FormatError` naming the broken part."""
     said: dict[str, Any] = {}
     with array_files.opened(path) as archive:
         names = [name for name in ("speed", "turn", "time", "seed") if array_files.holds(archive, name)]

@@ -50,8 +50,14 @@ def test_it_serves_a_page_takes_a_free_port_and_ends_with_ctrl_c(layout: Path) -
     finally:
         for process in (first, second):
             process.send_signal(signal.SIGINT)
-    assert "is taken; the studio is on" in second.communicate(timeout=20)[1]
-    assert "Traceback" not in first.communicate(timeout=20)[1]
+    said = []
+    for process in (first, second):
+        try:
+            said.append(process.communicate(timeout=20)[1])
+        finally:
+            process.kill()  # of which a failure leaves nothing behind
+    assert "is taken; the studio is on" in said[1]
+    assert "Traceback" not in said[0]
     assert first.returncode == second.returncode == 130
     with pytest.raises(OSError, match="refused"):
         urllib.request.urlopen(url, timeout=5)

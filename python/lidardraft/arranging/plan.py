@@ -37,7 +37,7 @@ from lidardraft.scene.street import StreetFrame, paths_of
 # Closed fronts behind front gardens: their share among closed fronts, and what is different there. Numbers without a
 # source are estimates of ours, here and below.
 _GREEN = 0.35
-# Streets along parks and open land, country roads with sidewalks, and calm streets without any: estimates of ours.
+# Streets along parks and open land, country roads with sidewalks, and calm streets without any: estimates.
 _OPEN, _COUNTRY_WALKS, _NO_WALKS = 0.15, 0.3, 0.08
 _OPEN_FENCES, _OPEN_THICKETS = 0.15, 2.0  # a side
 _OPEN_SETBACK, _OPEN_GAP, _WALKS = (6.0, 14.0), (4.0, 20.0), (1.5, 2.5)  # m

@@ -1,4 +1,4 @@
-"""The card of a data set: what is in it, for people who have not made it."""
+"""The card of a data set: its contents, for people who did not make it."""
 
 from __future__ import annotations
 

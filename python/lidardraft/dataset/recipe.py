@@ -114,7 +114,7 @@ class Recipe:
     @classmethod
     def load(cls, path: str | os.PathLike[str], num: int | None = None) -> Recipe:
         """The recipe of a TOML file, of which `num` scans, or drives, are made where that is given; files in it are
-        named from its folder. Raises `LidarDraftError` naming the file and the key that cannot be."""
+        named from its folder. Raises `LidarDraftError` naming the file and the invalid key."""
         text = read_text(path)
         with named(path):
             with expecting("TOML"):
@@ -152,7 +152,7 @@ class Recipe:
         return _told(scan, {"drive": number // self.frames, "scene": place, "weather": air})
 
     def drive(self, number: int) -> SequenceSimulator:
-        """Drive `number`, made in one thread; raises `LidarDraftError` naming the scene that cannot be."""
+        """Drive `number`, made in one thread; raises `LidarDraftError` naming the invalid scene."""
         place, sensor, air, rng = self._draws(number * self.frames)
         scene, weather = self.scenes[place - 1].of, Weather(**air)
         how: dict[str, Any] = {"frames": self.frames, "hz": self.hz, "threads": 1}
@@ -228,7 +228,7 @@ class Recipe:
 
 
 def _told(scan: Scan, told: dict[str, Any]) -> Scan:
-    """The scan with what was drawn for it in the provenance of its layout."""
+    """The scan with its draws in the provenance of its layout."""
     layout = dataclasses.replace(scan.layout, provenance=scan.layout.provenance | {"recipe": told})
     return dataclasses.replace(scan, layout=layout)
 

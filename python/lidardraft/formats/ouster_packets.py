@@ -95,7 +95,7 @@ class Packets:
 
 
 def _payloads(file: BinaryIO) -> Iterator[bytes]:
-    """The payloads of UDP in a capture; one that is cut short ends before what is missing."""
+    """The payloads of UDP in a capture; a truncated one ends before the missing part."""
     head = file.read(_HEAD)
     order = {b"\xd4\xc3\xb2\xa1": "<", b"\x4d\x3c\xb2\xa1": "<", b"\xa1\xb2\xc3\xd4": ">", b"\xa1\xb2\x3c\x4d": ">"}
     if head[:4] == b"\x0a\x0d\x0d\x0a":

@@ -114,8 +114,8 @@ def count_clouds(path: str | os.PathLike[str], topic: str | None = None) -> int:
 
 
 def sensor_of_bag(path: str | os.PathLike[str]) -> Sensor | None:
-    """The sensor that a bag names: one of ours, or by the metadata that Ouster's driver publishes; None where it names
-    none. An .mcap or .db3 file has that of the metadata.yaml beside it."""
+    """The sensor that a bag names, by our own key or by the metadata of Ouster's driver; None if it names none. An
+    .mcap or .db3 file has that of the metadata.yaml beside it."""
     folder = Path(path) if Path(path).is_dir() else Path(path).parent
     if (folder / "metadata.yaml").is_file():
         with _opened(folder) as bag:

@@ -37,7 +37,7 @@ def street_drive(
     among traffic and people.
 
     `config` says what streets are made of, by default streets of 400 m; it has no use for `poses_per_street`. The
-    layout of a scan holds simple shapes on the ground as it rises and falls; what is scanned is the street in detail.
+    layout of a scan holds simple shapes on the ground as it rises and falls; the detailed street is scanned.
     Same arguments, same scans. Raises `LayoutError` for a number that is negative or no integer, and if the ego vehicle
     comes to the end of its street before the last frame.
     """

@@ -204,7 +204,7 @@ def _scaled(part: Primitive, box: Box, factors: Sequence[float]) -> Primitive:
     x, y, turn = in_frame((*part.center[:2], part.yaw), place_around((*box.center[:2], box.yaw)))
     along, across, up = factors
     x, y = point_at((*box.center[:2], box.yaw), x * along, y * across)
-    cos, sin = math.cos(turn) ** 2, math.sin(turn) ** 2  # of what is turned against the box, the nearest extents
+    cos, sin = math.cos(turn) ** 2, math.sin(turn) ** 2  # the nearest extents of a part that is turned against the box
     size = (
         part.size[0] * (cos * along + sin * across),
         part.size[1] * (sin * along + cos * across),

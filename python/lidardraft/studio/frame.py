@@ -1,4 +1,4 @@
-"""What a page shows of a moment: points in their colours, boxes, and what is under the mouse."""
+"""One moment in a page: points in their colours, boxes, and the point under the mouse."""
 
 from __future__ import annotations
 

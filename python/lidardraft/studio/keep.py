@@ -59,7 +59,7 @@ def data_set(scans: Iterator[Scan], kind: str, *, on_scan: Callable[[], object] 
 
 
 def put(folder: Path, name: str, content: bytes) -> None:
-    """Write a file into a folder, or what is in an archive into a new one in it."""
+    """Write a file into a folder, or unpack an archive into a new folder in it."""
     folder.mkdir(parents=True, exist_ok=True)
     if not name.endswith(".zip"):
         with written_whole(folder / name) as temporary:

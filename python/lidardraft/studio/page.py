@@ -380,7 +380,7 @@ class BrowserPage(Page):
 
 
 def _read(file: Any, read: Callable[[str], Any]) -> Any:
-    """What a reader makes of an uploaded file, under a name of ours; its errors give it the visitor's."""
+    """The draft that a reader makes of an uploaded file, under our own name for it; errors give the visitor's name."""
     if len(file.content) > _MOST_UPLOADED:
         raise FormatError(f"{file.name} has {len(file.content) >> 20} MB; {_MOST_UPLOADED >> 20} MB are read at most")
     with tempfile.TemporaryDirectory(prefix="lidardraft-studio-") as folder:

@@ -93,7 +93,7 @@ class Session:
             self._changed.notify()
 
     def leave(self) -> None:
-        """Go on without a page: what was dragged stays where it is, and time stands."""
+        """Go on without a page: a dragged object stays at its place, and time stops."""
         self.page = None
 
         def end(session: Session) -> None:

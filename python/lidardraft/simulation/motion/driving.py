@@ -94,7 +94,7 @@ def extents_in(lane: Lane, solids: Sequence[Solid]) -> np.ndarray:
 
 
 def settle(driver: Driver, extents: np.ndarray) -> None:
-    """Let a driver know where it is barred by what stands, of `extents_in` its lane; cyclists keep right."""
+    """Tell a driver how far standing objects (`extents_in` its lane) let it go; cyclists keep right."""
     driver.barred = bar_of(driver, extents)
     if driver.body.labels & CYCLES and driver.lane.kind == "driving":
         side = min(_TO_EDGE - driver.lane.width / 2, 0.0)
@@ -103,7 +103,7 @@ def settle(driver: Driver, extents: np.ndarray) -> None:
 
 
 def bar_of(driver: Driver, extents: np.ndarray) -> float:
-    """How far along its lane a driver's front can go: to what stands in the way, of `extents_in` that lane, or to its
+    """How far along its lane a driver's front can go: to the first standing object of `extents_in` that lane, or to its
     end. Where others drive on at the end of the map, the ego vehicle stops."""
     front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
     ends = [driver.lane.line.length if driver.lane.closed or driver.body.name == "ego" else math.inf]

@@ -24,12 +24,12 @@ _CYCLE = sum(_GREEN) + 2 * (_AMBER + _ALL_RED)
 
 _SAMPLED, _BESIDE = 1.0, 2.2  # m along ways, and between the middles of two that are in each other's way
 _MERGING = 6.0  # m from where two ways meet in which who is later waits
-_BEFORE = 1.5  # m before what is in its way that waits who has no line
+_BEFORE = 1.5  # m before an obstacle, for a driver without a stop line
 _LOOKS = 15.0  # m before the way in which it could brake from which a driver looks
 _BRAKING, _ACCELERATION = 3.0, 1.5  # m/s2, as drivers have them
 _TURNING, _CAREFUL = 5.0, 6.0  # m/s in a turn, and at the line of who gives way
 _MARGIN = 0.7  # s between two who are at one place
-_PATIENCE = 8.0  # s after which it is the turn of who has waited longest
+_PATIENCE = 8.0  # s after which the driver that waits longest goes
 _SLOW = 1.0  # m/s
 _ROOM = 0.7  # m around who crosses
 _CORNER, _BEYOND = 0.5, 5.0  # where people cross beside a junction: share of its radius, and m beyond it
