@@ -74,8 +74,8 @@ class Editor:
     def box(self, name: str) -> Box:
         """The box around an object as it stands now."""
         if name == EGO_NAME:
-            x, y, yaw = self.world.ego.pose
-            return Box(EGO_NAME, "car", 0, (x, y, 1.0), (4.5, 2.0, 2.0), yaw)
+            (x, y, yaw), size = self.world.ego.pose, self.world.ego.size
+            return Box(EGO_NAME, "car", 0, (x, y, size[2] / 2), size, yaw)
         box, (x, y, yaw) = box_around(self.parts(name)), self.world[name].pose
         return dataclasses.replace(box, id=name, center=(x, y, box.center[2]), yaw=yaw)
 
