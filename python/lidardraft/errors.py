@@ -150,7 +150,7 @@ class MissingExtraError(LidarDraftError, ImportError):
 EXTRAS = {
     "torch": ("generate", "train", "image"), "transformers": ("image",), "huggingface_hub": ("image",),
     "laspy": ("export",), "foxglove": ("export",), "av": ("video",), "ray": ("cluster",), "ouster": ("ouster",),
-    "rosbags": ("ros",), "viser": ("studio",),
+    "rosbags": ("ros",), "viser": ("studio",), "shtab": ("completion",),
 }  # fmt: skip
 
 

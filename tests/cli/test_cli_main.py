@@ -1,5 +1,6 @@
 """The command itself: what a stranger sees first, options and their values, and how commands end."""
 
+import json
 import re
 import shlex
 import subprocess
@@ -12,6 +13,7 @@ import pytest
 import lidardraft
 from lidardraft.cli import main as cli
 from lidardraft.cli import train
+from lidardraft.errors import EXTRAS
 
 ROOT = Path(__file__).parents[2]
 
@@ -34,7 +36,7 @@ def test_without_a_command_the_help_says_where_to_start(capsys: pytest.CaptureFi
     first = [line for line in text.splitlines() if line.startswith("  lidardraft ")]
     assert len(first) >= 2
     for line in first:
-        cli._parser().parse_args(shlex.split(line)[1:])
+        cli.parser().parse_args(shlex.split(line)[1:])
 
 
 def test_help_loads_nothing_heavy() -> None:
@@ -46,6 +48,64 @@ def test_help_loads_nothing_heavy() -> None:
     )
     result = run("-c", code)
     assert result.stdout.count("usage: lidardraft") == result.stdout.count("\n[]\n") == 2
+
+
+def test_every_help_has_an_example_that_its_command_takes() -> None:
+    for name, of in (("lidardraft", cli), ("lidardraft-train", train)):
+        for command, (_, _, example) in of.COMMANDS.items():
+            words = shlex.split(example.partition(" > ")[0])
+            assert words[:2] == [name, command]
+            assert of.parser([command]).parse_args(words[1:]).command
+
+
+def test_help_declares_the_asked_command_alone(capsys: pytest.CaptureFixture[str]) -> None:
+    code = "import sys; from lidardraft.cli.main import main; main(['--help'])"
+    code = f"import atexit, sys; atexit.register(lambda: print('numpy' in sys.modules)); {code}"
+    assert run("-c", code).stdout.endswith("\nFalse\n")
+    with pytest.raises(SystemExit, match="0"):
+        cli.main(["profile", "--help"])
+    assert "lidardraft profile --sensor" in capsys.readouterr().out
+
+
+def test_quiet_and_json(capsys: pytest.CaptureFixture[str]) -> None:
+    draft = ["draft", "--text", "a car ahead and a purple dinosaur", "--no-preview", "-o", "layout.json"]
+    assert cli.main([*draft, "--quiet"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "dinosaur" in captured.err
+    assert cli.main([*draft, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["output"] == "layout.json"
+    assert cli.main(["raycast", "--layout", "layout.json", "--sensor", "vlp16", "-o", "cast.npz", "--json"]) == 0
+    assert 0.2 < json.loads(capsys.readouterr().out)["hit"] <= 1
+
+
+def test_an_output_may_be_a_folder(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["draft", "--text", "a car ahead", "-o", "made/"]) == 0
+    assert cli.main(["raycast", "--layout", "made/layout.json", "--sensor", "vlp16", "-o", "made"]) == 0
+    names = {"layout.json", "layout.preview.png", "cast.npz", "cast.layout.json"}
+    assert {path.name for path in Path("made").iterdir()} == names
+    assert "made/cast.npz: vlp16" in capsys.readouterr().out
+
+
+def test_doctor_says_what_is_here_and_how_to_get_the_rest(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["doctor", "--json"]) == 0
+    rows = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert rows[0]["version"] == lidardraft.__version__
+    assert "reference" in rows[1]["backends"]
+    libraries = {row["library"]: row["found"] for row in rows if "library" in row}
+    assert libraries.keys() == EXTRAS.keys()
+    assert libraries["shtab"][0].isdigit()
+    assert cli.main(["doctor"]) == 0
+    missing = [name for name, found in libraries.items() if found is None]
+    assert capsys.readouterr().out.count("missing; pip install 'lidardraft[") == len(missing)
+
+
+def test_a_shell_completes_commands_and_options(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["completion", "bash"]) == 0
+    Path("completion").write_text(capsys.readouterr().out)
+    typed = "COMP_WORDS=(lidardraft simulate --scen); COMP_CWORD=2; _shtab_lidardraft lidardraft --scen simulate"
+    code = f"source ./completion; {typed}; echo ${{COMPREPLY[@]}}"
+    assert subprocess.run(["bash", "-c", code], capture_output=True, text=True).stdout == "--scenario\n"
 
 
 @pytest.mark.parametrize("command", ["generate", "view", "draft", "raycast", "streets", "evaluate"])

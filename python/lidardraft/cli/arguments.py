@@ -81,6 +81,14 @@ def minutes(text: str) -> float:
     return math.inf if text == "inf" else positive(text)
 
 
+def in_folder(output: str, name: str) -> str:
+    """The file that --output means: itself, or `name` in it if it is a folder, which is made if it ends in a slash."""
+    folder = Path(output)
+    if output.endswith("/"):
+        folder.mkdir(parents=True, exist_ok=True)
+    return str(folder / name) if folder.is_dir() else output
+
+
 def add_sensor(parser: Options, *, default: str | None = DEFAULT_SENSOR, of: str = "") -> None:
     """--sensor; `of` says which sensor is meant."""
     text = f"sensor{of}: {', '.join(PRESETS)}, or a .json file, Ouster's metadata too"

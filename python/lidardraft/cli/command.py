@@ -7,25 +7,43 @@ from __future__ import annotations
 
 import argparse
 import itertools
+import json
 import os
 import shutil
 import signal
 import sys
 import threading
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
+from importlib import import_module
 from types import FrameType
-from typing import Any, NoReturn
+from typing import Any, NamedTuple, NoReturn
 
 from lidardraft.errors import LidarDraftError, did_you_mean, extra, one_of, printable
 
-Command = Callable[[argparse.Namespace], None]
 _SHOWN_AFTER, _WIDEST = 1.0, 100  # s, columns
+_QUIET = ContextVar("quiet", default=False)
+
+
+class Command(NamedTuple):
+    """A command: its module, in which a function of the command's name runs it and NAME_options declares its options;
+    the text of its help; and an example of a call."""
+
+    module: str
+    text: str
+    example: str
 
 
 class Parser(argparse.ArgumentParser):
     """A parser whose errors are one line, with the option or the choice that was probably meant."""
+
+    example = ""
+
+    def format_help(self) -> str:
+        """As argparse's, with an example behind it."""
+        return super().format_help() + (f"\nexample:\n  {self.example}\n" if self.example else "")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """As argparse's, but what is left over is an error here: of the command, not of what is before it."""
@@ -58,17 +76,17 @@ def _is_option(word: str) -> bool:
     return word.startswith("-")
 
 
-def commands_of(parser: Parser) -> Callable[[str, Command], Parser]:
-    """How to add a command to a parser: its name and the function that runs it, whose docstring is its help."""
-    commands = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
-
-    def command(name: str, function: Command) -> Parser:
-        text = " ".join((function.__doc__ or "").split())
-        added = commands.add_parser(name, help=text, description=text)
-        added.set_defaults(command=function)
-        return added
-
-    return command
+def add_commands(parser: Parser, commands: Mapping[str, Command], declared: Collection[str]) -> None:
+    """Add commands to a parser: all by name, and the options of those `declared`, whose modules are imported."""
+    added = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
+    for name, (module, text, example) in commands.items():
+        one = added.add_parser(name, help=text, description=text)
+        one.example = example
+        if name in declared:
+            found = import_module(module)
+            getattr(found, f"{name}_options")(one)
+            one.add_argument("-q", "--quiet", action="store_true", help="print nothing but warnings and errors")
+            one.set_defaults(command=getattr(found, name), json=one.get_default("json") or False)
 
 
 def run(parser: Parser, argv: Sequence[str] | None, *, needs: str = "") -> int:
@@ -81,6 +99,7 @@ def run(parser: Parser, argv: Sequence[str] | None, *, needs: str = "") -> int:
         parser.print_help(sys.stderr)
         return 2
     arguments = parser.parse_args(words)
+    before = _QUIET.set(arguments.quiet)
     try:
         with _clean_end(), extra(needs), warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)
@@ -99,6 +118,8 @@ def run(parser: Parser, argv: Sequence[str] | None, *, needs: str = "") -> int:
     except OSError as error:
         say(f"{error.filename}: {error.strerror}" if error.filename else error, parser.prog)
         return 2
+    finally:
+        _QUIET.reset(before)
     return 0
 
 
@@ -143,11 +164,24 @@ def progress(total: int, unit: str, text: str = "", *, initial: int = 0, leave: 
         desc=text or None,
         initial=initial,
         leave=leave,
-        disable=None,
+        disable=_QUIET.get() or None,
         delay=_SHOWN_AFTER,
         ncols=min(size.columns, _WIDEST),  # tqdm shows nothing on a terminal that says it has no columns or rows
         nrows=size.lines,
     )
+
+
+def report(arguments: argparse.Namespace, text: str, **facts: Any) -> None:
+    """Print what a command has done: a text; with --json its facts, as an object a line; with --quiet nothing."""
+    if arguments.json:
+        print(json.dumps(facts), flush=True)
+    elif not arguments.quiet:
+        print(text, flush=True)
+
+
+def add_json(parser: argparse.ArgumentParser) -> None:
+    """--json, of a command that reports."""
+    parser.add_argument("--json", action="store_true", help="print results as JSON, an object a line")
 
 
 def say(message: object, prog: str = "lidardraft") -> None:

@@ -10,15 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from lidardraft.cli.arguments import number, whole_number
-from lidardraft.cli.command import progress
+from lidardraft.cli.command import add_json, progress, report
 from lidardraft.cli.scan_folder import add_jobs, jobs_of
 from lidardraft.errors import extra
 from lidardraft.formats.frame import FORMATS
 
 
 def dataset(arguments: argparse.Namespace) -> None:
-    """Make a data set of many labelled scans by a recipe: sentences, layouts and streets, sensors and weather, in
-    shares and ranges."""
+    """Write the data set of a recipe, or one share of it."""
     from lidardraft.dataset.recipe import Recipe
     from lidardraft.dataset.shards import DataSet
 
@@ -32,7 +31,8 @@ def dataset(arguments: argparse.Namespace) -> None:
             bar.update(now - count)
             count = now
     of = f", share {share[0]} of {share[1]}" if share[1] > 1 else ""
-    print(f"{arguments.output}: {count} scan{'s' * (count > 1)} as {recipe.format}{of}")
+    text = f"{arguments.output}: {count} scan{'s' * (count > 1)} as {recipe.format}{of}"
+    report(arguments, text, output=arguments.output, scans=count, format=recipe.format)
 
 
 def _workers(arguments: argparse.Namespace, num: int, run: int) -> Callable[..., Iterator[Any]]:
@@ -67,6 +67,7 @@ def dataset_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--shard", type=_share, default=(0, 1), metavar="I/K", help=text)
     text = "make shards on a Ray cluster, of this machine where no ADDRESS is given; all its machines see FOLDER"
     parser.add_argument("--ray", nargs="?", const="auto", metavar="ADDRESS", help=text)
+    add_json(parser)
 
 
 def _share(text: str) -> tuple[int, int]:
@@ -77,7 +78,7 @@ def _share(text: str) -> tuple[int, int]:
 
 
 def export(arguments: argparse.Namespace) -> None:
-    """Write folders of scans as one data set in a format that other people's readers open."""
+    """Write folders of scans as one data set."""
     from lidardraft.exports import drives_in
     from lidardraft.exports import export as write
 
@@ -85,7 +86,8 @@ def export(arguments: argparse.Namespace) -> None:
     count, more = sum(map(len, drives)), {"as_seen": arguments.as_seen, "box_margin": arguments.box_margin}
     with progress(count, "scan") as bar:
         write((_counted(drive, bar) for drive in drives), arguments.format, arguments.output, **more)
-    print(f"{arguments.output}: {count} scan{'s' * (count > 1)} as {arguments.format}")
+    text = f"{arguments.output}: {count} scan{'s' * (count > 1)} as {arguments.format}"
+    report(arguments, text, output=arguments.output, scans=count, format=arguments.format)
 
 
 def export_options(parser: argparse.ArgumentParser) -> None:
@@ -104,6 +106,7 @@ def export_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--as-seen", action="store_true", default=None, help=text)
     text = "make boxes larger by M metres on each side, against the noise of points (0.05 holds nearly all; default 0)"
     parser.add_argument("--box-margin", type=number, default=0.0, metavar="M", help=text)
+    add_json(parser)
 
 
 def _counted(scans: list[Path], bar: Any) -> Iterator[Path]:

@@ -6,11 +6,12 @@ import argparse
 import math
 import re
 from collections.abc import Callable
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from lidardraft.cli.arguments import DEFAULT_SENSOR, add_log, add_reading, add_seed, add_sensor, reading
-from lidardraft.cli.command import say
+from lidardraft.cli.arguments import DEFAULT_SENSOR, add_log, add_reading, add_seed, add_sensor, in_folder, reading
+from lidardraft.cli.command import add_json, report, say
 from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named
@@ -28,21 +29,20 @@ _PLACE = re.compile(rf"{_NUMBER}, *{_NUMBER}(?:, *{_NUMBER})?")
 
 
 def edit(arguments: argparse.Namespace) -> None:
-    """Insert, remove, move and replace objects in a recorded scan, with the shadows that they throw; or list its
-    objects."""
+    """Write the edited scan, or list the objects of the scan."""
     scan = _read(arguments)
     edits = arguments.edits or []
     if not edits:
         if arguments.output is not None:
             raise FormatError(f"{arguments.scan}: there is no edit; give --insert, --remove, --move or --replace")
-        return _list(scan)
+        return _list(arguments, scan)
     if arguments.output is None:
         raise FormatError("--output says where the edited scan goes")
     from lidardraft.formats.recording import SCAN_ENDINGS
     from lidardraft.simulation.recorded.recorded_scan import FILLED, INSERTED
     from lidardraft.simulation.recorded.scan_edits import edit_scan
 
-    output = Path(arguments.output)
+    output = Path(in_folder(arguments.output, Path(arguments.scan).name.partition(".")[0]))
     output = output.with_suffix("") if output.suffix in (".bin", ".npz") else output
     if output.suffix in SCAN_ENDINGS:
         raise FormatError(f"{arguments.output}: an edited scan is a .bin and an .npz; give a name without an ending")
@@ -54,7 +54,8 @@ def edit(arguments: argparse.Namespace) -> None:
     edited.save(output)
     counts = f"{edited.returned.sum()} returns, {(edited.made_up == INSERTED).sum()} inserted"
     filled = (edited.made_up == FILLED).sum()
-    print(f"{output}.bin: {counts} and {filled} filled, with .label, .npz, .boxes.json and .sensor.json")
+    text = f"{output}.bin: {counts} and {filled} filled, with .label, .npz, .boxes.json and .sensor.json"
+    report(arguments, text, output=f"{output}.bin", returns=int(edited.returned.sum()))
 
 
 def _read(arguments: argparse.Namespace) -> RecordedScan:
@@ -73,12 +74,13 @@ def _read(arguments: argparse.Namespace) -> RecordedScan:
         return RecordedScan.from_points(points, sensor, boxes=boxes, **known)
 
 
-def _list(scan: RecordedScan) -> None:
+def _list(arguments: argparse.Namespace, scan: RecordedScan) -> None:
     for box, count in zip(scan.boxes, scan.returns_per_box(), strict=True):
         (x, y, _), size = box.center, ",".join(f"{extent:.2f}" for extent in box.size)
-        print(f"{box.id}: {box.label} at {x:.2f},{y:.2f} yaw {math.degrees(box.yaw):.0f} size {size}, {count} returns")
-    if not scan.boxes:
-        print("no objects: give --boxes or --labels to have some that can be removed")
+        text = f"{box.id}: {box.label} at {x:.2f},{y:.2f} yaw {math.degrees(box.yaw):.0f} size {size}, {count} returns"
+        report(arguments, text, **asdict(box), returns=int(count))
+    if not scan.boxes and not arguments.json:
+        report(arguments, "no objects: give --boxes or --labels to have some that can be removed")
 
 
 def _insert(text: str) -> Edit:
@@ -143,5 +145,6 @@ def edit_options(parser: argparse.ArgumentParser) -> None:
     ):
         parser.add_argument(f"--{option}", dest="edits", action=_InOrder, nargs=len(names), metavar=names, help=text)
     add_seed(parser)
-    text = "the edited scan: NAME.bin, .label, .npz, .boxes.json and .sensor.json"
+    text = "the edited scan: NAME.bin, .label, .npz, .boxes.json and .sensor.json; of a folder, the scan's name in it"
     parser.add_argument("-o", "--output", metavar="NAME", help=text)
+    add_json(parser)

@@ -31,7 +31,7 @@ _HELD_BACK = 0.25  # of the scans judge, the last ones, where no others are name
 
 
 def fit(arguments: argparse.Namespace) -> None:
-    """Get a sensor file fitted to your recorded scans: lasers, what the vehicle hides, noise, drop and intensity."""
+    """Write the sensor file of recordings, and say what was found."""
     from lidardraft.calibration.fit import fit_sensor
 
     output = Path(arguments.output)

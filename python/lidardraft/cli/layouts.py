@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from lidardraft.cli.arguments import add_sensor, read_sensor
-from lidardraft.cli.command import say
+from lidardraft.cli.arguments import add_sensor, in_folder, read_sensor
+from lidardraft.cli.command import add_json, report, say
 from lidardraft.cli.inputs import add_inputs, around_it, ego_of_points, input_of, read_layout
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named
@@ -23,8 +23,8 @@ _MOST_SHAPES, _MOST_TRIANGLES = 2_000, 100_000  # of a layout whose preview take
 
 
 def draft(arguments: argparse.Namespace) -> None:
-    """Make a layout, a file of boxes and other shapes that can be edited, from a sentence, a labelled scan, a sketch,
-    boxes, a 3D model or a Blender script."""
+    """Write the layout of an input, with a preview, and of a bag the way of the ego vehicle."""
+    arguments.output = in_folder(arguments.output, "layout.json")
     ending = Path(arguments.output).suffix.lower()
     if ending not in _ENDINGS:
         raise FormatError(f"{arguments.output}: a layout is written as {', '.join(_ENDINGS)}; the ending says which")
@@ -36,17 +36,19 @@ def draft(arguments: argparse.Namespace) -> None:
         picture = None if arguments.no_preview else _preview(layout, sensor, arguments.seed)
     _writer(ending)(arguments.output, layout)
     objects = len(layout.boxes())
-    print(f"{arguments.output}: shapes: {len(layout)}, objects with a box: {objects}{around_it(layout)}")
+    text = f"{arguments.output}: shapes: {len(layout)}, objects with a box: {objects}{around_it(layout)}"
+    report(arguments, text, output=arguments.output, shapes=len(layout), objects=objects)
     if scenario is not None:
         replay = Path(arguments.output).with_suffix(".scenario.json")
         scenario.save(replay)
-        print(f"{replay}: how the ego vehicle went on, for `simulate --scenario`")
+        text = f"{replay}: how the ego vehicle went on, for `simulate --scenario`"
+        report(arguments, text, scenario=str(replay))
     path = Path(arguments.output.removesuffix(".json") + ".preview.png")  # of x.glb, another than that of x.json
     if picture is not None:
         from lidardraft.view import save_png
 
         save_png(path, picture)
-        print(f"{path}: the layout from above, and a simulated scan of it")
+        report(arguments, f"{path}: the layout from above, and a simulated scan of it", preview=str(path))
     elif not arguments.no_preview:
         limits = f"{_MOST_SHAPES} shapes and {_MOST_TRIANGLES} triangles"
         older = ""
@@ -85,15 +87,17 @@ def draft_options(parser: argparse.ArgumentParser) -> None:
     inputs = add_inputs(parser)
     add_sensor(inputs, of=" that took --points or --boxes, for its height over the road, and of the preview's scan")
     output = parser.add_argument_group("output")
-    text = "where the layout goes; .obj, .glb and .py (a Blender script) are for 3D modelling programs"
+    text = "where the layout goes, or a folder for layout.json; .obj, .glb and .py (a Blender script) are for 3D "
+    text += "modelling programs"
     output.add_argument("-o", "--output", required=True, metavar="LAYOUT.json", help=text)
     text = "leave out LAYOUT.preview.png, a picture of the layout from above and of a simulated scan"
     output.add_argument("--no-preview", action="store_true", help=text)
+    add_json(parser)
 
 
 def raycast(arguments: argparse.Namespace) -> None:
-    """Get the depth, class and instance images of a layout as a sensor's rays meet it, in an .npz file, the condition
-    image of the diffusion model; and the layout beside it, from which `observe` has the objects."""
+    """Write the range image of a layout, and the layout beside it."""
+    arguments.output = in_folder(arguments.output, "cast.npz")
     sensor = read_sensor(arguments.sensor)
     layout, beside = read_layout(arguments), Path(arguments.output).with_suffix(".layout.json")
     if not (given := beside.exists() and Layout.load(beside) == layout):
@@ -102,7 +106,9 @@ def raycast(arguments: argparse.Namespace) -> None:
     image.save(arguments.output)
     if not given:
         layout.save(beside)
-    print(f"{arguments.output}: {sensor.name}, {image.valid.mean():.0%} of the rays hit")
+    hit = float(image.valid.mean())
+    text = f"{arguments.output}: {sensor.name}, {hit:.0%} of the rays hit"
+    report(arguments, text, output=arguments.output, sensor=sensor.name, hit=hit)
 
 
 def raycast_options(parser: argparse.ArgumentParser) -> None:
@@ -110,4 +116,11 @@ def raycast_options(parser: argparse.ArgumentParser) -> None:
     add_inputs(parser)
     output = parser.add_argument_group("output")
     add_sensor(output)
-    output.add_argument("-o", "--output", required=True, metavar="IMAGE.npz", help="where the range image goes")
+    output.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        metavar="IMAGE.npz",
+        help="where the range image goes, or a folder for cast.npz",
+    )
+    add_json(parser)

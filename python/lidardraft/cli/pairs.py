@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from lidardraft.cli.arguments import add_reading, add_seed, add_sensor, check_empty, read_sensor, reading, whole_number
-from lidardraft.cli.command import progress, say
+from lidardraft.cli.command import add_json, progress, report, say
 from lidardraft.cli.inputs import scan_files, sensor_of_file
 from lidardraft.cli.scan_folder import add_jobs, cores, jobs_of
 from lidardraft.errors import FormatError, LidarDraftError
@@ -37,7 +37,7 @@ _UNRELATED = 0.2  # of the beams' spacing: points that are of other beams are 0.
 
 
 def streets(arguments: argparse.Namespace) -> None:
-    """Make procedural streets: pairs of a scan and its condition image to train on."""
+    """Write pairs of procedural streets."""
     from lidardraft.formats.pairs import Pair, pairs_on_disk, write_pairs
 
     folder, num, seed, poses = Path(arguments.output), arguments.num, arguments.seed, arguments.poses
@@ -46,10 +46,10 @@ def streets(arguments: argparse.Namespace) -> None:
     _check_begun(folder)
     start = pairs_on_disk(folder, source=source)
     if start >= num:
-        print(f"{folder}: {start} pairs are there already; nothing to do")
+        report(arguments, f"{folder}: {start} pairs are there already; nothing to do", output=str(folder), pairs=start)
         return
     if start:
-        print(f"{folder}: goes on after the {start} pairs that are there", flush=True)
+        say(f"{folder}: goes on after the {start} pairs that are there")
     workers = min(arguments.workers, -(-(num - start) // poses))
     pairs = pairs_of_streets(seed=seed, config=config, start=start, workers=workers)
     with progress(num, "pair", "streets", initial=start) as bar:
@@ -63,7 +63,7 @@ def streets(arguments: argparse.Namespace) -> None:
 
         for _ in write_pairs(folder, map(noted, itertools.islice(pairs, num - start)), source=source, start=start):
             pass
-    print(f"{folder}: {num} pairs, {num - start} of them new")
+    report(arguments, f"{folder}: {num} pairs, {num - start} of them new", output=str(folder), pairs=num)
 
 
 def _check_begun(folder: Path) -> None:
@@ -84,10 +84,11 @@ def streets_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--jobs", "--workers", dest="workers", type=positive, default=cores(), metavar="N", help=text)
     text = "where the pairs go, for lidardraft-train; a second call goes on"
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help=text)
+    add_json(parser)
 
 
 def pairs(arguments: argparse.Namespace) -> None:
-    """Make training pairs of your recorded scans: each scan, with the cast and the simulated scan of its layout."""
+    """Write pairs of recorded scans."""
     from lidardraft.formats.pairs import notes_on_disk, write_pairs
     from lidardraft.networks.weight_header import read_metadata
     from lidardraft.streets.worker_processes import in_processes
@@ -102,7 +103,7 @@ def pairs(arguments: argparse.Namespace) -> None:
     notes = notes_on_disk(folder, sensor, source=source)
     done = {note.get("checksum") for note in notes}
     if notes:
-        print(f"{folder}: goes on after the {len(notes)} pairs that are there", flush=True)
+        say(f"{folder}: goes on after the {len(notes)} pairs that are there")
     share, skipped = ReturnShares(), 0
     with progress(len(files), "scan", "recordings") as bar:
 
@@ -135,9 +136,8 @@ def pairs(arguments: argparse.Namespace) -> None:
     if not total:
         raise FormatError(f"{folder}: none of {len(files)} scans became a pair")
     left = f", {skipped} scan{'s' * (skipped > 1)} skipped" if skipped else ""
-    print(f"{folder}: {total} pairs, {total - len(notes)} of them new{left}")
-    if counts:
-        print(share)
+    text = f"{folder}: {total} pairs, {total - len(notes)} of them new{left}"
+    report(arguments, f"{text}\n{share}" if counts else text, output=str(folder), pairs=total)
 
 
 def _checksum(path: Path) -> int | LidarDraftError:
@@ -248,3 +248,4 @@ def pairs_options(parser: argparse.ArgumentParser) -> None:
     add_jobs(parser)
     text = "where the pairs go; a second call goes on"
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help=text)
+    add_json(parser)

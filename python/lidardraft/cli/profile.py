@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from lidardraft.cli.arguments import add_seed, add_sensor, add_weights, read_pipeline, read_sensor, whole_number
+from lidardraft.cli.command import add_json, report
 from lidardraft.cli.scan_folder import cores
 
 T = TypeVar("T")
@@ -18,15 +19,16 @@ _SENTENCE = "a busy crossroads with parked cars, trees along both sides and peop
 
 
 def profile(arguments: argparse.Namespace) -> None:
-    """Print the time of each step from a sentence to a scan on this machine, and the memory it needs."""
+    """Print a row for each step."""
     from lidardraft.drafting.cloud.layout import layout_from_cloud
     from lidardraft.drafting.text.layout import layout_from_text
     from lidardraft.scene.raycast import raycast
     from lidardraft.simulation.simulate import Simulator
 
     sensor, seed = read_sensor(arguments.sensor), arguments.seed
-    print(f"{platform.machine()}, {cores()} cores, network on {arguments.device}; {sensor.name}; {arguments.runs} runs")
-    print(f"{'':36}{'first [s]':>11}{'median [s]':>11}{'peak [MB]':>11}", flush=True)
+    head = f"{platform.machine()}, {cores()} cores, network on {arguments.device}; {sensor.name}; {arguments.runs} runs"
+    columns = f"{'':36}{'first [s]':>11}{'median [s]':>11}{'peak [MB]':>11}"
+    report(arguments, f"{head}\n{columns}", sensor=sensor.name, cores=cores(), device=arguments.device)
     layout = _timed(arguments, "sentence to layout", lambda: layout_from_text(_SENTENCE, seed=seed))
     _timed(arguments, "layout to condition image", lambda: raycast(layout, sensor))
     simulator = _timed(arguments, "layout to detailed objects", lambda: Simulator(layout, sensor, seed=seed))
@@ -46,18 +48,20 @@ def _timed(arguments: argparse.Namespace, text: str, step: Callable[[], T]) -> T
         begun = time.perf_counter()
         given = step()
         times.append(time.perf_counter() - begun)
-    print(f"{text:36}{times[0]:11.4f}{statistics.median(times[1:]):11.4f}{_peak():>11}", flush=True)
+    first, median, peak = times[0], statistics.median(times[1:]), _peak()
+    row = f"{text:36}{first:11.4f}{median:11.4f}{'-' if peak is None else f'{peak:.0f}':>11}"
+    report(arguments, row, step=text, first_s=first, median_s=median, peak_mb=peak)
     return given
 
 
-def _peak() -> str:
+def _peak() -> float | None:
     """The most memory [MB] that this process has had, where the system counts it."""
     if sys.platform == "win32":
-        return "-"
+        return None
     import resource
 
     unit = 1 if sys.platform == "darwin" else 1024
-    return f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6:.0f}"
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 1e6
 
 
 def profile_options(parser: argparse.ArgumentParser) -> None:
@@ -70,3 +74,4 @@ def profile_options(parser: argparse.ArgumentParser) -> None:
     add_weights(parser)
     parser.add_argument("--runs", type=whole_number(1), default=5, metavar="N", help="runs of each step (default 5)")
     add_seed(parser)
+    add_json(parser)

@@ -29,7 +29,7 @@ from lidardraft.cli.arguments import (
     read_weather,
     whole_number,
 )
-from lidardraft.cli.command import progress, say
+from lidardraft.cli.command import add_json, progress, report, say
 from lidardraft.cli.inputs import (
     add_inputs,
     around_it,
@@ -153,7 +153,8 @@ def _write_sequences(arguments: argparse.Namespace) -> None:
         with progress(num, "drive") as bar:
             for _ in folder.write(num, jobs=jobs):
                 bar.update()
-        print(f"{arguments.output}: {num} drive{'s' * (num > 1)} of {arguments.frames} scans, a folder each")
+        text = f"{arguments.output}: {num} drive{'s' * (num > 1)} of {arguments.frames} scans, a folder each"
+        report(arguments, text, output=arguments.output, drives=num, scans=num * arguments.frames)
     else:
         _write_frames(arguments, make(0), None if layouts is None else layouts.first, jobs)
 
@@ -186,8 +187,7 @@ def _write_frames(arguments: argparse.Namespace, simulator: Drive, given: Layout
 
 
 def simulate(arguments: argparse.Namespace) -> None:
-    """Make labelled LiDAR scans by physics alone, from a sentence, a layout, a 3D model, a labelled scan, or of
-    streets that are made up; with --frames a sequence in which everything moves."""
+    """Write simulated scans, or with --frames sequences."""
     from lidardraft.scan import Scan
     from lidardraft.streets.scans import street_scan
 
@@ -266,10 +266,11 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
     text = "how the ego vehicle and objects move (docs/scenarios.md); the rest moves by its kind"
     sequence.add_argument("--scenario", metavar="FILE.json", help=text)
     add_jobs(_add_scan_output(parser))
+    add_json(parser)
 
 
 def generate(arguments: argparse.Namespace) -> None:
-    """Make labelled LiDAR scans with the diffusion model, from a sentence, a layout, a 3D model or a labelled scan."""
+    """Write generated scans."""
     from lidardraft.scan import Scan
 
     check_output(arguments)
@@ -326,11 +327,11 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
     add_speed(parser.add_argument_group("world"))
     add_weights(parser.add_argument_group("model"))
     _add_scan_output(parser)
+    add_json(parser)
 
 
 def observe(arguments: argparse.Namespace) -> None:
-    """Add ray drop, noise and intensity to the casts of another renderer, which keep their labels: range and class
-    images, or clouds of CARLA's semantic LiDAR; with the boxes, poses and times that come with them."""
+    """Write the scans of casts."""
     from lidardraft.scan import CASTS_FILE, Scan
 
     check_output(arguments)
@@ -411,6 +412,7 @@ def observe_options(parser: argparse.ArgumentParser) -> None:
     add_weather(parser)
     add_seed(parser)
     add_folder(parser)
+    add_json(parser)
 
 
 def _add_scan_output(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
@@ -431,4 +433,5 @@ def _report(arguments: argparse.Namespace, num: int, more: str = "") -> None:
     listed = " and ".join(filter(None, (", ".join(each[:-1]), each[-1])))
     last = f" to {names[-1]}.bin" if num > 1 else ""
     some = f"; the first {pictures} with .png" if 0 < pictures < num else ""
-    print(f"{arguments.output}: {num} scan{'s' * (num > 1)}, 000000.bin{last}, each with {listed}{some}{more}")
+    text = f"{arguments.output}: {num} scan{'s' * (num > 1)}, 000000.bin{last}, each with {listed}{some}{more}"
+    report(arguments, text, output=arguments.output, scans=num)

@@ -30,8 +30,7 @@ _PORT = 8080
 
 
 def studio(arguments: argparse.Namespace) -> None:
-    """Open a page in the browser: type a sentence or drop a file, drag objects, and the scan follows; play it, and keep
-    scans, data sets and the commands that make them again."""
+    """Serve the page until Ctrl-C."""
     from lidardraft.studio.editor import Editor
     from lidardraft.studio.page import SENTENCE
     from lidardraft.studio.server import served

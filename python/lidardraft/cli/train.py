@@ -7,7 +7,7 @@ import copy
 import dataclasses
 import sys
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -25,7 +25,7 @@ from lidardraft.cli.arguments import (
     read_sensor,
     whole_number,
 )
-from lidardraft.cli.command import Parser, commands_of, progress, run
+from lidardraft.cli.command import Command, Parser, add_commands, progress, run
 from lidardraft.errors import TrainingError
 from lidardraft.scene.sensor import Sensor
 
@@ -38,11 +38,29 @@ if TYPE_CHECKING:
     from lidardraft.training.sources import PairSource
 
 _RECIPES = ("small", "paper", "paper-small", "paper-large", "paper-map", "small-map", "tiny", "tiny-paper")
+COMMANDS = {
+    "segmenter": Command(
+        __name__,
+        "Train a segmenter, which tells the class of each return, on the scans of pairs; a second call goes on.",
+        "lidardraft-train segmenter --pairs pairs/ -o run/",
+    ),
+    "street": Command(
+        __name__,
+        "Train the generator: all stages of a recipe, scores, and the weight file with its card; a second call goes "
+        "on.",
+        "lidardraft-train street --recipe paper-small --work run/ -o mine.safetensors",
+    ),
+    "ablation": Command(
+        __name__,
+        "Train the paper's form and what it is compared with, each for as long, and score all; a second call goes on.",
+        "lidardraft-train ablation --steps 500 -n 16",
+    ),
+}
 _FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
 
 
 def street(arguments: argparse.Namespace) -> None:
-    """Train the generator: all stages of a recipe, scores, and the weight file with its card; a second call goes on."""
+    """Train all stages of a recipe, or go on with them."""
     from lidardraft.diffusion.denoiser import Denoiser
     from lidardraft.networks import weight_file
     from lidardraft.training.denoising import beginning, train_denoiser
@@ -203,7 +221,7 @@ def _add_data(parser: argparse.ArgumentParser) -> None:
 
 
 def segmenter(arguments: argparse.Namespace) -> None:
-    """Train a segmenter, which tells the class of each return, on the scans of pairs; a second call goes on."""
+    """Train a segmenter, or go on with it."""
     from lidardraft.perception.segmenter import Segmenter
     from lidardraft.training.loop import check_run_folder
     from lidardraft.training.segmentation import SegmentationConfig, train_segmenter
@@ -240,7 +258,7 @@ def segmenter_options(parser: argparse.ArgumentParser) -> None:
 
 
 def ablation(arguments: argparse.Namespace) -> None:
-    """Train the paper's form and what it is compared with, each for as long, and score all; a second call goes on."""
+    """Train and score all arms, or go on with them."""
     from lidardraft.evaluation import OTHER_STREETS, loss_by_other_layouts, untrained_weights
     from lidardraft.training import recipes
     from lidardraft.training.loop import check_run_folder, device_for_training
@@ -368,22 +386,21 @@ def _show(reports: Iterator[Report], steps: int, name: str) -> int | None:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line."""
-    return run(_parser(), argv, needs="train")
+    words = sys.argv[1:] if argv is None else argv
+    return run(parser(words[:1]), words, needs="train")
 
 
-def _parser() -> Parser:
-    parser = Parser(
+def parser(declared: Collection[str] = tuple(COMMANDS)) -> Parser:
+    """The parser of the command line, with the options of the commands `declared`."""
+    made = Parser(
         prog="lidardraft-train",
         description="Weights of your own, from procedural streets.",
         epilog="start here: `lidardraft-train street` makes streets, learns from them, and writes one weight file for "
         "`lidardraft generate --weights FILE`.",
     )
-    parser.add_argument("--version", action="version", version=f"lidardraft {lidardraft.__version__}")
-    command = commands_of(parser)
-    segmenter_options(command("segmenter", segmenter))
-    street_options(command("street", street))
-    ablation_options(command("ablation", ablation))
-    return parser
+    made.add_argument("--version", action="version", version=f"lidardraft {lidardraft.__version__}")
+    add_commands(made, COMMANDS, declared)
+    return made
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ import numpy as np
 
 from lidardraft.array_files import names_in
 from lidardraft.cli.arguments import DEFAULT_SENSOR, add_log, add_reading, add_sensor, read_sensor, reading
-from lidardraft.cli.command import progress, say
+from lidardraft.cli.command import add_json, progress, report, say
 from lidardraft.cli.inputs import boxes_of_scan, sensor_of_scan
 from lidardraft.errors import FormatError
 from lidardraft.files import check_other_file, named, write_text
@@ -25,9 +25,7 @@ _SHOWN_FOR = 0.5  # s, of scans that are not a sequence
 
 
 def view(arguments: argparse.Namespace) -> None:
-    """Render a picture of a scan (.bin with the .label beside it, .pcd.bin, .pcd, .ply, .npy, .las, .npz, .pkl.gz or
-    a log), a range image (.npz), a file of training pairs (.npz) or a layout (.json); a page of HTML of a scan, to
-    turn it; or a film of a folder of scans."""
+    """Write a picture, a page or a film."""
     from lidardraft.formats.rosbag import is_bag
     from lidardraft.view import html_page, save_png
 
@@ -44,7 +42,7 @@ def view(arguments: argparse.Namespace) -> None:
         write_text(output, html_page(**shown))
     else:
         save_png(output, _pictured(path, arguments))
-    print(output)
+    report(arguments, str(output), output=str(output))
 
 
 def _film(folder: Path, arguments: argparse.Namespace) -> None:
@@ -64,7 +62,7 @@ def _film(folder: Path, arguments: argparse.Namespace) -> None:
     seconds = second - first if first is not None and second is not None and second > first else _SHOWN_FOR
     with progress(len(names), "scan") as bar:
         save(output, (_framed(name, bar) for name in names), seconds)
-    print(output)
+    report(arguments, str(output), output=str(output))
 
 
 def _framed(name: Path, bar: Any) -> np.ndarray:
@@ -95,6 +93,7 @@ def view_options(parser: argparse.ArgumentParser) -> None:
     text = "where the picture goes (default FILE.view.png); .html makes a page of a scan; of a folder, a film: .gif "
     text += "(default view.gif in it) or .mp4"
     parser.add_argument("-o", "--output", metavar="PICTURE", help=text)
+    add_json(parser)
 
 
 def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:

@@ -166,3 +166,9 @@ def has_bfloat16(device: torch.device) -> bool:
     """Whether bfloat16 is faster than float32: a CPU without the instructions emulates them."""
     capabilities: dict[str, Any] = getattr(torch.cpu, "get_capabilities", dict)()  # newer torch
     return device.type == "cuda" or bool(capabilities.get("avx512_bf16") or capabilities.get("amx_bf16"))
+
+
+def devices() -> list[str]:
+    """The devices that torch may use here, GPUs first, with their names."""
+    gpus = [f"cuda:{number} ({torch.cuda.get_device_name(number)})" for number in range(torch.cuda.device_count())]
+    return [*gpus, *(["mps"] if torch.backends.mps.is_available() else []), "cpu"]

@@ -23,6 +23,13 @@ _OPTIONAL = ("primitive", "incidence", "normal")
 _NEAREST = 1e-3  # m: surfaces too near to be measured hide others too
 
 
+def backends() -> list[str]:
+    """What this machine can cast scans with, the fastest first: some of "avx512", "avx2", "portable", and always
+    "reference".
+    """
+    return _core.backends()
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Hits:
     """The closest hits of R rays, in the world frame.

@@ -1,0 +1,76 @@
+"""`lidardraft doctor`: what an installation can do, what it lacks, and how to get that."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import time
+from importlib import import_module, metadata
+from importlib.util import find_spec
+
+import lidardraft
+from lidardraft.cli.command import add_json, report
+from lidardraft.cli.scan_folder import cores
+from lidardraft.errors import EXTRAS
+from lidardraft.scene.raycast import backends
+
+_SENTENCE = "a car ahead"
+
+
+def doctor(arguments: argparse.Namespace) -> None:
+    """Print a line for each part."""
+    casters, system = backends(), platform.platform()
+    report(
+        arguments,
+        f"lidardraft {lidardraft.__version__}, Python {platform.python_version()}, {system}, {cores()} cores",
+        version=lidardraft.__version__,
+        python=platform.python_version(),
+        system=system,
+        cores=cores(),
+    )
+    threads = int(os.environ.get("RAYON_NUM_THREADS") or 0) or cores()
+    text = f"caster: {casters[0]} (of {', '.join(casters)}), {threads} threads"
+    report(arguments, text, backends=casters, threads=threads)
+    milliseconds = _first_scan()
+    text = f"simulate: {milliseconds:.0f} ms for a first scan of {_SENTENCE!r}"
+    report(arguments, text, first_scan_ms=round(milliseconds, 1))
+    for library, extras in EXTRAS.items():
+        found = _found(library)
+        lacks = f"missing; pip install 'lidardraft[{extras[0]}]'"
+        report(arguments, f"{library:15} {found or lacks}", library=library, found=found, extra=extras[0])
+    if found := _devices():
+        report(arguments, f"generate: on {', '.join(found)}", devices=found)
+
+
+def _first_scan() -> float:
+    """The time [ms] of a sentence's first scan, which imports what it needs."""
+    begun = time.perf_counter()
+    lidardraft.simulate(_SENTENCE, lidardraft.Sensor.preset("hdl64e"))
+    return 1e3 * (time.perf_counter() - begun)
+
+
+def _found(library: str) -> str | None:
+    """The version of a library, or what is wrong with it; None if it is not installed."""
+    if find_spec(library) is None:
+        return None
+    try:
+        import_module(library)
+    except Exception as error:  # of a library that is broken anything may come
+        return f"broken: {error}"
+    names = metadata.packages_distributions().get(library, [library])
+    return metadata.version(names[0])
+
+
+def _devices() -> list[str]:
+    """What torch may use; nothing without a torch that works, which its row has said."""
+    try:
+        from lidardraft.networks.layers import devices
+    except Exception:
+        return []
+    return devices()
+
+
+def doctor_options(parser: argparse.ArgumentParser) -> None:
+    """The options of `doctor`."""
+    add_json(parser)
