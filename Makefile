@@ -2,17 +2,25 @@
 VENV ?= $(or $(VIRTUAL_ENV),$(CONDA_PREFIX),.venv)
 PYTHON ?= python3
 BIN := $(VENV)/bin
+SENTENCE := "a busy downtown crossroads with a bus, cyclists and pedestrians, trees along the road"
 # One stamp a checkout: an environment that another checkout has been installed into since is installed into again.
 STAMP := $(VENV)/.lidardraft-$(firstword $(shell echo "$(CURDIR)" | cksum))
+CORE := $(STAMP)-core
 RUST := $(shell find rust -name '*.rs' 2>/dev/null) Cargo.toml Cargo.lock rust/python/Cargo.toml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check bench compare report-streets report-detail report-simulate report-generate report-clouds report-inputs report-outputs report-two-sample install weights
+.PHONY: help demo demo-generate test check bench compare report-streets report-detail report-simulate report-generate report-clouds report-inputs report-outputs report-two-sample install weights
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 16
 
-demo: install ## a sentence becomes labelled LiDAR scans, simulated and generated, in out/demo/
+demo: $(if $(wildcard $(STAMP)),$(STAMP),$(CORE)) ## a sentence becomes labelled LiDAR scans, a picture and a page, in out/demo/
+	$(BIN)/lidardraft simulate --text $(SENTENCE) --sensor os1-128 --seed 20 -n 4 --overwrite -o out/demo
+	$(BIN)/lidardraft view out/demo/000000.bin -o out/demo/scan.html
+	@echo 'The diffusion model needs torch: make demo-generate, or pip install ".[generate]" and'
+	@echo '  lidardraft generate --text $(SENTENCE) --weights paper-small -o out/generated'
+
+demo-generate: install ## a sentence becomes a simulated and a generated scan beside each other, in out/demo-generate/
 	$(BIN)/python examples/demo.py
 
 test: install ## all tests, Python and Rust
@@ -68,13 +76,23 @@ weights: install ## train paper-small on streets, in out/: hours
 
 install: $(STAMP)
 
-$(STAMP): pyproject.toml constraints.txt $(RUST)
-	@cargo --version >/dev/null 2>&1 || { echo "lidardraft needs a Rust toolchain (cargo, 1.89 or newer): see rustup.rs" >&2; exit 1; }
+define environment
+@cargo --version >/dev/null 2>&1 || { echo "lidardraft needs a Rust toolchain (cargo, 1.89 or newer): see rustup.rs" >&2; exit 1; }
 	@cargo --version | awk '{ split($$2, v, "."); exit v[1] == 1 && v[2] < 89 }' || { echo "lidardraft needs Rust 1.89 or newer; this is $$(cargo --version)" >&2; exit 1; }
 	@test -x "$(BIN)/python" || command -v $(PYTHON) >/dev/null || { echo "lidardraft needs Python 3.10 or newer: $(PYTHON) not found" >&2; exit 1; }
 	@test -x "$(BIN)/python" && p="$(BIN)/python" || p=$(PYTHON); "$$p" -c 'import sys; v = sys.version_info; sys.exit(f"lidardraft needs Python 3.10 or newer; this is {v[0]}.{v[1]}: say make PYTHON=python3.x" if v < (3, 10) else 0)'
 	@test -x "$(BIN)/python" || $(PYTHON) -m venv "$(VENV)" || { rm -rf "$(VENV)"; echo "$(PYTHON) cannot make environments: install its venv package" >&2; exit 1; }
 	@"$(BIN)/python" -m pip --version >/dev/null || { echo "$(VENV) has no pip: remove it, or give another environment as VENV=" >&2; exit 1; }
+endef
+
+$(STAMP): pyproject.toml constraints.txt $(RUST)
+	$(environment)
 	"$(BIN)/python" -m pip install --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	@rm -f "$(VENV)"/.lidardraft-*
+	@touch "$@"
+
+$(CORE): pyproject.toml constraints.txt $(RUST)
+	$(environment)
+	"$(BIN)/python" -m pip install --disable-pip-version-check -c constraints.txt -e .
 	@rm -f "$(VENV)"/.lidardraft-*
 	@touch "$@"

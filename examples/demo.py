@@ -1,4 +1,4 @@
-"""A sentence becomes labelled LiDAR scans, simulated and generated: the paper's own example, in out/demo/."""
+"""A sentence becomes labelled LiDAR scans, simulated and generated: the paper's own example, in out/demo-generate/."""
 
 import argparse
 import time
@@ -21,7 +21,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--text", default=SENTENCE)
     parser.add_argument("--seed", type=int, default=0)
-    parser.add_argument("-o", "--output", type=Path, default=Path("out/demo"))
+    parser.add_argument("-o", "--output", type=Path, default=Path("out/demo-generate"))
     arguments = parser.parse_args()
     folder: Path = arguments.output
     folder.mkdir(parents=True, exist_ok=True)
