@@ -8,7 +8,7 @@ from pathlib import Path
 from lidardraft._core import DEBUG as _DEBUG
 from lidardraft.errors import extra as _extra
 
-__version__ = "0.1.0"  # that of pyproject.toml and Cargo.toml
+__version__ = "0.2.0"  # that of pyproject.toml and Cargo.toml
 
 # The module of each public name, as type checkers read them too. It is imported when the name is first asked for: most
 # need scikit-learn, Pillow or torch.
