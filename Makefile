@@ -34,6 +34,7 @@ check: install ## formatters, linters, types, and the extension's types against 
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest lidardraft._core --ignore-missing-stub
+	@$(BIN)/python .ci/english
 
 bench: install ## rays per second of the caster
 	cargo bench
