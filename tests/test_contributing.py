@@ -25,7 +25,7 @@ def functions(path: Path) -> list[str]:
 
 def named_files(page: str) -> set[str]:
     """The Python, Rust and Markdown files that a page names, without those with a placeholder."""
-    text = (ROOT / page).read_text()
+    text = re.sub(r"https?://\S+", "", (ROOT / page).read_text())
     names = set(re.findall(r"[\w./{},*-]+\.(?:py|rs|md)\b", text))
     for name in [name for name in names if "{" in name]:
         names.remove(name)
