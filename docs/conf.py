@@ -18,7 +18,8 @@ html_theme = "furo"
 html_title = "lidardraft"
 html_show_copyright = html_show_sourcelink = False
 pygments_style = "friendly"
-nitpicky = False
+highlight_language = "text"
+smartquotes = False  # `--option` stays as it is
 
 myst_heading_anchors = 3
 myst_enable_extensions = ["colon_fence"]
