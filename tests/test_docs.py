@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 from types import ModuleType
 
@@ -40,8 +41,8 @@ ELSEWHERE = (
     "devkit/bin/pip",
     "lidardraft studio",
 )
-# The most of each option here; pages ask for more.
-MOST = {"-n": 4, "--num": 4, "--frames": 3, "--steps": 1, "--streets": 4, "--poses": 2}
+# What numbers over 4 become here.
+FEWER = {"-n": 2, "--num": 2, "--frames": 3, "--steps": 1}
 SERVER = "http://localhost:11434/v1"
 
 
@@ -56,10 +57,9 @@ def blocks(page: Path) -> Iterator[tuple[str, str, str]]:
 
 def smaller(words: list[str]) -> list[str]:
     """A command with less to do: the same options, smaller numbers, no pictures."""
-    for option, most in MOST.items():
-        if option in words:
-            at = words.index(option) + 1
-            words[at] = str(min(int(words[at]), most))
+    for at, (option, value) in enumerate(pairwise(words), 1):
+        if option in FEWER and int(value) > 4:
+            words[at] = str(FEWER[option])
     command, *rest = words
     if command == "lidardraft-train":
         words += ["--batch", "1"]
