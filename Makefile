@@ -9,7 +9,7 @@ CORE := $(STAMP)-core
 RUST := $(shell find rust -name '*.rs' 2>/dev/null) Cargo.toml Cargo.lock rust/python/Cargo.toml
 
 .DEFAULT_GOAL := help
-.PHONY: help demo demo-generate test check bench compare report-streets report-detail report-simulate report-generate report-clouds report-inputs report-outputs report-two-sample install weights
+.PHONY: help demo demo-generate test check docs bench compare report-streets report-detail report-simulate report-generate report-clouds report-inputs report-outputs report-two-sample install weights
 
 help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 16
@@ -35,6 +35,10 @@ check: install ## formatters, linters, types, and the extension's types against 
 	$(BIN)/mypy
 	$(BIN)/python -m mypy.stubtest lidardraft._core --ignore-missing-stub
 	@$(BIN)/python .ci/english
+
+docs: install ## the site of the documentation, in docs/_build/html
+	@"$(BIN)/python" -c 'import furo, myst_parser, sphinxarg' 2>/dev/null || { echo "make docs needs Python 3.11 and Sphinx: pip install -c constraints.txt '.[docs]'" >&2; exit 1; }
+	"$(BIN)/python" -m sphinx -q -W --keep-going -b html docs docs/_build/html
 
 bench: install ## rays per second of the caster
 	cargo bench

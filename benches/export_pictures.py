@@ -1,4 +1,4 @@
-"""A scan in each format, drawn as other people's readers find it: docs/formats.png.
+"""A scan in each format, drawn as other people's readers find it: docs/images/formats.png.
 
     python benches/export_pictures.py [PICTURE]
 
@@ -50,7 +50,7 @@ def main() -> None:
         for name, read in READERS.items():
             writer_of(name)(Path(folder, name), [[frame]])
             pictures.append(picture(name, next(iter(read(Path(folder, name)))), sensor.mount_height))
-    output = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/formats.png")
+    output = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/images/formats.png")
     output.parent.mkdir(parents=True, exist_ok=True)
     save_png(output, sheet(pictures, columns=5))
 

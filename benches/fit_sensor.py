@@ -1,4 +1,4 @@
-"""The sensor model fitted to recordings: the numbers of docs/sensor-model.md, printed as Markdown.
+"""The sensor model fitted to recordings: the numbers of docs/explanation/sensor-model.md, printed as Markdown.
 
     python benches/fit_sensor.py FOLDER
 

@@ -1,6 +1,6 @@
 """The pictures of docs: each input with the layout that it becomes.
 
-`python benches/picture_inputs.py docs` writes them anew; `tests/benches/test_picture_inputs.py` says when that is due.
+`python benches/picture_inputs.py docs/images` writes them anew; `tests/benches/test_report_inputs.py` says when.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from rendered_pictures import render
 
 SENTENCE = "a busy crossroads, a bus turning left, people on the right pavement, trees and houses on both sides"
 SKETCHES = Path(__file__).parents[1] / "examples" / "sketches"
-MODELS_PAGE = Path(__file__).parents[1] / "docs" / "language-models.md"
+MODELS_PAGE = Path(__file__).parents[1] / "docs" / "how-to" / "language-models.md"
 
 
 def pictures() -> Iterator[tuple[str, np.ndarray]]:

@@ -1,7 +1,7 @@
 """Simulated scans in one picture, beside streets and recordings.
 
     python benches/picture_simulate.py [--data FOLDER] [-o simulated.png]
-    python benches/picture_simulate.py --surroundings 5 -o docs/surroundings.png
+    python benches/picture_simulate.py --surroundings 5 -o docs/images/surroundings.png
 
 Row by row: ten sentences in streets; clusterings of five recorded sweeps, and three coarse layouts of streets; then, to
 hold them against, two of these sweeps as recorded, and three scans of the streets themselves. Colours are classes,

@@ -1,6 +1,6 @@
-"""The pictures of docs/studio.md: a studio in a real Chromium, step by step.
+"""The pictures of docs/how-to/studio.md: a studio in a real Chromium, step by step.
 
-python benches/picture_studio.py [docs]
+python benches/picture_studio.py [docs/images]
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ def pictures(page: Any, session: Session, folder: Path) -> None:
 
 def main() -> None:
     """All pictures."""
-    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs")
+    folder = Path(sys.argv[1] if len(sys.argv) > 1 else "docs/images")
     layout = surround(layout_from_text(SENTENCE, seed=7), seed=7)
     with (
         served(lambda: Editor(layout, (Sensor.preset("hdl64e"),), seed=7), inputs_of("hdl64e", None), 8700) as studio,

@@ -15,7 +15,7 @@ PAGES = (
     "CONTRIBUTING.md",
     "CONVENTIONS.md",
     "README.md",
-    *(f"docs/{p.name}" for p in (ROOT / "docs").glob("*.md")),
+    *(str(page.relative_to(ROOT)) for page in (ROOT / "docs").rglob("*.md")),
 )
 
 
@@ -25,12 +25,14 @@ def functions(path: Path) -> list[str]:
 
 def named_files(page: str) -> set[str]:
     """The Python, Rust and Markdown files that a page names, without those with a placeholder."""
-    names = set(re.findall(r"[\w./{},*-]+\.(?:py|rs|md)\b", (ROOT / page).read_text()))
+    text = re.sub(r"https?://\S+", "", (ROOT / page).read_text())
+    names = set(re.findall(r"[\w./{},*-]+\.(?:py|rs|md)\b", text))
     for name in [name for name in names if "{" in name]:
         names.remove(name)
         before, choices, after = re.split(r"[{}]", name)
         names |= {f"{before}{choice}{after}" for choice in choices.split(",")}
-    return {name.removeprefix("../") for name in names if "*" not in name}
+    names -= set(re.findall(r"^:caption: (\S+)", text, re.MULTILINE))  # files that the page itself gives
+    return {re.sub(r"^(\.\./)+", "", name) for name in names if "*" not in name}
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -1,4 +1,4 @@
-"""What the README and docs/usage.md show, run as it stands there."""
+"""What the README shows, run as it stands there, and the tables and links of all pages."""
 
 import re
 import shlex
@@ -17,12 +17,11 @@ from lidardraft.scene.sensor import PRESETS, Sensor
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text()
-PAGES = [*ROOT.glob("*.md"), *(ROOT / "docs").glob("*.md"), *(ROOT / "python").rglob("*.md")]
-EXAMPLES = README + (ROOT / "docs" / "usage.md").read_text()
+PAGES = [*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "python").rglob("*.md")]
 
 
 def blocks(language: str) -> list[str]:
-    return re.findall(rf"```{language}\n(.*?)```", EXAMPLES, flags=re.DOTALL)
+    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
 
 
 @pytest.mark.parametrize("code", blocks("python"), ids=lambda code: code.strip().splitlines()[0])
@@ -55,23 +54,12 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
             words += ["--frames", "2"]  # 100 take half a minute
         if "--street" in words:
             words += ["-n", "2"]  # 100 take a minute
-        if words[0] == "streets":
-            words += ["--num", "2", "--poses", "1", "--workers", "1"]  # 1,000 take minutes
-        if words[0] == "dataset":
-            page = (ROOT / "docs" / "data-sets.md").read_text()
-            (tmp_path / "recipe.toml").write_text(re.findall(r"```toml\n(.*?)```", page, flags=re.DOTALL)[0])
-            words += ["-n", "3"]  # 10,000 take minutes
-        if "scan.bin" in words:
-            for end in (".bin", ".label"):
-                (tmp_path / f"scan{end}").write_bytes((tmp_path / f"crossroads/000000{end}").read_bytes())
         code, said = cli.main(words), capsys.readouterr().err
         assert code == 0, f"{line}\n{said}"
         notes += said.splitlines() if line in README else []
     assert len(notes) <= 3, notes
     assert (tmp_path / "crossroads/000003.bin").exists()
     assert (tmp_path / "crossroads/000000.view.png").exists()
-    assert (tmp_path / "pairs/00000.view.png").exists()
-    assert (tmp_path / "pairs/index.json").exists()
 
 
 def test_make_targets() -> None:
@@ -81,8 +69,12 @@ def test_make_targets() -> None:
 
 
 def anchors(page: Path) -> set[str]:
-    """The headings of a page, as links name them."""
-    titles = re.findall(r"^#+ (.+)$", page.read_text(), flags=re.MULTILINE)
+    """The headings of a page and of what it includes, as links name them."""
+    text = page.read_text()
+    text += "".join(
+        (page.parent / name).read_text() for name in re.findall(r"^```\{include\} (\S+)", text, re.MULTILINE)
+    )
+    titles = re.findall(r"^#+ (.+)$", text, flags=re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
 
 
@@ -96,7 +88,7 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 
 def test_the_tables_of_sensors() -> None:
-    page = (ROOT / "docs" / "sensor-model.md").read_text()
+    page = (ROOT / "docs" / "reference" / "sensor.md").read_text()
     rows = re.findall(r"^\| `(.+?)` \| (.+?) \| (.+?) \| .+? \| (.+?) \| (.+?) \|$", page, re.MULTILINE)
     assert rows == [
         (

@@ -32,7 +32,7 @@ def export(
     box_margin: float = 0.0,
 ) -> None:
     """Write a scan, a drive of scans or of names of saved ones, all of a folder or of the drives in it, or several
-    drives, one scan after the other, into the new folder `output` in a format of docs/formats.md ("kitti", ...).
+    drives, one scan after the other, into the new folder `output` in a format of docs/reference/formats.md ("kitti").
 
     Of several sensors of one vehicle, `scans` are those of each channel, by its name. "nuscenes" makes one data set of
     them, in which a sample has a sweep of each channel; other formats get a folder OUTPUT/CHANNEL for each.

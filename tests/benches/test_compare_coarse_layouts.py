@@ -7,7 +7,7 @@ from lidardraft.streets.street import StreetConfig, make_street
 from tallies import FEWEST, Tally, drift
 
 CONFIG = StreetConfig()
-# What streets have in sizes that the solver cannot make; docs/coarse-layouts.md says why.
+# What streets have in sizes that the solver cannot make; docs/how-to/streets.md says why.
 OTHERWISE = {
     *("fence: fence", "wall: wall", "hedge: vegetation", "bush: vegetation", "pole: pole", "truck: truck"),
     "traffic-sign: traffic-sign",

@@ -223,7 +223,7 @@ def test_a_model_that_is_none(fields, message):
 
 
 def test_the_page_explains_every_number():
-    page = (Path(__file__).parents[2] / "docs" / "sensor-model.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "explanation" / "sensor-model.md").read_text()
     assert not [field.name for field in fields(SensorModel) if f"`{field.name}`" not in page]
 
 

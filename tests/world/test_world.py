@@ -368,7 +368,7 @@ def test_points_boxes_and_ids() -> None:
 
 def test_the_page_of_docs_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Its code runs, and ends as it says."""
-    page = (Path(__file__).parents[2] / "docs" / "world.md").read_text()
+    page = (Path(__file__).parents[2] / "docs" / "how-to" / "world.md").read_text()
     first, states = (block.split("```")[0] for block in page.split("```python\n")[1:])
     monkeypatch.chdir(tmp_path)
     names: dict[str, Any] = {}

@@ -13,7 +13,7 @@ from lidardraft.errors import LayoutError
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class StreetMix:
-    """The composition of streets; the defaults are those of docs/lifelike.md.
+    """The composition of streets; the defaults are those of docs/explanation/realism.md.
 
     `residential` to `roadworks` are the shares of the districts, of their sum. The others are times what the districts
     have: `parked_cars` those along kerbs, `traffic` vehicles on the road, `riders` on two wheels, `people`, `buildings`

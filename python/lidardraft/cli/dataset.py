@@ -55,7 +55,7 @@ def _workers(arguments: argparse.Namespace, num: int, run: int) -> Callable[...,
 def dataset_options(parser: argparse.ArgumentParser) -> None:
     """The options of `dataset`."""
     parser.epilog = (
-        "What a recipe may hold: docs/data-sets.md. Scan k depends on the seed of the recipe and on k alone. After an "
+        "Keys of a recipe: docs/reference/recipe.md. Scan k depends on the seed of the recipe and on k alone. After an "
         "interrupt or a crash the same call goes on where it stopped; with a larger -n the set grows."
     )
     parser.add_argument("recipe", metavar="RECIPE.toml", help="what the data set is made of")
@@ -94,7 +94,7 @@ def export_options(parser: argparse.ArgumentParser) -> None:
     """The options of `export`."""
     parser.epilog = (
         "Each folder is a drive, or holds folders of drives: its scans follow one another, at the times of a sequence "
-        "or a sweep time apart. Frames, axes, box centres and class ids of each format: docs/formats.md. The data set "
+        "or a sweep time apart. Frames, boxes and class ids of each format: docs/reference/formats.md. The data set "
         "is there whole or not at all."
     )
     parser.add_argument("folders", nargs="+", metavar="FOLDER", help="scans of `simulate`, `generate` or `observe`")

@@ -263,7 +263,7 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
     text = "make a sequence of N frames: the ego vehicle, traffic and people move; with -n several, a folder each"
     sequence.add_argument("--frames", type=whole_number(1), metavar="N", help=text)
     sequence.add_argument("--hz", type=positive, metavar="R", help=f"frames a second (default {_HZ:g})")
-    text = "how the ego vehicle and objects move (docs/scenarios.md); the rest moves by its kind"
+    text = "how the ego vehicle and objects move (docs/reference/scenario.md); the rest moves by its kind"
     sequence.add_argument("--scenario", metavar="FILE.json", help=text)
     add_jobs(_add_scan_output(parser))
     add_json(parser)

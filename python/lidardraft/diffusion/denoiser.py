@@ -138,7 +138,7 @@ class Denoiser(Network):
     ) -> Tensor:
         """The loss of each sample [B]: the `error` of D over the pixels that count, as `weight` weights it.
 
-        With D - x = sigma^2 S this is about the paper's sigma^2 |S - target|^2 where the noise is low. Range, intensity
+        With D - x = sigma^2 S this is about the paper's `sigma^2 |S - target|^2` if the noise is low. Range, intensity
         and class count only where the scan has a return; of weights that see what is open, nothing counts elsewhere.
         """
         counts = what_counts(clean)

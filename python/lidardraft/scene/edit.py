@@ -1,6 +1,6 @@
 """Edits of a layout; each returns a new one and leaves the old as it is.
 
-A pattern is a glob on ids or on names of objects: "car_*", "*.crown", "tree_3" (all parts of that tree).
+A pattern is a glob on ids or on names of objects: `car_*`, `*.crown`, `tree_3` (all parts of that tree).
 """
 
 from __future__ import annotations

@@ -5,10 +5,10 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
 - `reflectance`: the ECOSTRESS spectral library (Meerdink et al., Remote Sensing of Environment 230, 2019) at 0.9 um for
   mineral, wooden, metal and vegetable surfaces, soil and asphalt; NIST's skin reference (Cooksey and Allen, SPIE 8734,
   2013) for skin; dyed cloth is bright in the near infrared whatever its colour. Car paint and rubber are
-  such that the medians and quartiles of the Pandar64 in PandaSet come out, see docs/sensor-model.md. Dark paint is a
-  gloss black under a clear coat: two dark cars beside Ouster's OS1-128 send back whole sides at 10 m, and 0.010 to
-  0.015 give the quartiles of PandaSet's cars. Road paint is worn or full of glass beads, all of a street alike: the
-  brightest hundredth of recorded roads reads 2 to 13 times their median.
+  such that the medians and quartiles of the Pandar64 in PandaSet come out (docs/explanation/sensor-model.md). Dark
+  paint is a gloss black under a clear coat: two dark cars beside Ouster's OS1-128 send back whole sides at 10 m, and
+  0.010 to 0.015 give the quartiles of PandaSet's cars. Road paint is worn or full of glass beads, all of a street
+  alike: the brightest hundredth of recorded roads reads 2 to 13 times their median.
 - `roughness`: Oren and Nayar's slope spread [rad]; 0.35 of walls and 1 of asphalt are fitted to the fall of PandaSet's
   intensities with incidence, the others lie between by analogy.
 - `specular`, `rms_slope`: Fresnel reflectance at normal incidence (0.04 for an index of 1.5, clear coats and glass; 0.6
@@ -25,7 +25,7 @@ Sources of `MATERIALS`, by column; where several are named the value is typical 
   estimates.
 - `variation`, `grain`: the spread between objects of one material (dirt, age, colour), our estimate, and within one
   from firing to firing, beside what the sensor adds (`speckle`): such that neighbouring readings of PandaSet
-  (roads, sidewalks, walls, leaves) and of ika's VLP-32C differ as recorded, see docs/sensor-model.md.
+  (roads, sidewalks, walls, leaves) and of ika's VLP-32C differ as recorded, see docs/explanation/sensor-model.md.
 - `texture`: the share of `SensorModel.texture`, which is fitted to asphalt: of walls a half, such that as few of their
   readings are over 2.5 medians as recorded; of what is made in one piece, paint, glass or cloth, none.
 """

@@ -112,7 +112,7 @@ _KINDS: dict[str, type[Motion]] = {"straight": Straight, "lane": AlongLane, "wal
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """The motions of the ego vehicle and of objects, by their names or by patterns of them ("around/*"; the first
+    """The motions of the ego vehicle and of objects, by their names or by patterns of them (`around/*`; the first
     that matches counts, a name before all patterns). What is not named moves by its kind."""
 
     ego: Motion | None = None

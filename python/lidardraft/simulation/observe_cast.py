@@ -1,7 +1,7 @@
 """What a sensor reports of a cast that another renderer made: drop, noise and intensity, with its labels as they are.
 
-A cast is one ray a beam, so no return here lies between two surfaces (docs/simulation.md). Where it does not come with
-incidence, that is the angle between each ray and the surface that its neighbours lie on.
+A cast is one ray a beam, so no return here lies between two surfaces (docs/how-to/other-renderers.md). If it comes
+without incidence, that is the angle between each ray and the surface that its neighbours lie on.
 """
 
 from __future__ import annotations

@@ -47,11 +47,11 @@ def test_a_street_as_a_language_model_writes_it() -> None:
 
 
 def test_the_picture_of_the_docs_shows_what_is_read_now(tmp_path: Path) -> None:
-    """docs/blender.png; where it is out of date, copy the file that the message names there."""
+    """docs/images/blender.png; where it is out of date, copy the file that the message names there."""
     layout = layout_from_blender(HERE / "scripts" / "street.py")
     picture = render_layout_and_cast(layout, Sensor.preset("hdl64e"))
     save_png(tmp_path / "blender.png", picture)
-    with Image.open(HERE.parents[2] / "docs" / "blender.png") as image:
+    with Image.open(HERE.parents[2] / "docs" / "images" / "blender.png") as image:
         shown = np.asarray(image)
     assert shown.shape == picture.shape, tmp_path
     different = (np.abs(shown.astype(int) - picture) > 2).any(axis=2)

@@ -56,6 +56,6 @@ def test_it_is_refused_with_its_line(refusals: dict[str, tuple[str, float]], nam
 
 def test_there_are_as_many_as_the_page_says() -> None:
     assert len({script for _, script, _ in HOSTILE}) == len(HOSTILE)
-    page = (Path(__file__).parents[3] / "docs" / "blender.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[3] / "docs" / "reference" / "blender.md").read_text(encoding="utf-8")
     assert f" {len(HOSTILE)} hostile scripts" in page
     assert f"within {WITHIN} s of its processor time, and all of them in {MEMORY // 2**20} MB" in page

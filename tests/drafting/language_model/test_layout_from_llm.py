@@ -84,7 +84,7 @@ def test_a_text_in_any_language_becomes_a_layout(server: ReplayServer, dialect: 
 
 
 def test_the_reply_in_the_docs_is_read_as_they_say(server: ReplayServer) -> None:
-    page = (Path(__file__).parents[3] / "docs" / "language-models.md").read_text()
+    page = (Path(__file__).parents[3] / "docs" / "how-to" / "language-models.md").read_text()
     text, reply = page.split('For the text "')[1].split('"')[0], page.split("```json")[1].split("```")[0]
     server.answers = [openai(reply)]
     names = {"layout": draft(server, text)}

@@ -264,8 +264,10 @@ def test_a_distance_that_the_middle_has_no_room_for_is_between_the_ends() -> Non
     assert gap == pytest.approx(5.0, abs=1.0)  # the next one may be as long as its kind gets
 
 
-PAGE = (FOLDER.parents[2] / "docs" / "sentences.md").read_text(encoding="utf-8")
-EXAMPLES = re.findall(r"^\| .* \| `(.*)` \|$", PAGE, re.M)
+DOCS = FOLDER.parents[2] / "docs"
+PAGE = (DOCS / "how-to" / "sentences.md").read_text(encoding="utf-8")
+PATTERNS = (DOCS / "reference" / "sentences.md").read_text(encoding="utf-8")
+EXAMPLES = re.findall(r"^\| .* \| `(.*)` \|$", PATTERNS, re.M)
 
 
 @pytest.mark.parametrize("text", EXAMPLES)
@@ -277,10 +279,9 @@ def test_each_pattern_of_the_page_is_read_whole(text: str) -> None:
     assert explanation.spec.groups or explanation.spec.road != RoadSpec() or explanation.spec.district
 
 
-def test_the_page_is_short_and_shows_what_it_says() -> None:
+def test_the_page_shows_what_it_says() -> None:
     assert len(EXAMPLES) > 20
-    assert len(re.findall(r"[^\s|]+", PAGE)) <= 900
-    shown = re.search(r'--text "(.*?)".*--explain\n(.*?)\n```', PAGE, re.S)
+    shown = re.search(r'--text "([^"\n]*)"[^\n]*--explain\n```\n\n```text\n(.*?)\n```', PAGE, re.S)
     assert shown
     assert str(explain(shown[1])).splitlines() == shown[2].splitlines()
     layout = layout_from_text("a cyclist between two trucks, a bsu on the left", seed=0)

@@ -44,7 +44,7 @@ def _in_paint(part: Primitive, paint: str) -> Primitive:
 
 
 def detail(layout: Layout, *, seed: int = 0, around: Layout | None = None) -> Layout:
-    """The layout with each coarse object replaced by a detailed one in its place, as docs/simulation.md has it.
+    """The layout with each coarse object replaced by a detailed one in its place, as in docs/explanation/simulation.md.
 
     Ids keep the part before the dot, and objects their classes, instances, places and extents. What has a material, a
     mesh or an extinction stays as it is, and so does the ground, which gets markings and kerbs. An object's random
