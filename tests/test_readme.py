@@ -47,7 +47,7 @@ def test_commands(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytes
     assert capsys.readouterr().err.count("\n") <= 2  # notes
     assert (tmp_path / "crossroads/000003.bin").exists()
     assert (tmp_path / "scan.html").exists()
-    assert (tmp_path / "nuscenes/v1.0-mini/sample.json").exists()
+    assert (tmp_path / "nuscenes/v1.0-trainval/sample.json").exists()
 
 
 def test_make_targets() -> None:
