@@ -16,7 +16,7 @@ extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinxarg.ext"]
 exclude_patterns = ["_build"]
 html_theme = "furo"
 html_title = "lidardraft"
-html_show_copyright = html_show_sourcelink = False
+html_show_copyright = html_show_sourcelink = html_copy_source = False
 pygments_style = "friendly"
 highlight_language = "text"
 smartquotes = False  # `--option` stays as it is

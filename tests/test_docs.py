@@ -165,7 +165,7 @@ def test_the_tutorial(capsys: pytest.CaptureFixture[str]) -> None:
     walk(TUTORIAL, True, capsys)
     check_tutorial(300)
     rows = dict(re.findall(r"^(\S+) +IoU (\S+)", capsys.readouterr().out, re.MULTILINE))
-    assert float(rows["road"]) > 0.5
+    assert float(rows["road"]) > 0.4
     assert float(rows["car"]) > 0.5
 
 
