@@ -5,8 +5,7 @@
 "streets" are scored as by `lidardraft evaluate`, which explains the columns. "recordings" holds scans of the layouts of
 labelled recordings in FOLDER (by default LIDARDRAFT_DATA), at most `-n` a sensor, against these (`report_simulate.py`
 explains the rows). "speed" is the time and memory of a scan. In each table of scores stand what is passed through and
-the same network untrained. Last comes what was to be reached. `--only` takes the parts whose names hold PART. Weights
-that complete have `completed_halves.py`.
+the same network untrained. Last comes what was to be reached. `--only` takes the parts whose names hold PART.
 """
 
 from __future__ import annotations
@@ -40,7 +39,7 @@ def main() -> None:
     given = parser.parse_args()
     pipeline = read_pipeline(given)
     if pipeline.denoiser.config.completes:
-        parser.error("these weights complete scans: see completed_halves.py")
+        parser.error("these weights complete scans; the parts of this report are of whole ones")
     goals = list(printed(parts(pipeline, given)))
     if goals:
         print(f"### Goals\n\n{goal_table(goals)}")

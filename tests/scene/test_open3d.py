@@ -4,10 +4,10 @@ import warnings
 
 import numpy as np
 import pytest
-
 from compare_table import agreement
-from lidardraft import Raycaster
 from peer_lidardraft import layout_of, sensor_of
+
+from lidardraft import Raycaster
 from scenes import SCENES, hdl64, pose
 
 with warnings.catch_warnings():
