@@ -20,12 +20,11 @@ import numpy as np
 
 from cases import recorded_sets
 from generated_speed import measure_speed
-from goals import Goal, goal_table
 from lidardraft import Pipeline, Sensor
 from lidardraft.cli.arguments import add_sensor, add_weights, read_pipeline, read_sensor, whole_number
 from lidardraft.evaluation import Scores, evaluate, unseen_streets, untrained
-from markdown_table import Row, table
 from report_simulate import report
+from tables import Goal, Row, goal_table, table
 
 
 def main() -> None:

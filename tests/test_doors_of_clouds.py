@@ -26,7 +26,7 @@ from lidardraft.protocols import PROTOCOLS, compare
 from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.recorded.object_sampling import ObjectSampling
 from lidardraft.simulation.recorded.recorded_scan import RecordedScan
-from pandaset_files import pandaset
+from small_recordings import pandaset
 
 SENSOR = Sensor(name="few", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=180)
 ROAD, CAR, PERSON = (BY_NAME[name].id for name in ("road", "car", "person"))

@@ -14,7 +14,7 @@ from lidardraft.cli import main as cli
 from lidardraft.formats.kitti import write_bin
 from lidardraft.formats.nuscenes import write_pcd_bin
 from lidardraft.formats.semantickitti import write_label
-from pandaset_files import pandas_pickle, pandaset
+from small_recordings import pandas_pickle, pandaset
 
 OTHERS = {
     "empty": b"",

@@ -14,7 +14,7 @@ from lidardraft.cli.main import main
 from lidardraft.errors import FormatError, MissingExtraError
 from lidardraft.formats.ouster import metadata_beside, read_ouster_capture, read_ouster_metadata
 from lidardraft.formats.recording import frames_in, read_points, read_recording
-from ouster_files import BEAMS, COLUMNS, METADATA, write_capture
+from small_recordings import BEAMS, COLUMNS, METADATA, write_capture
 
 REASON = "ouster-sdk is not installed; in an environment of its own: pip install 'lidardraft[ouster]' pytest"
 
