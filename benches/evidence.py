@@ -96,6 +96,7 @@ class LabelledImages:
     def __init__(self, source: str, images: Sequence[RangeImage]) -> None:
         self.source, self.path, self.images = source, Path(source), list(images)
         self.sensor = images[0].sensor
+        self.sensors = (self.sensor,)
         self.checksum = zlib.crc32(b"".join(image.depth.tobytes() for image in images))
 
     def __len__(self) -> int:

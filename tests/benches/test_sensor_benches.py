@@ -1,15 +1,10 @@
 """Fits of sensors give back what made the data."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from fit_sensor import fit_noise, fit_roughness, report_edges
-from lidardraft.calibration.street_casts import StreetCasts
+from fit_sensor import fit_noise, fit_roughness
 from lidardraft.scene.materials import Material, diffuse_response
-from lidardraft.scene.sensor import PRESETS
-from lidardraft.scene.sensor_model import MODELS
 
 
 def test_roughness_and_scale_come_back():
@@ -30,11 +25,3 @@ def test_the_two_parts_of_noise_come_back():
     assert floor == pytest.approx(0.01, rel=0.1)
     assert jitter == pytest.approx(0.1, rel=0.1)
     assert len(rows) == 6
-
-
-def test_what_edges_lose_comes_back(capsys):
-    sensor, model = PRESETS["vlp16"], MODELS["vlp16"]
-    casts = StreetCasts.from_sensor(sensor, model, 16, seed=6)
-    report_edges({"a place": casts.observed(replace(model, edge_drop=0.4), sensor.range_sigma)}, sensor, model)
-    (row,) = (line for line in capsys.readouterr().out.splitlines() if line.startswith("| a place"))
-    assert float(row.split("|")[3]) == pytest.approx(0.4, rel=0.3)
