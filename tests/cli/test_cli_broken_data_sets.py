@@ -19,7 +19,6 @@ from small_recordings import pandas_pickle, pandaset
 OTHERS = {
     "empty": b"",
     "noise": np.random.default_rng(0).bytes(1001),
-    "a picture": b"\x89PNG\r\n\x1a\n" + bytes(99),
     "another document": b'{"a": [1, 2, {}]}',
 }
 DRIVE = "2013_05_28_drive_0000_sync"
