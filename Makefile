@@ -67,10 +67,8 @@ report-clouds: install ## how near the layouts of recordings come to them, and h
 	"$(BIN)/python" benches/report_cloud.py
 
 report-outputs: install ## sequences, edits; exports in foreign readers; data sets killed twenty times
-	"$(BIN)/python" benches/report_sequences.py
-	"$(BIN)/python" benches/edit_recordings.py
-	"$(BIN)/python" benches/dataset_workers.py
-	"$(BIN)/python" benches/export_pictures.py out/formats.png
+	"$(BIN)/python" benches/report_outputs.py
+	"$(BIN)/python" benches/pictures.py formats -o out/formats.png
 	"$(BIN)/python" -m pytest -q -m "" tests/formats/test_exports.py tests/cli/test_cli_dataset.py
 
 report-inputs: install ## how well sentences, scripts, pictures, clouds and sketches become layouts, and bad files end

@@ -25,6 +25,21 @@ Render = Callable[[RangeImage], Sweep]
 
 
 @dataclass(frozen=True)
+class Group:
+    """Recordings of one sensor; `render` puts a scan on their grid.
+
+    `shown` are the pixels that the recording car leaves open. On a grid of `firings` a pixel without a return is a
+    dropped one.
+    """
+
+    sweeps: list[Sweep]
+    sensor: Sensor
+    render: Render
+    shown: np.ndarray
+    firings: bool
+
+
+@dataclass(frozen=True)
 class Case:
     """A recorded scan, the layout of it, and the sensor's pose and speed [m/s] as it was taken."""
 
@@ -37,11 +52,7 @@ class Case:
 
 @dataclass(frozen=True)
 class CaseSet:
-    """Cases of one sensor; `render` puts a scan on the grid of the recorded ones.
-
-    `shown` are the pixels that the recording car leaves open. On a grid of `firings` a pixel without a return is a
-    dropped one.
-    """
+    """Cases of one sensor, on the grid of a `Group`."""
 
     cases: list[Case]
     render: Render
@@ -71,23 +82,35 @@ def _clustered_groups(found: recordings.Recordings, sensor: Sensor) -> CaseSet:
 
 
 def clustered(sweeps: list[Sweep], sensor: Sensor, grid: Sensor | None = None, fov: float | None = None) -> CaseSet:
-    cases = [Case(sweep, _layout(sweep, sensor), sensor, sensor.pose()) for sweep in sweeps]
-    columns = sensor.columns
+    """The sweeps with their layouts."""
+    group = grouped(sweeps, sensor, grid, fov)
+    cases = [Case(sweep, layout_of(sweep, sensor), sensor, sensor.pose()) for sweep in sweeps]
+    return CaseSet(cases, group.render, group.shown, group.firings)
+
+
+def grouped(sweeps: list[Sweep], sensor: Sensor, grid: Sensor | None = None, fov: float | None = None) -> Group:
+    """Sweeps of a sensor: images on a projected `grid`, or firings, of which some see only an angle `fov` ahead."""
     shown = unhidden({"": sweeps}, grid or sensor, fov)
-    if fov is not None and sweeps:
-        start = (columns - sweeps[0].points.shape[1]) // 2
-        window = start, start + sweeps[0].points.shape[1]
-        return CaseSet(
-            cases, lambda image: Sweep.by_azimuth(image).part(*window), shown[:, slice(*window)], firings=True
-        )
-    render = Sweep.by_azimuth if grid is None else partial(_projected, grid=grid)
-    return CaseSet(cases, render, shown, firings=grid is None)
+    if grid is not None:
+        return Group(sweeps, sensor, partial(_projected, grid=grid), shown, firings=False)
+    if fov is None or not sweeps:
+        return Group(sweeps, sensor, Sweep.by_azimuth, shown, firings=True)
+    width = sweeps[0].points.shape[1]
+    start = (sensor.columns - width) // 2
+    ahead = partial(_ahead, start=start, stop=start + width)
+    return Group(sweeps, sensor, ahead, shown[:, start : start + width], firings=True)
 
 
-def _layout(sweep: Sweep, sensor: Sensor) -> Layout:
+def _ahead(image: RangeImage, start: int, stop: int) -> Sweep:
+    return Sweep.by_azimuth(image).part(start, stop)
+
+
+def layout_of(sweep: Sweep, sensor: Sensor, detail: str = "fine") -> Layout:
+    """The layout of a labelled sweep."""
     assert sweep.label is not None
     seen = sweep.valid & (sweep.label > 0)
-    return layout_from_cloud(sweep.points[seen], sweep.label[seen], sensor_height=sensor.mount_height)
+    points, labels = sweep.points[seen], sweep.label[seen]
+    return layout_from_cloud(points, labels, sensor_height=sensor.mount_height, detail=detail)
 
 
 def _projected(image: RangeImage, grid: Sensor) -> Sweep:

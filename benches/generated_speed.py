@@ -19,9 +19,8 @@ from collections.abc import Iterator
 import numpy as np
 import torch
 
-from goals import Goal
 from lidardraft import Pipeline
-from markdown_table import Row, table
+from tables import Goal, Row, table
 
 SENTENCE = "two cars ahead, a pedestrian on the left sidewalk, trees on both sides and a bus behind"
 ROUNDS = 5

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.optimize import least_squares
 
 from lidardraft.formats.kitti import read_bin
+from lidardraft.formats.ouster import metadata_beside, read_ouster_capture, read_ouster_metadata
 from lidardraft.formats.pandaset import LABELS
 from lidardraft.formats.pcd import parse_pcd
 from lidardraft.formats.recording import Recording, recording_of
@@ -23,7 +24,6 @@ from lidardraft.formats.semantickitti import CLASS_FROM_RAW
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
-from ouster_packets import read_sweep
 
 _LOW = -0.2  # of the distance: what lies lower is of lasers a degree and more apart
 _SCALES = (0.1, 0.1, 0.05, 3.0, 1.0, 0.5, 0.004, 0.004, 0.04, 0.04)  # of the sensor's place [m], tilt, and their rates
@@ -44,32 +44,14 @@ NUSCENES_GRID = Sensor(
 )
 # Share of all points of SemanticKITTI's training sequences by raw class, as `content` of its semantic-kitti.yaml says
 # (Behley et al., ICCV 2019); classes below a ten thousandth left out.
+# fmt: off
 _SEMANTIC_KITTI_SHARES = {
-    10: 0.0408185,
-    252: 0.0017893,
-    11: 0.0001661,
-    15: 0.0003984,
-    18: 0.0020634,
-    258: 0.0001016,
-    20: 0.0016218,
-    257: 0.0001135,
-    30: 0.0001770,
-    254: 0.0001606,
-    253: 0.0001271,
-    40: 0.1987494,
-    44: 0.0147172,
-    48: 0.1439230,
-    49: 0.0039049,
-    50: 0.1326862,
-    51: 0.0723592,
-    52: 0.0023951,
-    70: 0.2668150,
-    71: 0.0060350,
-    72: 0.0781422,
-    80: 0.0028555,
-    81: 0.0006156,
-    99: 0.0099231,
+    10: 0.0408185, 252: 0.0017893, 11: 0.0001661, 15: 0.0003984, 18: 0.0020634, 258: 0.0001016,
+    20: 0.0016218, 257: 0.0001135, 30: 0.0001770, 254: 0.0001606, 253: 0.0001271, 40: 0.1987494,
+    44: 0.0147172, 48: 0.1439230, 49: 0.0039049, 50: 0.1326862, 51: 0.0723592, 52: 0.0023951,
+    70: 0.2668150, 71: 0.0060350, 72: 0.0781422, 80: 0.0028555, 81: 0.0006156, 99: 0.0099231,
 }
+# fmt: on
 
 
 @dataclass(frozen=True)
@@ -185,10 +167,14 @@ def _ouster(folder: Path, sensor: str, name: str, columns: int, range_step: floa
     path = folder / "permissive" / "ouster" / name
     if not path.exists():
         return Recordings(sensor=sensor, why="no recordings under permissive/ouster")
-    sweep = read_sweep(path)
-    sweep.points[sweep.depth < 1.5] = 0.0
-    sweep = Sweep(sweep.points, None, sweep.intensity)
-    middle, end = columns // 2, sweep.points.shape[1]
+    points, fields = read_ouster_capture(path)
+    far = np.linalg.norm(points, axis=1) >= 1.5
+    at = fields["ring"][far], fields["column"][far]
+    shape = read_ouster_metadata(metadata_beside(path)).shape
+    image, intensity = np.zeros((*shape, 3), np.float32), np.zeros(shape, np.float32)
+    image[at], intensity[at] = points[far], fields["intensity"][far] / 255
+    sweep = Sweep(image, None, intensity)
+    middle, end = columns // 2, shape[1]
     halves = {"left": [sweep.part(0, middle)], "right": [sweep.part(middle, end)]}
     return Recordings(sensor=sensor, plain=halves, halves=True, range_step=range_step)
 

@@ -17,26 +17,23 @@ import argparse
 import os
 import time
 from collections import defaultdict
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import partial
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
 import object_labels
 import recordings
-from lidardraft import Layout, RangeImage, Sensor, layout_from_cloud, raycast
+from cases import Group, grouped, layout_of
+from lidardraft import Layout, Sensor, layout_from_cloud, raycast
 from lidardraft.formats.kitti import read_bin
 from lidardraft.formats.semantickitti import read_label
-from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.labelling import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
-from markdown_table import Row, table
-from report_streets import unhidden
+from tables import Row, table
 
 NO_OBJECT = [BY_NAME[name].id for name in ("none", *GROUND)]
 DETAILS = ("fine", "objects")
@@ -44,53 +41,18 @@ ROOM = Layout(primitives=(Primitive(shape="box", center=(0, 0, 0), size=(60, 60,
 Counts = dict[str, np.ndarray]  # by row: part and whole
 
 
-@dataclass(frozen=True)
-class Group:
-    """Recordings of one drive or place; `render` puts a cast on their grid, of which `shown` is open to the sensor."""
-
-    sweeps: list[Sweep]
-    sensor: Sensor
-    render: Callable[[RangeImage], Sweep]
-    shown: np.ndarray
-
-
 def groups(folder: Path) -> Iterator[tuple[str, Group]]:
-    """The recordings with labels in the folder, by name."""
+    """The recordings with labels in the folder, by name, those of a drive or place together."""
     kitti, nuscenes = PRESETS["hdl64e-linear"], recordings.NUSCENES_GRID
     if sweeps := recordings.kitti_images(folder):
-        yield "KITTI 00, HDL-64E", _projected(sweeps, PRESETS["hdl64e"], kitti)
+        yield "KITTI 00, HDL-64E", grouped(sweeps, PRESETS["hdl64e"], kitti)
     if sweeps := recordings.nuscenes_images(folder):
-        yield "nuScenes, HDL-32E", _projected(sweeps, PRESETS["hdl32e"], nuscenes)
+        yield "nuScenes, HDL-32E", grouped(sweeps, PRESETS["hdl32e"], nuscenes)
     for name, sweeps in recordings.pandar64(folder, 1800).labelled.items():
-        sensor = PRESETS["pandar64"]
-        yield f"{name}, Pandar64", Group(sweeps, sensor, Sweep.by_azimuth, unhidden({"": sweeps}, sensor, None))
+        yield f"{name}, Pandar64", grouped(sweeps, PRESETS["pandar64"])
     ika = recordings.vlp32c(folder, 1800)
     for name, sweeps in ika.labelled.items():
-        sensor, width = PRESETS["vlp32c"], sweeps[0].points.shape[1]
-        start = (sensor.columns - width) // 2
-        shown = unhidden({"": sweeps}, sensor, ika.fov)[:, start : start + width]
-        yield f"ika {name}, VLP-32C", Group(sweeps, sensor, partial(_ahead, start=start, stop=start + width), shown)
-
-
-def _projected(sweeps: list[Sweep], sensor: Sensor, grid: Sensor) -> Group:
-    def render(image: RangeImage) -> Sweep:
-        return Sweep.from_image(RangeImage.project(image.points(), grid))
-
-    return Group(sweeps, sensor, render, unhidden({"": sweeps}, grid, None))
-
-
-def _ahead(image: RangeImage, start: int, stop: int) -> Sweep:
-    return Sweep.by_azimuth(image).part(start, stop)
-
-
-def layout_of(sweep: Sweep, sensor: Sensor, detail: str) -> tuple[Layout, float]:
-    """The layout of a labelled sweep, and the seconds that it took."""
-    assert sweep.label is not None
-    seen = sweep.valid & (sweep.label > 0)
-    start = time.process_time()
-    points, labels = sweep.points[seen], sweep.label[seen]
-    layout = layout_from_cloud(points, labels, sensor_height=sensor.mount_height, detail=detail)
-    return layout, time.process_time() - start
+        yield f"ika {name}, VLP-32C", grouped(sweeps, PRESETS["vlp32c"], fov=ika.fov)
 
 
 def along_rays(layout: Layout, points: np.ndarray, sensor: Sensor) -> np.ndarray:
@@ -111,9 +73,10 @@ def measure(group: Group, detail: str) -> Row:
     primitives, seconds = [], []
     room = group.render(raycast(ROOM, group.sensor)).valid
     for sweep in group.sweeps:
-        layout, taken = layout_of(sweep, group.sensor, detail)
+        start = time.process_time()
+        layout = layout_of(sweep, group.sensor, detail)
+        seconds.append(time.process_time() - start)
         primitives.append(len(layout))
-        seconds.append(taken)
         cast = group.render(raycast(layout, group.sensor)).depth
         assert sweep.label is not None
         here, depth = sweep.valid & group.shown, sweep.depth
@@ -169,7 +132,7 @@ def by_class(group: Group, detail: str) -> dict[str, Row]:
     """For each class the share of a group's returns, and what the layout shows along their rays."""
     counts: Counts = defaultdict(lambda: np.zeros(6))
     for sweep in group.sweeps:
-        layout, _ = layout_of(sweep, group.sensor, detail)
+        layout = layout_of(sweep, group.sensor, detail)
         here = sweep.valid & group.shown
         assert sweep.label is not None
         depth, label = sweep.depth[here], sweep.label[here]

@@ -44,7 +44,7 @@ from lidardraft.streets.coarse.coarse_layout import BoxStyle, ClusterStyle, Pict
 from lidardraft.streets.pairs import scan_street
 from lidardraft.streets.scans import street_scan
 from lidardraft.streets.street import StreetConfig, make_street
-from object_labels import FittedBox, pandaset_frames
+from object_labels import behind_skin, pandaset_frames
 from recordings import pandar64
 
 SENSOR = PRESETS["hdl64e"]
@@ -146,12 +146,11 @@ def of_skins(data: Path | None, number: int) -> str:
         points, instances = scan.points()[:, :3].astype(np.float64), scan.instances()
         for box in scan.boxes():
             if box.label in VEHICLES:
-                fitted = FittedBox(center=np.array(box.center), size=np.array(box.size), yaw=box.yaw)
-                found[box.label, "streets"].append(fitted.depths(points[instances == box.instance]))
+                found[box.label, "streets"].append(behind_skin(box, points[instances == box.instance]))
     for label, classes in VEHICLES.items() if data is not None else ():
         for frame in pandaset_frames(Path(data), classes):
             points = frame.points[frame.labels == BY_NAME[label].id]
-            found[label, "recorded"] += [box.depths(points) for box in frame.cars]
+            found[label, "recorded"] += [behind_skin(box, points) for box in frame.cars]
     lines = ["| | recorded | streets |", "|---|---:|---:|"]
     for label in VEHICLES:
         depths = [np.concatenate([np.zeros(0), *found[label, origin]]) for origin in ("recorded", "streets")]

@@ -5,8 +5,7 @@
 "streets" are scored as by `lidardraft evaluate`, which explains the columns. "recordings" holds scans of the layouts of
 labelled recordings in FOLDER (by default LIDARDRAFT_DATA), at most `-n` a sensor, against these (`report_simulate.py`
 explains the rows). "speed" is the time and memory of a scan. In each table of scores stand what is passed through and
-the same network untrained. Last comes what was to be reached. `--only` takes the parts whose names hold PART. Weights
-that complete have `completed_halves.py`.
+the same network untrained. Last comes what was to be reached. `--only` takes the parts whose names hold PART.
 """
 
 from __future__ import annotations
@@ -21,12 +20,11 @@ import numpy as np
 
 from cases import recorded_sets
 from generated_speed import measure_speed
-from goals import Goal, goal_table
 from lidardraft import Pipeline, Sensor
 from lidardraft.cli.arguments import add_sensor, add_weights, read_pipeline, read_sensor, whole_number
 from lidardraft.evaluation import Scores, evaluate, unseen_streets, untrained
-from markdown_table import Row, table
 from report_simulate import report
+from tables import Goal, Row, goal_table, table
 
 
 def main() -> None:
@@ -40,7 +38,7 @@ def main() -> None:
     given = parser.parse_args()
     pipeline = read_pipeline(given)
     if pipeline.denoiser.config.completes:
-        parser.error("these weights complete scans: see completed_halves.py")
+        parser.error("these weights complete scans; the parts of this report are of whole ones")
     goals = list(printed(parts(pipeline, given)))
     if goals:
         print(f"### Goals\n\n{goal_table(goals)}")

@@ -162,9 +162,8 @@ def _box(number: int, values: np.ndarray, shift: float) -> tuple[Box, np.ndarray
     height, width, length = values[7:10].tolist()
     x, y, z = values[10:13].tolist()
     center = (z, -(x + shift), 1.65 - y + height / 2)
-    return Box(
-        f"car_{number}", "car", number, center, (length, width, height), -values[13].item() - math.pi / 2
-    ), values
+    yaw = -values[13].item() - math.pi / 2
+    return Box(f"car_{number}", "car", number, center, (length, width, height), yaw), values
 
 
 def _projected(
@@ -201,11 +200,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split(":")[0])
     parser.add_argument("--scenes", type=int, default=30, metavar="N", help="rendered scenes (default 30)")
     parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
-    given, _ = parser.parse_known_args()
-    print(
-        f"| pictures | vehicles | found | within {CLOSE} m and {STRAIGHT:.0f}° | centre [m] p50 / p95 "
-        "| yaw [°] p50 / p95 | s |"
-    )
+    given = parser.parse_args()
+    within = f"within {CLOSE} m and {STRAIGHT:.0f}°"
+    print(f"| pictures | vehicles | found | {within} | centre [m] p50 / p95 | yaw [°] p50 / p95 | s |")
     print("|---|---:|---:|---:|---|---|---:|")
     print(line("rendered, exact depth and classes", rendered(given.scenes)))
     print(line("the same, vehicles more than 30 % hidden", rendered(given.scenes, hidden=True)))

@@ -6,7 +6,7 @@ sketches, and files that are spoiled.
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import math
 import os
 import re
@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -96,22 +97,12 @@ def report_scripts() -> None:
     print(f"  {refused} of {len(HOSTILE)} refused with their line; each takes {cost} at most")
 
 
-def report_images() -> None:
-    """What `report_image.py` prints."""
-    _other_report("report_image")
-
-
-def report_clouds() -> None:
-    """What `report_cloud.py` prints."""
-    _other_report("report_cloud")
-
-
-def _other_report(name: str) -> None:
-    if importlib.util.find_spec(name) is None:
-        print(f"  left out: there is no benches/{name}.py")
-    elif not Path(os.environ.get("LIDARDRAFT_DATA", "")).is_dir() or "LIDARDRAFT_DATA" not in os.environ:
+def report_recorded(name: str) -> None:
+    """What another report prints, of recordings too."""
+    if not Path(os.environ.get("LIDARDRAFT_DATA", "")).is_dir() or "LIDARDRAFT_DATA" not in os.environ:
         print("  left out: LIDARDRAFT_DATA names no folder of recordings")
     else:
+        sys.argv = [name]
         importlib.import_module(name).main()
 
 
@@ -179,8 +170,8 @@ PARTS: dict[str, Callable[[], None]] = {
     "sentences": report_sentences,
     "solver": report_solver,
     "Blender scripts": report_scripts,
-    "images": report_images,
-    "clouds": report_clouds,
+    "images": partial(report_recorded, "report_image"),
+    "clouds": partial(report_recorded, "report_cloud"),
     "sketches": report_sketches,
     "bad files": report_spoiled_files,
 }
@@ -192,8 +183,9 @@ def main() -> None:
     drafting = tests / "drafting"
     rooms = (tests, tests / "simulation", drafting, drafting / "text", drafting / "solver", drafting / "blender")
     sys.path[:0] = map(str, rooms)
+    wanted = sys.argv[1:]
     for name, report in PARTS.items():
-        if len(sys.argv) < 2 or name in sys.argv[1:]:
+        if not wanted or name in wanted:
             print(f"{name}:", flush=True)
             try:
                 report()

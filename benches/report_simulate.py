@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-import markdown_table
+import tables
 from cases import CaseSet, recorded_sets, street_set, sweeps_of
 from lidardraft import Pipeline
 from lidardraft.metrics import lifelike
@@ -45,7 +45,7 @@ EQUAL = 0.005  # differences that are none
 BOTH = "returns of either that both have"
 BETTER_IF_MORE = (BOTH, "drop precision", "drop recall")
 
-Table = dict[str, markdown_table.Row]
+Table = dict[str, tables.Row]
 Counts = dict[str, np.ndarray]  # by row: part and whole
 
 
@@ -125,7 +125,7 @@ def markdown(table: Table) -> str:
     worse = [f"{row} by {value:.3f}" for row, value in loss.items() if value > EQUAL]
     better = sum(value < -EQUAL for value in loss.values())
     said = f"Simulated beside cast and sensor model, of {len(loss)} rows: {better} better, {len(worse)} worse"
-    text = f"{markdown_table.table(table)}\n\n{said}"
+    text = f"{tables.table(table)}\n\n{said}"
     return f"{text} ({', '.join(worse)})." if worse else f"{text}."
 
 

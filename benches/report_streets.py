@@ -36,8 +36,8 @@ from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.streets import StreetConfig, streets
-from markdown_table import digits
 from recordings import Groups, Recordings
+from tables import digits
 
 Pooled = dict[str, dict[str, list[float]]]
 
@@ -227,11 +227,8 @@ def _progress(sensor: Sensor, num: int, text: str | None) -> Iterator[RangeImage
     for done, scan in enumerate(itertools.islice(scans, num)):
         yield scan
         if (done + 1) % 20 == 0 or done + 1 == num:
-            print(
-                f"{sensor.name}: {done + 1} of {num} scans, {time.monotonic() - start:.0f} s",
-                file=sys.stderr,
-                flush=True,
-            )
+            said = f"{sensor.name}: {done + 1} of {num} scans, {time.monotonic() - start:.0f} s"
+            print(said, file=sys.stderr, flush=True)
 
 
 def _measured(properties: list[Property], sweep: Sweep) -> dict[str, np.ndarray]:

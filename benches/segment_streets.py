@@ -2,9 +2,11 @@
 
     python benches/segment_streets.py WEIGHTS [--pairs FOLDER] [--data FOLDER] [--json FILE]
 
-The recorded scans lie under LIDARDRAFT_DATA (or --data): SemanticKITTI's sequence 00 (frames 0 to 20 as range images of
-64 x 1024 points, and frame 0 with all its points), nuScenes', ika's and PandaSet's. KITTI and nuScenes judge; nothing
-is fitted to them. `--pairs` adds held-out streets. What the segmenter says is turned into SemanticKITTI's classes so:
+IoU = TP / (TP + FP + FN), counted over all scans together (PASCAL VOC, Everingham et al., IJCV 2010); returns whose
+truth is unlabelled count for nothing, as in SemanticKITTI's evaluator. The recorded scans lie under LIDARDRAFT_DATA (or
+--data): SemanticKITTI's sequence 00 (frames 0 to 20 as range images of 64 x 1024 points, and frame 0 with all its
+points), nuScenes', ika's and PandaSet's. KITTI and nuScenes judge; nothing is fitted to them. `--pairs` adds held-out
+streets. What the segmenter says is turned into SemanticKITTI's classes so:
 
 - wall is fence ("separators, like fences, small walls"), bus and train are other-vehicle; traffic-light and other are
   unlabelled, which is wrong wherever the truth is a class;
@@ -24,14 +26,14 @@ import lzma
 import os
 import sys
 import time
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from iou import ClassScores, confusion_matrix
+from lidardraft.errors import LidarDraftError
 from lidardraft.formats.kitti import read_bin
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.networks import weight_file
@@ -131,6 +133,42 @@ def _around(riders: cKDTree, points: np.ndarray) -> np.ndarray:
     if len(points) == 0:
         return np.zeros(riders.n, dtype=np.int64)
     return np.array([len(found) for found in riders.query_ball_tree(cKDTree(points), _RIDDEN)])
+
+
+def confusion_matrix(truth: np.ndarray, found: np.ndarray, classes: int) -> np.ndarray:
+    """How often class t was labelled f, i64 [K, K] at [t, f], of class ids [...] from 0 to `classes` - 1.
+
+    Class 0 is "unlabelled". Matrices of several scans are added. Raises `LidarDraftError` where ids or shapes do not
+    fit.
+    """
+    if truth.shape != found.shape:
+        raise LidarDraftError(f"truth is {truth.shape} and the labels found are {found.shape}; they must be the same")
+    for name, ids in (("truth", truth), ("label found", found)):
+        if ids.size and not 0 <= ids.min() <= ids.max() < classes:
+            raise LidarDraftError(f"a {name} is {ids.min()} or {ids.max()}; ids are 0 to {classes - 1}")
+    pairs = truth.ravel().astype(np.int64) * classes + found.ravel()
+    return np.bincount(pairs, minlength=classes * classes).reshape(classes, classes)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ClassScores:
+    """Of each class [K]: `iou`, NaN where it is neither there nor found, and `truth`, how many returns are of it."""
+
+    iou: np.ndarray
+    truth: np.ndarray
+
+    @classmethod
+    def from_confusion(cls, confusion: np.ndarray) -> ClassScores:
+        """The scores of a matrix [K, K] of `confusion_matrix`; class 0 of the truth counts for nothing."""
+        counted = confusion.copy()
+        counted[0] = 0
+        both, truth = np.diagonal(counted), counted.sum(axis=1)
+        either = truth + counted.sum(axis=0) - both
+        return cls(np.where(either > 0, both / np.maximum(either, 1), np.nan), truth)
+
+    def mean(self, classes: Sequence[int]) -> float:
+        """mIoU over these classes; one that is neither there nor found counts 0."""
+        return float(np.nan_to_num(self.iou[list(classes)]).mean()) if len(classes) else float("nan")
 
 
 def measure(

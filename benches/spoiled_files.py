@@ -54,9 +54,8 @@ from lidardraft.formats.semantickitti import read_label, write_label
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
-from ouster_files import BEAMS, COLUMNS, write_capture
-from ouster_files import METADATA as OUSTER
-from pandaset_files import pandas_pickle, pandaset
+from small_recordings import BEAMS, COLUMNS, pandas_pickle, pandaset, write_capture
+from small_recordings import METADATA as OUSTER
 
 SECONDS, BYTES = 2.0, 2**30  # that a reader may take of a processor and of memory
 _MIB = 2**20
@@ -68,8 +67,6 @@ SVG = b"""<svg width="90" height="60"><rect id="car" x="4" y="9" width="2" heigh
 BOX_LINES = b"9.0 4.0 -0.9 4.4 1.9 1.5 0.5 Car\n-3 2 -1 0.6 0.6 1.7 0 pedestrian\n"
 ANNOTATIONS = b"""[{"token": "a", "sample_token": "a", "instance_token": "a", "attribute_tokens": [],
 "size": [2, 4, 1.5], "translation": [9, 0, 1], "rotation": [1, 0, 0, 0]}]"""
-METADATA = b"""{"beam_altitude_angles": [2, 1, 0], "beam_azimuth_angles": [1, 0, -1], "lidar_mode": "1024x10",
-"data_format": {"columns_per_frame": 1024, "column_window": [0, 1023]}, "prod_line": "OS-1-3"}"""
 PLY = b"""ply
 format ascii 1.0
 element vertex 2
@@ -216,20 +213,17 @@ def _written(write: Callable[[Path], object], ending: str) -> bytes:
         return path.read_bytes()
 
 
-def _picture(kind: str, size: tuple[int, int] = (60, 40)) -> bytes:
-    buffer = io.BytesIO()
-    Image.new("RGB", size, (0, 0, 142)).save(buffer, kind)
+def _picture(kind: str, pixels: np.ndarray | None = None, **options: int) -> bytes:
+    buffer, blue = io.BytesIO(), np.full((40, 60, 3), (0, 0, 142), np.uint8)
+    Image.fromarray(blue if pixels is None else pixels).save(buffer, kind, **options)
     return buffer.getvalue()
 
 
 def readers() -> dict[str, Reader]:
     """All ways by which others' files come in."""
     points = np.linspace(-1, 1, 300, dtype=np.float32).reshape(100, 3)
-    records = np.zeros(
-        4, [(name, "<f4") for name in ("x", "y", "z", "CosAngle")] + [(n, "<u4") for n in ("ObjIdx", "ObjTag")]
-    )
-    buffer = io.BytesIO()
-    np.save(buffer, records)
+    kinds = {"<f4": ("x", "y", "z", "CosAngle"), "<u4": ("ObjIdx", "ObjTag")}
+    records = np.zeros(4, [(name, kind) for kind, names in kinds.items() for name in names])
     image = lidardraft.raycast(LAYOUT, SENSOR)
 
     def sketch(path: Path) -> Layout:
@@ -262,17 +256,17 @@ def readers() -> dict[str, Reader]:
         "box file": Reader(read_box_file, ".txt", BOX_LINES),
         "table": Reader(lambda path: read_table(path, ("token",)), ".json", b'[{"token": "a"}]'),
         "annotations": Reader(_annotations, ".json", ANNOTATIONS),
-        "metadata": Reader(read_ouster_metadata, ".json", METADATA),
+        "metadata": Reader(read_ouster_metadata, ".json", json.dumps(OUSTER).encode()),
         "pcd": Reader(read_pcd, ".pcd", PCD),
         "packed pcd": Reader(read_pcd, ".pcd", packed),
-        "npy": Reader(read_carla, ".npy", buffer.getvalue()),
+        "npy": Reader(read_carla, ".npy", _npy(records)),
         "ply": Reader(read_carla, ".ply", PLY),
         "ply vertices": Reader(read_ply, ".ply", PLY),
         "ply points": Reader(_points, ".ply", _binary_ply(points)),
         "pcd points": Reader(_points, ".pcd", CLOUD),
         "las points": Reader(_points, ".las", _written(_las, ".las")),
         "npy points": Reader(_points, ".npy", _npy(points)),
-        "npy records": Reader(_points, ".npy", buffer.getvalue()),
+        "npy records": Reader(_points, ".npy", _npy(records)),
         "bin points": Reader(_points, ".bin", _written(lambda p: write_bin(p, points, np.ones(100)), ".bin")),
         "sweep points": Reader(_points, ".pcd.bin", np.ones((4, 5), "<f4").tobytes()),
         "carla points": Reader(_points, ".ply", PLY),
@@ -349,23 +343,16 @@ def _png(width: int, height: int, data: bytes = b"", kind: int = 2) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", data) + chunk(b"IEND", b"")
 
 
-def _npz(name: str, array: np.ndarray | None, claimed: tuple[int, ...] = (), pickled: bool = False) -> bytes:
-    buffer, header = io.BytesIO(), io.BytesIO()
-    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive, archive.open(f"{name}.npy", "w") as file:
-        if array is not None:
-            np.lib.format.write_array(header, array, allow_pickle=pickled)
-            file.write(header.getvalue())
-        else:  # a header that claims much, and zeros
-            np.lib.format.write_array_header_1_0(header, {"descr": "<f4", "fortran_order": False, "shape": claimed})
-            file.write(header.getvalue())
-            for _ in range(140):
-                file.write(bytes(_MIB))
-    return buffer.getvalue()
+def _claim(shape: tuple[int, ...], zeros: int = 0) -> bytes:
+    """An .npy file whose header claims much, and so many megabytes of zeros."""
+    header = io.BytesIO()
+    np.lib.format.write_array_header_1_0(header, {"descr": "<f4", "fortran_order": False, "shape": shape})
+    return header.getvalue() + bytes(zeros * _MIB)
 
 
 def _npy(array: np.ndarray) -> bytes:
     buffer = io.BytesIO()
-    np.save(buffer, array)
+    np.save(buffer, array, allow_pickle=True)
     return buffer.getvalue()
 
 
@@ -389,12 +376,8 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
         "a million shapes": b"<svg>" + b"<rect/>" * 1_000_000 + b"</svg>",
         "a million commands": b'<svg><path d="M0 0' + b"c1 1 2 2 3 3" * 1_000_000 + b'"/></svg>',
         "a million points": b'<svg><polygon points="' + b"1,2 " * 1_000_000 + b'"/></svg>',
-        "large shapes": b'<svg width="90" height="60">'
-        + b'<rect id="road" width="9000" height="2"/>' * 4000
-        + b"</svg>",
-        "strokes without end": b'<svg><path id="wall" d="M0 0'
-        + b"l9 9l-9 0" * 14_000
-        + b'" stroke="red" fill="none"/></svg>',
+        "large shapes": b'<svg width="90" height="60">%s</svg>' % (b'<rect id="road" width="9000" height="2"/>' * 4000),
+        "strokes without end": b'<svg><path id="wall" d="M0 0%s" stroke="red"/></svg>' % (b"l9 9l-9 0" * 14_000),
         "attributes": b"<svg><rect " + b" ".join(b'a%d=""' % k for k in range(200_000)) + b"/></svg>",
         "an endless number": b'<svg width="' + b"9" * 1_000_000 + b'"/>',
         "transforms": b'<svg><rect id="car" transform="' + b"scale(2)" * 200_000 + b'" width="1" height="1"/></svg>',
@@ -423,25 +406,18 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
     spiral = np.where(np.abs(turns)[..., None] < 0.4, (128, 64, 128), 255).astype(np.uint8)
     drawn = {"noise": noise, "stripes": stripes, "checks": checks, "maze": maze, "spiral": spiral}
     for name, pixels in drawn.items():
-        buffer = io.BytesIO()
-        Image.fromarray(pixels).save(buffer, "png", compress_level=1)
-        yield "painted sketch", name, buffer.getvalue()
+        yield "painted sketch", name, _picture("png", pixels, compress_level=1)
     images = {
-        "a bomb": _npz("depth", None, (35 * _MIB,)),
-        "more than there is": _npz("depth", None, (2**40,)),
-        "a pickle": _npz("depth", np.array([print], dtype=object), pickled=True),
-        "text for numbers": _npz("depth", np.array(["car"])),
+        "a bomb": _claim((35 * _MIB,), 140),
+        "more than there is": _claim((2**40,)),
+        "a pickle": _npy(np.array([print], dtype=object)),
+        "text for numbers": _npy(np.array(["car"])),
     }
     for name, data in images.items():
-        yield "cast", name, data
-        yield "range image", name, data
-    for name, array in (("a pickle", np.array([print], dtype=object)), ("text", np.array(["car"]))):
-        buffer = io.BytesIO()
-        np.save(buffer, array, allow_pickle=True)
-        yield "npy", name, buffer.getvalue()
-    header = io.BytesIO()
-    np.lib.format.write_array_header_1_0(header, {"descr": "<f4", "fortran_order": False, "shape": (2**40,)})
-    yield "npy", "more than there is", header.getvalue()
+        yield "cast", name, _zip("depth", data)
+        yield "range image", name, _zip("depth", data)
+        if name != "a bomb":
+            yield "npy", name, data
     for name, text in (
         ("a deep header", "(" * 9000),
         ("a hundred axes", f"{{'descr': '<f4', 'fortran_order': False, 'shape': {(1,) * 100}}}"),
@@ -464,16 +440,10 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
     yield "pickled table", "pointers for objects", pandas_pickle(a=np.arange(3)).replace(b"i8", b"O8")
     yield "pandaset lidar/00.pkl.gz", "a bomb", gzip.compress(bytes(80 * _MIB), 1)
     yield "layout", "two million fields", b"{" + b'"a":1,' * 2_000_000 + b'"a":1}'
-    yield (
-        "sketch of shapes",
-        "a polygon of one point",
-        SVG.replace(b"<line", b'<polygon id="car" points="1 2 3"/><line'),
-    )
-    for name, points in (
-        ("a trillion points", b"1000000000000"),
-        ("no number of points", b"-2"),
-        ("much text", b"9000000"),
-    ):
+    polygon = SVG.replace(b"<line", b'<polygon id="car" points="1 2 3"/><line')
+    yield "sketch of shapes", "a polygon of one point", polygon
+    counts = {"a trillion points": b"1000000000000", "no number of points": b"-2", "much text": b"9000000"}
+    for name, points in counts.items():
         body = b"1 2\n" * (9_000_000 if name == "much text" else 2)
         yield "pcd", name, PCD[: PCD.index(b"POINTS")] + b"POINTS " + points + b"\nDATA ascii\n" + body
     packed = PCD[: PCD.index(b"DATA")].replace(b"POINTS 2", b"POINTS 500000000") + b"DATA binary_compressed\n"
@@ -497,16 +467,9 @@ def _models() -> Iterator[tuple[str, str, bytes]]:
     yield "obj", "vertices that are no numbers", b"o car\nv nan 0 0\nv 1 0 0\nv 0 1 1e999\nf 1 2 3\n"
     yield "obj", "a face of no vertices", b"o car\nv 0 0 0\nf 1 2 999999999999\n"
     yield "obj", "a face of a million corners", b"o car\nv 0 0 0\nv 1 0 0\nv 0 1 1\nf" + b" 1 2 3" * 400_000 + b"\n"
-    yield (
-        "obj",
-        "200,000 objects",
-        b"".join(b"o car_%d\nv 0 0 0\nv 1 0 0\nv 0 1 1\nf -3 -2 -1\n" % k for k in range(200_000)),
-    )
-    yield (
-        "obj",
-        "65,000 objects",
-        b"".join(b"o car_%d\nv 0 0 0\nv 1 0 0\nv 0 1 1\nf -3 -2 -1\n" % k for k in range(65_000)),
-    )
+    car_of = b"o car_%d\nv 0 0 0\nv 1 0 0\nv 0 1 1\nf -3 -2 -1\n"
+    for count in (200_000, 65_000):
+        yield "obj", f"{count:,} objects", b"".join(car_of % k for k in range(count))
     triangle = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 1)], "<f4").tobytes()
 
     def glb(nodes: list[dict[str, object]], count: int = 3, **more: object) -> bytes:
@@ -538,23 +501,19 @@ def _models() -> Iterator[tuple[str, str, bytes]]:
 
 def odd_paths(folder: Path, ending: str) -> Iterator[tuple[str, Path]]:
     """What lies at a path and is no file that can be read."""
-    for name in ("pipe", "folder", "device", "missing", "empty device", "loop", "locked", "6 GB"):
-        path = folder / f"{name}{ending}"
-        if name == "pipe":
-            os.mkfifo(path)
-        elif name == "folder":
-            path.mkdir()
-        elif name.endswith("device"):
-            path.symlink_to("/dev/null" if name.startswith("empty") else "/dev/zero")
-        elif name == "loop":
-            path.symlink_to(path)
-        elif name == "locked":
-            path.write_bytes(b"\0")
-            path.chmod(0)
-        elif name == "6 GB":
-            path.touch()
-            os.truncate(path, 6 * 2**30)
-        yield name, path
+    names = ("pipe", "folder", "device", "empty device", "loop", "locked", "6 GB", "missing")
+    pipe, inner, device, empty, loop, locked, large, missing = paths = [folder / f"{name}{ending}" for name in names]
+    os.mkfifo(pipe)
+    inner.mkdir()
+    device.symlink_to("/dev/zero")
+    empty.symlink_to("/dev/null")
+    loop.symlink_to(loop)
+    locked.write_bytes(b"\0")
+    locked.chmod(0)
+    large.touch()
+    os.truncate(large, 6 * 2**30)
+    assert not missing.exists()
+    yield from zip(names, paths, strict=True)
 
 
 @dataclass(frozen=True, slots=True)

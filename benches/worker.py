@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import multiprocessing
 import os
 import time
@@ -12,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from peers import PEERS
 from scenes import SCENES, Pattern, column_poses, pose, poses
 
 _BURST = 0.02  # s
@@ -24,19 +24,16 @@ class PeerError(RuntimeError):
 
 
 class Worker:
-    """The peer that `bench_peer(threads)` of a module "peer_<name>" makes.
+    """A peer of `PEERS`, by its name. Raises `PeerError` if it cannot be made, or cannot do what it is asked for."""
 
-    Raises `PeerError` where it cannot be made, or cannot do what it is asked for.
-    """
-
-    def __init__(self, module: str, threads: int) -> None:
+    def __init__(self, peer: str, threads: int) -> None:
         os.environ.update(dict.fromkeys(_BLAS, "1"))  # the process to be started reads them
         context = multiprocessing.get_context("spawn")
         self._pipe, other = context.Pipe()
-        self._process = context.Process(target=_serve, args=(other, module, threads), daemon=True)
+        self._process = context.Process(target=_serve, args=(other, peer, threads), daemon=True)
         self._process.start()
         other.close()
-        self.peer, self.threads = module.removeprefix("peer_"), threads
+        self.peer, self.threads = peer, threads
         self.version: str = self._answer()
 
     def load(self, scene: str, pattern: Pattern) -> tuple[np.ndarray, ...]:
@@ -77,9 +74,9 @@ class Worker:
         return answer
 
 
-def _serve(pipe: Connection, module: str, threads: int) -> None:
+def _serve(pipe: Connection, name: str, threads: int) -> None:
     try:
-        peer = importlib.import_module(module).bench_peer(threads)
+        peer = PEERS[name](threads)
     except Exception as error:  # whatever keeps it from being there is the answer
         pipe.send((False, f"{type(error).__name__}: {error}"))
         return

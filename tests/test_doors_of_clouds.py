@@ -1,6 +1,5 @@
 """Every reader of clouds x frame, scale, handedness and names: the right value, or one line that says why not."""
 
-import io
 import itertools
 import re
 from collections.abc import Callable
@@ -26,7 +25,7 @@ from lidardraft.protocols import PROTOCOLS, compare
 from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.recorded.object_sampling import ObjectSampling
 from lidardraft.simulation.recorded.recorded_scan import RecordedScan
-from pandaset_files import pandaset
+from small_recordings import pandaset
 
 SENSOR = Sensor(name="few", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=180)
 ROAD, CAR, PERSON = (BY_NAME[name].id for name in ("road", "car", "person"))
@@ -243,14 +242,8 @@ def test_protocols_read_intensities_only_for_networks(folder: Path, capsys: pyte
 # Names
 
 INTENSITIES = (
-    "intensity",
-    "Intensity",
-    "scalar_Intensity",
-    "scalar_intensity",
-    "reflectivity",
-    "reflectance",
-    "i",
-    "I",
+    *("intensity", "Intensity", "scalar_Intensity", "scalar_intensity"),
+    *("reflectivity", "reflectance", "i", "I"),
 )
 RINGS = ("ring", "Ring", "scalar_ring", "scalar_Ring", "channel", "laser_id", "line")
 
@@ -602,7 +595,5 @@ def test_scans_without_returns_are_told_plainly(capsys: pytest.CaptureFixture[st
 
 
 def test_npy_of_numbers_has_intensities_in_its_fourth_column(folder: Path) -> None:
-    with io.BytesIO() as stream:
-        np.save(stream, np.column_stack([POINTS, DIM]))
-        (folder / "a.npy").write_bytes(stream.getvalue())
+    np.save(folder / "a.npy", np.column_stack([POINTS, DIM]))
     np.testing.assert_array_equal(read_points(folder / "a.npy")[1]["intensity"], DIM)

@@ -16,7 +16,7 @@ from lidardraft.scene.sensor import Sensor
 from spoiled_files import CAR, SENSOR, odd_paths, outcome, readers, special_files, spoilings
 
 READERS = readers()
-LARGEST = 2**21  # bytes of a file that a test writes; `python benches/spoiled_files.py` reads the larger ones too
+LARGEST = 2**20  # bytes of a file that a test writes; `python benches/spoiled_files.py` reads the larger ones too
 SPECIAL = [(reader, name, data) for reader, name, data in special_files() if len(data) <= LARGEST]
 each_reader = pytest.mark.parametrize("name", READERS)
 

@@ -13,7 +13,7 @@ import torch
 from lidardraft.diffusion.codec import encode_condition, encode_rays, encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.metrics.adherence import Adherence, adherence
-from lidardraft.metrics.bev import bev_histogram
+from lidardraft.metrics.comparisons import bev_histogram
 from lidardraft.metrics.lifelike import CLASS_SETS, class_counts, mean_known, pooled_divergence
 from lidardraft.metrics.profiles import height_histogram, intensity_histogram, range_histogram
 from lidardraft.metrics.returns import lone_returns, near_holes

@@ -1,12 +1,14 @@
-"""Scores between two sets of scans as others define them: the protocols of LiDM, LiDARGen and R2DM.
+"""Scores between two sets of scans as others define them: the protocols of LiDM, LiDARGen and R2DM; and the tables of
+the LiDARDraft paper, which are by LiDM's.
 
 A score has its noise floor beside it: the same distance between halves of the recorded scans, drawn at random.
 """
 
 from __future__ import annotations
 
+import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,13 +16,13 @@ import numpy as np
 from lidardraft.errors import LidarDraftError, check_seed
 from lidardraft.files import named
 from lidardraft.formats.recording import read_points, returns
-from lidardraft.metrics.bev import bev_histogram
 from lidardraft.metrics.comparisons import (
     Distance,
     FrechetDistance,
     KernelDiscrepancy,
     MatchingDistance,
     PooledDivergence,
+    bev_histogram,
     euclidean,
     spectral,
 )
@@ -61,7 +63,7 @@ class Protocol:
     drawn: Callable[[int, int], tuple[int, int]]
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Score:
     """The metric card: a value, what it is, and the floor, distances of `floor_scans` recorded scans from as many
     others. `network` names and hashes the weights; `left_out` says why there is no value."""
@@ -247,26 +249,15 @@ def compare(
         measure, network, left_out = _measure(metric, networks, device)
         if measure is not None:
             measured.append((metric.distance(sides), measure))
-        scores.append(
-            Score(
-                protocol=protocol.name,
-                source=protocol.source,
-                metric=metric.name,
-                definition=metric.definition,
-                projection=protocol.scans,
-                recorded=counts[0],
-                generated=counts[1],
-                floor_scans=half,
-                network=network,
-                left_out=left_out,
-            )
-        )
+        about = protocol.name, protocol.source, metric.name, metric.definition, protocol.scans
+        scores.append(Score(*about, math.nan, *counts, floor_scans=half, network=network, left_out=left_out))
     needed = any(score.network for score in scores) or None  # networks look at intensities
     for number, file in enumerate(files):
         scale = intensity_scale if number < counts[0] else None
         points, fields = read_points(file, intensity_scale=scale, needs_intensity=needed)
         with named(file):
-            image = _projected(points, fields, protocol)
+            points, fields = returns(points, fields)
+            image = spherical_image(points, fields.get("intensity"), near=protocol.near, far=protocol.far)
             for distance, measure in measured:
                 distance.add(measure(image))
         if on_scan is not None:
@@ -304,6 +295,76 @@ def _measure(metric: Metric, networks: File | None, device: str) -> tuple[Measur
     return loaded.measure, loaded.description, ""
 
 
-def _projected(points: np.ndarray, fields: dict[str, np.ndarray], protocol: Protocol) -> SphericalImage:
-    points, fields = returns(points, fields)
-    return spherical_image(points, fields.get("intensity"), near=protocol.near, far=protocol.far)
+Row = tuple[float, ...]  # of the paper's tables: FRD, MMD x 1e-4, JSD, FPD
+_NOT_KNOWN = math.nan
+
+# Wei et al., LiDARDraft, Table 1: KITTI-360, 11,517 scans for evaluation.
+_INPUTS: dict[str, dict[str, Row]] = {
+    "map": {
+        "latent diffusion": (24.21, 3.31, 0.088, 20.60),
+        "LiDM": (22.93, 3.16, 0.072, 18.50),
+        "LiDARDraft": (21.72, 3.14, 0.070, 18.32),
+    },
+    "text": {
+        "LiDM": (80.61, 4.74, 0.415, 29.60),
+        "Text2LiDAR": (170.12, 5.12, 0.439, 34.81),
+        "LiDARDraft": (23.88, 3.23, 0.079, 19.11),
+    },
+    "image": {
+        "latent diffusion": (50.50, 3.99, 0.314, 26.51),
+        "LiDM": (45.14, 3.72, 0.256, 25.83),
+        "LiDARDraft": (24.62, 3.39, 0.094, 21.32),
+    },
+    "cloud": {
+        "latent diffusion": (129.90, 4.99, 0.434, 32.98),
+        "LiDM": (121.50, 4.82, 0.423, 31.77),
+        "LiDARDraft": (27.98, 3.43, 0.099, 22.12),
+    },
+}
+# hancyran/LiDAR-Diffusion, README: KITTI-360 without a condition, 2,000 scans beside those of drive 03.
+_UNCONDITIONAL: dict[str, Row] = {
+    "LiDARGen, 1160 steps": (129.0, 2.88, 0.188, 33.4),
+    "LiDM, 50 steps": (125.1, 3.84, 0.211, 29.0),
+}
+# Table 2 of the paper.
+_ABLATION: dict[str, Row] = {
+    "full": (23.01, 3.19, 0.077, _NOT_KNOWN),
+    "no-control": (54.76, 4.01, 0.323, _NOT_KNOWN),
+    "bird-eye": (123.66, 4.91, 0.429, _NOT_KNOWN),
+    "no-semantics": (28.98, 3.67, 0.122, _NOT_KNOWN),
+    "no-depth": (24.91, 3.40, 0.095, _NOT_KNOWN),
+}
+NAMES = (*_INPUTS, *_ABLATION, "none")
+
+
+def table_lines(ours: Mapping[str, list[Score]]) -> Iterator[str]:
+    """The lines of the tables of the LiDARDraft paper that one of `ours`, scores by LiDM's protocol by name, has a row
+    in; then those of other names. Published rows are as published.
+
+    The paper's MMD is LiDM's minimum matching distance, and its FRD and FPD most probably are LiDM's FRID and FPVD;
+    FPVD needs a sparse network that is not rebuilt here.
+    """
+    one = {**_INPUTS, "none": _UNCONDITIONAL}
+    two = {name: {"LiDARDraft": row} for name, row in _ABLATION.items()}
+    others: dict[str, dict[str, Row]] = {name: {} for name in ours if name not in NAMES}
+    for title, tables in (("Table 1", one), ("Table 2", two), ("Not in the paper", others)):
+        if ours.keys() & tables.keys():
+            yield f"\n{title:44}{''.join(f'{name:>10}' for name in ('FRD', 'MMD e-4', 'JSD', 'FPD'))}"
+            for name, published in tables.items():
+                yield name
+                rows = {f"{method} (published)": row for method, row in published.items()} | _own_rows(ours.get(name))
+                for what, row in rows.items():
+                    shown = ("-" if math.isnan(value) else f"{value:.4g}" for value in row)
+                    yield f"  {what:42}{''.join(f'{value:>10}' for value in shown)}"
+
+
+def _own_rows(scores: list[Score] | None) -> dict[str, Row]:
+    if scores is None:
+        return {}
+    metrics = [(scale, score) for metric, scale in (("FRID", 1.0), ("MMD", 1e4), ("JSD", 1.0))
+               for score in scores if score.metric == metric]  # fmt: skip
+    floors = (scale * max(score.floor, default=_NOT_KNOWN) for scale, score in metrics)
+    return {
+        f"these {scores[0].generated} scans": (*(scale * score.value for scale, score in metrics), _NOT_KNOWN),
+        f"{scores[0].floor_scans} recorded scans beside others": (*floors, _NOT_KNOWN),
+    }

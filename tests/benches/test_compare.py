@@ -8,11 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import peer_analytic
-import peer_fresh
-import peer_triangles
-from compare_table import COLUMNS, Results, agreement, markdown
-from peer_lidardraft import Peer
+from compare import COLUMNS, Results, agreement, markdown
+from peers import PEERS, LidarDraft
 from scenes import Pattern, Scene, column_poses, hdl64, pose, poses, small
 
 COMPARE = Path(__file__).parents[2] / "benches" / "compare.py"
@@ -67,15 +64,16 @@ SCENE = small()
 PATTERN = hdl64(beams=8, columns=64)
 
 
-def ready(peer: Peer, scene: Scene = SCENE, pattern: Pattern = PATTERN) -> Peer:
+def ready(name: str, scene: Scene = SCENE, pattern: Pattern = PATTERN) -> LidarDraft:
+    peer: LidarDraft = PEERS[name](1)
     peer.build(scene)
     peer.prepare(pattern)
     return peer
 
 
-@pytest.mark.parametrize("module", [peer_analytic, peer_triangles, peer_fresh])
-def test_the_hook(module: type[peer_analytic]) -> None:
-    peer = ready(module.bench_peer(1))
+@pytest.mark.parametrize("name", ["analytic", "triangles", "fresh"])
+def test_our_caster_as_a_peer(name: str) -> None:
+    peer = ready(name)
     depth, semantic, instance = (image.copy() for image in peer.scan(pose(2)))
     assert (depth.dtype, semantic.dtype, instance.dtype) == (np.float32, np.uint8, np.int32)
     assert depth.shape == semantic.shape == instance.shape == PATTERN.shape
@@ -95,7 +93,7 @@ def test_the_hook(module: type[peer_analytic]) -> None:
 
 
 def test_boxes_are_the_same_as_their_triangles() -> None:
-    analytic, triangles = ready(peer_analytic.bench_peer(1)), ready(peer_triangles.bench_peer(1))
+    analytic, triangles = ready("analytic"), ready("triangles")
     for step in range(4):
         near, same = agreement(analytic.scan(pose(step)), triangles.scan(pose(step)))
         assert near >= 0.999
@@ -103,7 +101,7 @@ def test_boxes_are_the_same_as_their_triangles() -> None:
 
 
 def test_a_batch_and_a_rolling_shutter_are_scans() -> None:
-    peer = ready(peer_analytic.bench_peer(1))
+    peer = ready("analytic")
     batch = peer.batch(poses(3, 2))
     assert peer.batch(poses(3, 2)) is batch
     np.testing.assert_array_equal(batch.depth[1], peer.scan(pose(4))[0])
@@ -117,14 +115,13 @@ def test_a_batch_and_a_rolling_shutter_are_scans() -> None:
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_embree_in_packets_hits_the_same(threads: int) -> None:
-    packets = pytest.importorskip("peer_packets")
     try:
-        peer = packets.bench_peer(threads)
+        peer = PEERS["packets"](threads)
     except RuntimeError as missing:
         pytest.skip(str(missing))
     peer.build(SCENE)
     peer.prepare(PATTERN)
-    ours = ready(peer_triangles.bench_peer(1))
+    ours = ready("triangles")
     assert agreement(ours.scan(pose(0)), peer.images(pose(0))) == (1.0, 1.0)
     # Casting twice without aiming finds the same hits: the rays have only become shorter.
     peer.cast(pose(0))

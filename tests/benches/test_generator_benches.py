@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 import torch
 
-import completed_halves
+import pictures
 import report_generate
 from cases import street_set
 from lidardraft import Pipeline
@@ -17,12 +17,6 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.training import recipes
 
 GRID = Sensor(name="small", elevations=tuple(math.radians(2 - 1.7 * row) for row in range(16)), columns=128)
-
-
-@pytest.fixture(scope="module")
-def completing() -> Pipeline:
-    torch.manual_seed(0)
-    return Pipeline(Denoiser.from_config(recipes.tiny()[-1].denoiser), steps=1)
 
 
 @pytest.fixture(scope="module")
@@ -55,22 +49,6 @@ def test_streets_are_scored_beside_what_is_passed_through(
     assert "recordings" not in out
 
 
-def test_halves_are_completed_beside_a_procedural_street_and_a_lawn(
-    completing: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    file = tmp_path / "weights.safetensors"
-    weight_file.save(completing.denoiser, file, {"sampling": {"steps": 1}})
-    monkeypatch.setattr(Sensor, "preset", lambda _: GRID)
-    monkeypatch.setattr("sys.argv", ["completed_halves.py", str(file), "-n", "2", "-o", str(tmp_path / "look.png")])
-    completed_halves.main()
-    lines = [line.split(" | ") for line in capsys.readouterr().out.splitlines() if line.startswith("| ")]
-    scores, shares = ({line[0].strip("| "): line for line in some} for some in (lines[1:5], lines[6:]))
-    assert list(scores) == list(shares) == ["weights", "surround", "bare", "detailed scan"]
-    assert set(shares["bare"][1:4]) == {"1"}
-    assert float(scores["surround"][2]) <= float(scores["bare"][2])  # heights
-    assert (tmp_path / "look.png").exists()
-
-
 def test_scans_are_held_against_recordings(
     whole: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -79,3 +57,12 @@ def test_scans_are_held_against_recordings(
     assert "### small, 2 scans" in out
     assert "| cast | + sensor model | simulated | generated | untrained |" in out
     assert "| range (JSD) |" in out
+
+
+def test_a_picture_has_a_row_each_layout_and_a_column_each_weights(
+    whole: Pipeline, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(Sensor, "preset", lambda _: GRID)
+    for columns, pipelines in ((3, {"one": whole}), (4, {"one": whole, "two": whole})):
+        rows = list(pictures.generated(pipelines, [2, 1]))
+        assert [len(row) for row in rows] == [columns, columns]

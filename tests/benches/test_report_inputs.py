@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
+import pictures
 import report_image
 import report_inputs
 from lidardraft import Box, Layout, Primitive
 from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.semantics import BY_NAME
 from lidardraft.view import save_png
-from picture_inputs import pictures
 from rendered_pictures import SKY, as_networks_give_it, render
 
 CAMERA = Pinhole(fx=100, fy=100, cx=50, cy=30, width=101, height=61)
@@ -89,8 +89,8 @@ DOCS = Path(__file__).parents[2] / "docs"
 
 
 def test_the_pictures_of_the_docs_show_what_is_read_now(tmp_path: Path) -> None:
-    """Where they are out of date, `python benches/picture_inputs.py docs/images` writes them anew."""
-    for name, picture in pictures():
+    """Where they are out of date, `python benches/pictures.py inputs` writes them anew."""
+    for name, picture in pictures.inputs():
         save_png(tmp_path / f"{name}.png", picture)
         with Image.open(DOCS / "images" / f"{name}.png") as image:
             shown = np.asarray(image)

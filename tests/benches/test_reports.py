@@ -11,17 +11,17 @@ import recordings
 import report_detail
 import report_streets
 import report_two_sample
-from cases import Case, CaseSet, street_set
-from lidardraft import RangeImage, layout_from_cloud, layout_from_text, raycast, simulate
+from cases import Case, CaseSet, Group, street_set
+from lidardraft import Box, RangeImage, layout_from_cloud, layout_from_text, raycast, simulate
 from lidardraft.metrics.lifelike import CLASS_SETS
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
-from markdown_table import table
-from object_labels import FittedBox, LabelledBoxes, iou, recovered
-from report_cloud import Group, measure
+from object_labels import LabelledBoxes, iou, recovered
+from report_cloud import measure
 from report_detail import SENTENCES, new_counts, of_sentences, of_streets
 from report_simulate import EQUAL, losses, markdown, report, table_of
+from tables import table
 
 needs_recordings = pytest.mark.skipif(
     not os.environ.get("LIDARDRAFT_DATA") or not Path(os.environ["LIDARDRAFT_DATA"], "kitti/odometry_00").is_dir(),
@@ -166,7 +166,7 @@ CAR = BY_NAME["car"].id
 def group() -> Group:
     layout = layout_from_text("a car 7 m ahead, another car, trees on the left and a building on the right", seed=3)
     sweep = Sweep.by_azimuth(raycast(layout, SENSOR))
-    return Group([sweep], SENSOR, Sweep.by_azimuth, np.ones(SENSOR.shape, dtype=bool))
+    return Group([sweep], SENSOR, Sweep.by_azimuth, np.ones(SENSOR.shape, dtype=bool), firings=True)
 
 
 def test_the_layout_of_a_cast_comes_near_it(group: Group) -> None:
@@ -179,8 +179,8 @@ def test_the_layout_of_a_cast_comes_near_it(group: Group) -> None:
     assert measure(group, "objects")["primitives"] < row["primitives"]
 
 
-def box(x: float, y: float, length: float = 4.0, width: float = 2.0, yaw: float = 0.0) -> FittedBox:
-    return FittedBox(center=np.array([x, y, 0.0]), size=np.array([length, width, 1.5]), yaw=yaw)
+def box(x: float, y: float, length: float = 4.0, width: float = 2.0, yaw: float = 0.0) -> Box:
+    return Box("car", "car", 1, (x, y, 0.0), (length, width, 1.5), yaw)
 
 
 @pytest.mark.parametrize(
@@ -193,7 +193,7 @@ def box(x: float, y: float, length: float = 4.0, width: float = 2.0, yaw: float 
         (box(30, 0), 0.0),
     ],
 )
-def test_intersection_over_union_from_above(other: FittedBox, expected: float) -> None:
+def test_intersection_over_union_from_above(other: Box, expected: float) -> None:
     assert iou(box(0, 0), other) == pytest.approx(expected, abs=0.02)
 
 
@@ -201,7 +201,7 @@ def test_a_car_is_found_where_its_points_make_a_box() -> None:
     side = [[x, 6.0, z] for x in np.arange(8, 12.2, 0.1) for z in np.arange(-1.6, -0.3, 0.1)]
     back = [[8.0, y, z] for y in np.arange(6, 7.8, 0.1) for z in np.arange(-1.6, -0.3, 0.1)]
     points = np.array(side + back)
-    cars = [FittedBox(center=np.array([10.1, 6.9, -0.95]), size=np.array([4.2, 1.8, 1.5]), yaw=math.pi)]
+    cars = [Box("car", "car", 1, (10.1, 6.9, -0.95), (4.2, 1.8, 1.5), math.pi)]
     frame = LabelledBoxes(points, np.full(len(points), CAR, dtype=np.uint8), cars, 1.73)
     assert recovered(frame, layout_from_cloud(points, frame.labels)) == (1, 1)
     assert recovered(frame, layout_from_cloud(points, np.full(len(points), BY_NAME["building"].id))) == (1, 0)

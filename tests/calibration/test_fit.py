@@ -11,8 +11,7 @@ import pytest
 from recorded_streets import SENSOR, recordings, sweeps, with_model
 
 from lidardraft import Sensor
-from lidardraft.calibration.fit import fit_sensor, sweeps_of
-from lidardraft.calibration.judge import judged
+from lidardraft.calibration.fit import fit_sensor, judged, sweeps_of
 from lidardraft.errors import FormatError
 from lidardraft.formats.recording import read_recording, recording_of
 from lidardraft.metrics.sweep import Sweep

@@ -14,12 +14,11 @@ from lidardraft.cli import main as cli
 from lidardraft.formats.kitti import write_bin
 from lidardraft.formats.nuscenes import write_pcd_bin
 from lidardraft.formats.semantickitti import write_label
-from pandaset_files import pandas_pickle, pandaset
+from small_recordings import pandas_pickle, pandaset
 
 OTHERS = {
     "empty": b"",
     "noise": np.random.default_rng(0).bytes(1001),
-    "a picture": b"\x89PNG\r\n\x1a\n" + bytes(99),
     "another document": b'{"a": [1, 2, {}]}',
 }
 DRIVE = "2013_05_28_drive_0000_sync"

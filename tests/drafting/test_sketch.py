@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from drawn_sketches import DrawnBox, DrawnLine, Hand, bend, crossroads, painted
+from drawn_sketches import DrawnBox, DrawnLine, Hand, painted
 from lidardraft import Layout, layout_from_sketch
 from lidardraft.errors import FormatError, LayoutError
 from lidardraft.scene.check import check
@@ -43,12 +43,6 @@ def test_the_example_of_named_shapes() -> None:
     assert layout.notes == ("ignored: text: not read",)
     rider = [box for box in layout.boxes() if box.label == "rider"]
     assert len(rider) == 1
-
-
-def test_the_examples_are_what_their_script_draws() -> None:
-    assert (EXAMPLES / "bend.svg").read_text() == bend()
-    with Image.open(EXAMPLES / "crossroads.png") as image:
-        assert np.abs(np.asarray(image).astype(int) - crossroads()).mean() < 0.5  # Pillow's edges change
 
 
 def test_the_same_seed_gives_the_same_layout_and_another_other_heights() -> None:

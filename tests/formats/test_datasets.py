@@ -21,7 +21,7 @@ from lidardraft.formats.recording import read_points
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, CLASSES
 from lidardraft.training.recorded_pairs import LabelledCloud, beside_beams
-from pandaset_files import pandas_pickle, pandaset
+from small_recordings import pandas_pickle, pandaset
 
 DATA = Path(os.environ.get("LIDARDRAFT_DATA", "nowhere"))
 NUMBERS_OF_BOXES = (

@@ -14,8 +14,7 @@ from lidardraft.cli.main import main
 from lidardraft.errors import FormatError, MissingExtraError
 from lidardraft.formats.ouster import metadata_beside, read_ouster_capture, read_ouster_metadata
 from lidardraft.formats.recording import frames_in, read_points, read_recording
-from ouster_files import BEAMS, COLUMNS, METADATA, write_capture
-from ouster_packets import read_sweep
+from small_recordings import BEAMS, COLUMNS, METADATA, write_capture
 
 REASON = "ouster-sdk is not installed; in an environment of its own: pip install 'lidardraft[ouster]' pytest"
 
@@ -161,23 +160,22 @@ def test_real_osf_files_lie_in_the_rows_of_their_sensor(name: str, count: int) -
 
 
 @pytest.mark.parametrize(
-    ("name", "count"), [("OS-0-128-U1_v2.3.0_1024x10", 97299), ("OS-1-32-G_v2.1.1_1024x10", 27310)]
+    ("name", "count", "metres", "intensity"),
+    [("OS-0-128-U1_v2.3.0_1024x10", 97299, 8.48675, 15.12685), ("OS-1-32-G_v2.1.1_1024x10", 27310, 17.72375, 19.93757)],
 )
-def test_real_captures_agree_with_a_decoder_of_our_own(name: str, count: int, tmp_path: Path) -> None:
+def test_real_captures_lie_in_the_rows_of_their_sensor(
+    name: str, count: int, metres: float, intensity: float, tmp_path: Path
+) -> None:
     folder = Path(os.environ.get("LIDARDRAFT_DATA", ""), "permissive", "ouster")
     if not folder.exists():
         pytest.skip("no recordings: LIDARDRAFT_DATA is not set")
     path = Path(shutil.copy(folder / f"{name}.pcap", tmp_path / "a.pcap"))
     shutil.copy(folder / f"{name}.json", tmp_path / "a.json")
     points, fields = read_ouster_capture(path)
-    ring, column = fields["ring"], fields["column"]
+    ring, recorded = fields["ring"], np.linalg.norm(points, axis=1)
     assert len(points) == count
-    sweep = read_sweep(path)
-    order = np.argsort([-angle for angle in json.loads((tmp_path / "a.json").read_text())["beam_altitude_angles"]])
-    np.testing.assert_array_equal(np.argwhere(sweep.depth[order] > 0), np.stack([ring, column], axis=1))
-    recorded = np.linalg.norm(sweep.points[order][ring, column], axis=1)
-    np.testing.assert_allclose(np.linalg.norm(points, axis=1), recorded, atol=1e-4)
-    np.testing.assert_allclose(sweep.intensity[order][ring, column], read_recording(path).intensity, rtol=1e-6)
+    assert recorded.mean() == pytest.approx(metres, abs=1e-4)  # as a second decoder, written apart, had it
+    assert fields["intensity"].mean() == pytest.approx(intensity, abs=1e-4)
     far = recorded > 2  # m; nearer, a beam's origin on the head counts
     row, _, _ = read_ouster_metadata(tmp_path / "a.json").pattern.project(points[far].astype(np.float64))
     assert (row == ring[far]).mean() > 0.999

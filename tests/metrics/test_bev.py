@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from lidardraft.errors import LidarDraftError
-from lidardraft.metrics.bev import bev_histogram, bev_mmd
+from lidardraft.metrics.comparisons import bev_histogram, bev_mmd
 
 HERE, THERE, AWAY = [10.1, 0.1, 0.0], [-20.1, 5.1, 0.0], [30.1, -40.1, 1.0]
 

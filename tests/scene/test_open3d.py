@@ -5,21 +5,20 @@ import warnings
 import numpy as np
 import pytest
 
-from compare_table import agreement
+from compare import agreement
 from lidardraft import Raycaster
-from peer_lidardraft import layout_of, sensor_of
+from peers import Open3d, layout_of, sensor_of
 from scenes import SCENES, hdl64, pose
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")  # its own dependencies' warnings are not ours
     pytest.importorskip("open3d", reason="Open3D is not installed: pip install -e '.[bench]'", exc_type=ImportError)
-    import peer_open3d
 
 
 @pytest.mark.parametrize(("name", "triangles"), [*((name, True) for name in SCENES), ("small", False)])
 def test_shapes_agree_on_every_ray(name: str, triangles: bool) -> None:
     scene, pattern = SCENES[name](), hdl64()
-    rival = peer_open3d.bench_peer(1)
+    rival = Open3d(1)
     rival.build(scene)
     rival.prepare(pattern)
     caster, sensor = Raycaster(layout_of(scene, triangles=triangles)), sensor_of(pattern)

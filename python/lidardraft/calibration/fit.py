@@ -1,4 +1,5 @@
-"""A sensor out of recordings of it: lasers, vehicle, receiver and intensity, in one screen."""
+"""A sensor out of recordings of it: lasers, vehicle, receiver and intensity; and how much nearer it brings streets to
+scans that it was not fitted to."""
 
 from __future__ import annotations
 
@@ -14,6 +15,8 @@ from lidardraft.calibration.receiver import fit_receiver, fit_speckle, fit_textu
 from lidardraft.calibration.street_casts import StreetCasts, with_rays_that_fit
 from lidardraft.errors import FormatError
 from lidardraft.formats.recording import Recording
+from lidardraft.metrics import lifelike
+from lidardraft.metrics.lifelike import Property
 from lidardraft.metrics.profiles import road_level
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import Sensor
@@ -23,6 +26,7 @@ _MOST_COLUMNS = 1024  # of sweeps that are held against streets; more take time 
 STREETS = 32
 _LAST, _MANY = 0.95, 15  # so many returns in the last twentieth of all ranges say that there is a limit
 SEED = 3_000_000  # other streets than those of training, and of the reports that a fit is judged by
+JUDGING_SEED = 4_000_000
 
 
 @dataclass(frozen=True)
@@ -136,3 +140,50 @@ def _max_range(depth: np.ndarray, usual: float) -> float:
     """Where the returns end, if there are so many before that it is a limit; else the usual one."""
     end = float(math.ceil(float(depth.max())))
     return end if (depth > _LAST * end).sum() >= _MANY else max(usual, end)
+
+
+@dataclass(frozen=True)
+class Row:
+    """A property of the report of streets: how far scans of streets, by a sensor before and after its fit, are from
+    the judging scans, and how far these are from the scans that it was fitted to; NaN where nothing is known."""
+
+    name: str
+    before: float
+    after: float
+    recorded: float
+
+
+def judged(
+    before: Sensor, after: Sensor, fitted_to: Sequence[Sweep], judging: Sequence[Sweep], num_streets: int
+) -> list[Row]:
+    """The rows of the report that differ between two sensors, those that differ most first.
+
+    The sensors have the lasers, and get the columns, of the sweeps; what the vehicle of `after` hides is hidden from
+    both, as the sweeps do not show it either.
+    """
+    columns = judging[0].points.shape[1]
+    made = [_sweeps(replace(one, columns=columns, blocked=after.blocked), num_streets) for one in (before, after)]
+    rows = [_row(one, [*made, fitted_to], judging) for one in _properties([*fitted_to, *judging])]
+    moved = [row for row in rows if abs(row.after - row.before) > 0]
+    return sorted(moved, key=lambda row: -abs(math.log((row.after + 1e-6) / (row.before + 1e-6))))
+
+
+def _sweeps(sensor: Sensor, num: int) -> list[Sweep]:
+    model = with_rays_that_fit(sensor, sensor.assumed_model)
+    return StreetCasts.from_sensor(sensor, model, num, seed=JUDGING_SEED).observed(model, sensor.range_sigma)
+
+
+def _properties(sweeps: Sequence[Sweep]) -> list[Property]:
+    """What can be measured of all of the sweeps."""
+    found = list(lifelike.PROPERTIES)
+    if all(sweep.intensity is not None for sweep in sweeps):
+        found += lifelike.INTENSITY_PROPERTIES
+        if all(sweep.label is not None for sweep in sweeps):
+            found += lifelike.class_properties()
+    return found
+
+
+def _row(one: Property, others: Sequence[Sequence[Sweep]], judging: Sequence[Sweep]) -> Row:
+    measured = [one.measure(sweep) for sweep in judging]
+    before, after, recorded = (one.distance([one.measure(s) for s in sweeps], measured) for sweeps in others)
+    return Row(one.name, before, after, recorded)

@@ -1,11 +1,13 @@
-"""The intensity curve of a unit: readings of streets get the quantiles of the recorded ones.
+"""The intensity curve of a unit: simulated streets get the quantiles of its recorded readings.
 
-What a laser reads of an echo is not published, but known from what is common in streets: among the returns of the same
-group, laser and range, recorded readings and the responses of simulated streets have the same ranks. One curve for all
-lasers, a gain at each range, and a gain and an offset of each laser make of the ones the others, in least squares; then
-each laser gets a curve and gains by range of its own, as far as it has returns enough to tell: each has a focus of its
-own. What a laser reads least but 0 is its cut-off, or somewhat more, where it reads 0 more often than that explains.
-What is ten times as bright as nearly all returns are reads as the brightest recorded ones do.
+No data sheet gives the reading of an echo. But the returns of a cell (one group, laser and range bin) have the same
+ranks in recorded readings as in the responses of simulated streets. So quantiles of cells are matched, in logarithms
+of responses, in four steps:
+
+1. `_fit_shared`: one curve for all lasers, a gain for each range bin, a gain and an offset for each laser.
+2. `_own_curves` and `_own_focus`: a curve and range gains for each laser, near the shared ones if it has few returns.
+3. `_raised_cutoffs`: the least reading over 0 of a laser is its cut-off, or up to twice that, if it reads 0 more often.
+4. Responses ten times those of nearly all returns read as the brightest recorded ones: retroreflectors.
 """
 
 from __future__ import annotations
@@ -21,38 +23,60 @@ from lidardraft.errors import FormatError
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor_model import IntensityCurve
 
-_RANGES = np.array([2.0, 5.0, 8.0, 12.0, 16.0, 20.0, 25.0, 30.0, 40.0, 50.0, 65.0, 80.0, 120.0])  # m
-_DISTANCES = np.sqrt(_RANGES[1:] * _RANGES[:-1])  # m, where there is a gain each
-_REFERENCE = 2  # the range whose gain is 1
-_FEWEST = 100  # returns of a cell: of one group, one laser and one range
-_MOST = 2000  # that count
+_RANGE_EDGES = np.array([2.0, 5.0, 8.0, 12.0, 16.0, 20.0, 25.0, 30.0, 40.0, 50.0, 65.0, 80.0, 120.0])  # m
+_DISTANCES = np.sqrt(_RANGE_EDGES[1:] * _RANGE_EDGES[:-1])  # m, one for each range bin
+_REFERENCE = 2  # the range bin whose gain is 1
+_FEWEST = 100  # returns of a cell
+_MOST = 2000  # returns of a cell that count
 _LEVELS = np.linspace(0.025, 0.975, 20)  # of the quantiles
 _KNOTS = 16
-_LEAST = -1.0  # reading of a curve, with its offset
-# Logarithms of gains that are tried of a laser and at a range, and offsets of a laser.
+_LOWEST = -1.0  # reading of a curve, with its offset
+# Logarithms of gains to try: of a laser, of a range bin, and of a range bin of one laser beside that of all.
 _GAINS = np.linspace(-2.0, 2.0, 81)
 _FOCUS = np.linspace(-3.0, 1.5, 91)
-_OWN_FOCUS = np.linspace(-1.5, 1.5, 61)  # of one laser, beside that of all
+_OWN_FOCUS = np.linspace(-1.5, 1.5, 61)
 _MOST_OFFSET = 0.4
-_DRAWN = 0.005  # of a cell of _FEWEST returns: how much that weighs which draws gains towards 1 and offsets to 0
-_SHARED = 150.0  # returns at each knot that stand for the shared curve against a laser's own
+_PRIOR = 0.005 * _FEWEST * len(_LEVELS)  # weight that draws gains towards 1 and offsets to 0
+_SHARED_RETURNS = 150.0  # at each knot, that stand for the shared curve against a laser's own
 _ROUNDS, _OWN_ROUNDS, _FOCUS_ROUNDS = 12, 3, 2
-_LEAST_SHARE = 0.005  # of a laser's readings over 0 are below its cut-off: outliers
-_MOST_RAISED = 2.0  # times the least reading
+_CUTOFF_SHARE = 0.005  # of a laser's readings over 0 are below its cut-off: outliers
+_MOST_RAISED = 2.0  # times the recorded cut-off
 _NO_ZEROS = 0.002  # a laser that reads 0 less often has no cut-off
 _BRIGHTER = math.log(10.0)  # than all but 3 of 1000 returns: retroreflectors, which have no cells
-_MOST_SHARE = 0.9999  # of the readings are below what those read: outliers
+_BRIGHTEST_SHARE = 0.9999  # of the readings are below those of retroreflectors
 
 
 @dataclass(frozen=True)
 class Cells:
-    """Quantiles of what is alike, of C cells of one group, one laser and one range each."""
+    """Quantiles of C cells, of which there are recorded and simulated returns."""
 
-    row: np.ndarray  # i64 [C]
-    range: np.ndarray  # i64 [C], which of _DISTANCES
-    response: np.ndarray  # logarithms [C, Q]
-    reading: np.ndarray  # [C, Q]
+    laser: np.ndarray  # i64 [C]
+    range_bin: np.ndarray  # i64 [C], which of _DISTANCES
+    response: np.ndarray  # logarithms of simulated responses [C, Q]
+    reading: np.ndarray  # recorded [C, Q]
     weight: np.ndarray  # [C, 1], roots of returns
+    cutoff: np.ndarray  # [C, 1], of the laser
+
+    def of_laser(self, laser: int) -> Cells:
+        """Those of one laser."""
+        mine = self.laser == laser
+        return Cells(*(values[mine] for values in vars(self).values()))
+
+    def imputed(self, shown: np.ndarray) -> np.ndarray:
+        """The readings [C, Q]; those of 0, of which only is known that they are below the cut-off, as `shown`."""
+        return np.where(self.reading > 0, self.reading, np.minimum(shown, self.cutoff))
+
+
+@dataclass(frozen=True)
+class SharedCurve:
+    """Readings by strength, the logarithm of a response with its gains: `reading` at `strength` [K]; of each laser [H]
+    `gains` (logarithms) and `offsets`, and of each range bin [D] `focus` (logarithms of gains)."""
+
+    strength: np.ndarray
+    reading: np.ndarray
+    gains: np.ndarray
+    offsets: np.ndarray
+    focus: np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +100,7 @@ class Readings:
         labelled = all(sweep.label is not None for sweep in recorded)
         by_laser = [_of_laser(recorded, row)[0] for row in range(len(recorded[0].points))]
         zeros = np.array([(read == 0).mean() if len(read) else 0.0 for read in by_laser])
-        most = float(np.quantile(np.concatenate(by_laser), _MOST_SHARE))
+        most = float(np.quantile(np.concatenate(by_laser), _BRIGHTEST_SHARE))
         return cls(_by_cell(recorded, labelled), labelled, np.array([*map(_cutoff, by_laser)]), zeros, most)
 
 
@@ -90,7 +114,7 @@ def _of_laser(sweeps: Sequence[Sweep], row: int) -> tuple[np.ndarray, np.ndarray
 def _cutoff(read: np.ndarray) -> float:
     above = read[read > 0]
     none = len(above) < _FEWEST or len(above) > (1 - _NO_ZEROS) * len(read)
-    return 0.0 if none else float(np.quantile(above, _LEAST_SHARE))
+    return 0.0 if none else float(np.quantile(above, _CUTOFF_SHARE))
 
 
 @dataclass(frozen=True)
@@ -106,55 +130,74 @@ def fit_intensity(recorded: Readings, simulated: Sequence[Sweep]) -> IntensityFi
 
     Returns are grouped by class if all recorded sweeps have labels, else by place and shape (`surface_groups.py`).
     """
-    cells, cutoffs = _cells(recorded, simulated), recorded.cutoffs
-    if not len(cells.row):
+    cells, lasers = _cells(recorded, simulated), len(recorded.cutoffs)
+    if not len(cells.laser):
         raise FormatError(f"no laser has {_FEWEST} returns of one kind at one distance; intensities need more scans")
-    least, beams = cutoffs[cells.row][:, None], len(cutoffs)
-    gains, offsets, focus = np.zeros(beams), np.zeros(beams), np.zeros(len(_DISTANCES))
+    shared = _fit_shared(cells, lasers)
+    strength = cells.response + shared.focus[cells.range_bin][:, None]
+    knots = _knots(strength)
+    start = np.array([np.interp(knots + gain, shared.strength, shared.reading) for gain in shared.gains])
+    start -= shared.offsets[:, None]
+    focus = np.tile(shared.focus, (lasers, 1))
+    readings, shown = _own_curves(cells, strength, knots, start)
+    for _ in range(_FOCUS_ROUNDS):
+        focus = shared.focus + _own_focus(cells, strength, cells.imputed(shown), knots, readings)
+        own = cells.response + focus[cells.laser, cells.range_bin][:, None]
+        readings, shown = _own_curves(cells, own, knots, start)
+    cutoffs = _raised_cutoffs(recorded, simulated, focus, knots, readings)
+    left = np.where(shown < cutoffs[cells.laser][:, None], 0.0, shown) - cells.reading
+    share = np.broadcast_to(cells.weight**2, left.shape)
+    curve = _intensity_curve(knots, readings, focus, cutoffs, recorded.most)
+    return IntensityFit(curve, math.sqrt(float((share * left**2).sum() / share.sum())))
+
+
+def _fit_shared(cells: Cells, lasers: int) -> SharedCurve:
+    """The curve of all lasers, by turns with the gains and offsets that it takes."""
+    gains, offsets, focus = np.zeros(lasers), np.zeros(lasers), np.zeros(len(_DISTANCES))
     known = cells.reading
     for _ in range(_ROUNDS):
-        strength = cells.response + focus[cells.range][:, None]
-        own = strength + gains[cells.row][:, None]
+        gain, offset = gains[cells.laser][:, None], offsets[cells.laser][:, None]
+        own = cells.response + focus[cells.range_bin][:, None] + gain
         knots = _knots(own)
-        curve = _monotone(own, known + offsets[cells.row][:, None], cells.weight, knots)
-        apart = cells.response + gains[cells.row][:, None], known + offsets[cells.row][:, None]
-        focus, _ = _shifts(*apart, cells.weight, cells.range, (knots, curve), _FOCUS, len(focus), 0.0)
+        reading = _monotone(own, known + offset, cells.weight, knots)
+        curve = knots, reading
+        focus, _ = _shifts(
+            cells.response + gain, known + offset, cells.weight, cells.range_bin, curve, _FOCUS, len(focus)
+        )
         focus -= focus[_REFERENCE]
-        strength = cells.response + focus[cells.range][:, None]
-        gains, offsets = _shifts(strength, known, cells.weight, cells.row, (knots, curve), _GAINS, beams, _MOST_OFFSET)
-        shown = np.interp(strength + gains[cells.row][:, None], knots, curve) - offsets[cells.row][:, None]
-        known = _imputed(cells.reading, shown, least)
-    at = _knots(strength)
-    shared = np.array([np.interp(at + gain, knots, curve) for gain in gains]) - offsets[:, None]
-    own, focuses = strength, np.tile(focus, (beams, 1))
-    readings, shown = _own_curves(cells, own, at, shared, least)
-    for _ in range(_FOCUS_ROUNDS):
-        focuses = focus + _own_focus(cells, strength, _imputed(cells.reading, shown, least), (at, readings))
-        own = cells.response + focuses[cells.row, cells.range][:, None]
-        readings, shown = _own_curves(cells, own, at, shared, least)
-    cutoffs = _raised(recorded, simulated, focuses, (at, readings))
-    at, readings = np.append(at, at[-1] + _BRIGHTER), np.column_stack([readings, np.full(beams, recorded.most)])
-    left = np.where(shown < cutoffs[cells.row][:, None], 0.0, shown) - cells.reading
-    share = np.broadcast_to(cells.weight**2, left.shape)
-    fitted = IntensityCurve(
-        responses=tuple(np.exp(at).tolist()),
+        strength = cells.response + focus[cells.range_bin][:, None]
+        gains, offsets = _shifts(strength, known, cells.weight, cells.laser, curve, _GAINS, lasers, _MOST_OFFSET)
+        shown = np.interp(strength + gains[cells.laser][:, None], *curve) - offsets[cells.laser][:, None]
+        known = cells.imputed(shown)
+    return SharedCurve(knots, reading, gains, offsets, focus)
+
+
+def _intensity_curve(
+    knots: np.ndarray, readings: np.ndarray, focus: np.ndarray, cutoffs: np.ndarray, most: float
+) -> IntensityCurve:
+    """The curves [H, K] at `knots` [K], continued to the brightest, as the sensor model has them."""
+    knots = np.append(knots, knots[-1] + _BRIGHTER)
+    readings = np.column_stack([readings, np.full(len(readings), most)])
+    return IntensityCurve(
+        responses=tuple(np.exp(knots).tolist()),
         readings=tuple(map(tuple, np.clip(np.maximum.accumulate(readings, axis=1), 0.0, 1.0).tolist())),
         distances=tuple(_DISTANCES.tolist()),
-        distance_gains=tuple(map(tuple, np.exp(focuses).tolist())),
+        distance_gains=tuple(map(tuple, np.exp(focus).tolist())),
         cutoffs=tuple(cutoffs.tolist()),
     )
-    return IntensityFit(fitted, math.sqrt(float((share * left**2).sum() / share.sum())))
 
 
 def _cells(recorded: Readings, simulated: Sequence[Sweep]) -> Cells:
-    readings, responses, beams = recorded.cells, _by_cell(simulated, recorded.labelled), len(recorded.cutoffs)
+    readings, responses, lasers = recorded.cells, _by_cell(simulated, recorded.labelled), len(recorded.cutoffs)
     both = sorted(set(readings) & set(responses))
+    laser = np.array([key % lasers for key in both], dtype=np.int64)
     return Cells(
-        row=np.array([key % beams for key in both]),
-        range=np.array([key // beams % len(_DISTANCES) for key in both]),
+        laser=laser,
+        range_bin=np.array([key // lasers % len(_DISTANCES) for key in both]),
         response=np.log(np.maximum([responses[key][0] for key in both], 1e-5)),
         reading=np.array([readings[key][0] for key in both]),
         weight=np.sqrt([min(readings[key][1], responses[key][1], _MOST) for key in both]).reshape(-1, 1),
+        cutoff=recorded.cutoffs[laser][:, None],
     )
 
 
@@ -163,7 +206,7 @@ def _by_cell(sweeps: Sequence[Sweep], labelled: bool) -> dict[int, tuple[np.ndar
     keys, found = [], []
     for sweep in sweeps:
         assert sweep.intensity is not None
-        bins = np.digitize(sweep.depth, _RANGES) - 1
+        bins = np.digitize(sweep.depth, _RANGE_EDGES) - 1
         inside = sweep.valid & (bins >= 0) & (bins < len(_DISTANCES))
         rows = np.broadcast_to(np.arange(len(bins))[:, None], bins.shape)
         keys.append(((groups_of(sweep, labelled) * len(_DISTANCES) + bins) * len(bins) + rows)[inside])
@@ -175,67 +218,55 @@ def _by_cell(sweeps: Sequence[Sweep], labelled: bool) -> dict[int, tuple[np.ndar
     return {name: (np.quantile(value[p], _LEVELS), len(p)) for name, p in pieces if len(p) >= _FEWEST}
 
 
-def _raised(
-    recorded: Readings, simulated: Sequence[Sweep], focuses: np.ndarray, curves: tuple[np.ndarray, np.ndarray]
+def _raised_cutoffs(
+    recorded: Readings, simulated: Sequence[Sweep], focus: np.ndarray, knots: np.ndarray, curves: np.ndarray
 ) -> np.ndarray:
     """Cut-offs with which as many simulated readings of each laser are 0 as recorded ones, up to twice as high."""
     found = recorded.cutoffs.copy()
-    for row in np.flatnonzero(found).tolist():
-        response, distance = _of_laser(simulated, row)
+    for laser in np.flatnonzero(found).tolist():
+        response, distance = _of_laser(simulated, laser)
         if len(response) >= _FEWEST:
-            strength = np.log(np.maximum(response, 1e-5)) + np.interp(distance, _DISTANCES, focuses[row])
-            shown = np.interp(strength, curves[0], curves[1][row])
-            found[row] = np.clip(np.quantile(shown, recorded.zeros[row]), found[row], _MOST_RAISED * found[row])
+            strength = np.log(np.maximum(response, 1e-5)) + np.interp(distance, _DISTANCES, focus[laser])
+            shown = np.interp(strength, knots, curves[laser])
+            raised = np.quantile(shown, recorded.zeros[laser])
+            found[laser] = np.clip(raised, found[laser], _MOST_RAISED * found[laser])
     return found
 
 
-def _imputed(reading: np.ndarray, shown: np.ndarray, least: np.ndarray) -> np.ndarray:
-    """Readings, and for those of 0, of which only that is known that they are below the cut-off, what is shown."""
-    return np.where(reading > 0, reading, np.minimum(shown, least))
-
-
 def _knots(strength: np.ndarray) -> np.ndarray:
+    """Strengths [K] at which a curve is given, over nearly all that there are."""
     low, high = np.quantile(strength, (0.003, 0.997))
     return np.linspace(float(low), float(high), _KNOTS)
 
 
 def _own_curves(
-    cells: Cells, strength: np.ndarray, knots: np.ndarray, shared: np.ndarray, least: np.ndarray
+    cells: Cells, strength: np.ndarray, knots: np.ndarray, shared: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """A curve of each laser [H, K] near the `shared` one, and what it reads in the cells [C, Q]."""
     curves, shown = shared.copy(), np.empty_like(strength)
-    for _ in range(_OWN_ROUNDS):
-        for beam in np.unique(cells.row):
-            ours = cells.row == beam
-            shown[ours] = np.interp(strength[ours], knots, curves[beam])
-            reading = _imputed(cells.reading[ours], shown[ours], least[ours])
-            weight = np.broadcast_to(cells.weight[ours], reading.shape)
-            curves[beam] = _monotone(
-                np.r_[strength[ours].ravel(), knots],
-                np.r_[reading.ravel(), shared[beam]],
-                np.r_[weight.ravel(), np.full(len(knots), math.sqrt(_SHARED * len(_LEVELS)))],
-                knots,
-            )
-    for beam in np.unique(cells.row):
-        shown[cells.row == beam] = np.interp(strength[cells.row == beam], knots, curves[beam])
+    strong = np.full(len(knots), math.sqrt(_SHARED_RETURNS * len(_LEVELS)))
+    for laser in np.unique(cells.laser):
+        mine, own = cells.of_laser(laser), strength[cells.laser == laser]
+        at, weight = np.r_[own.ravel(), knots], np.r_[np.broadcast_to(mine.weight, own.shape).ravel(), strong]
+        for _ in range(_OWN_ROUNDS):
+            reading = mine.imputed(np.interp(own, knots, curves[laser]))
+            curves[laser] = _monotone(at, np.r_[reading.ravel(), shared[laser]], weight, knots)
+        shown[cells.laser == laser] = np.interp(own, knots, curves[laser])
     return curves, shown
 
 
 def _own_focus(
-    cells: Cells, strength: np.ndarray, reading: np.ndarray, curves: tuple[np.ndarray, np.ndarray]
+    cells: Cells, strength: np.ndarray, reading: np.ndarray, knots: np.ndarray, curves: np.ndarray
 ) -> np.ndarray:
-    """Logarithms of the gains of each laser at each distance [H, D] beside those of all, which `strength` has; where it
-    has no cell, as at the next distances that have."""
-    found = np.zeros((len(curves[1]), len(_DISTANCES)))
-    for beam in np.unique(cells.row):
-        ours = cells.row == beam
-        at = cells.range[ours]
-        curve = curves[0], curves[1][beam]
-        shifts, _ = _shifts(
-            strength[ours], reading[ours], cells.weight[ours], at, curve, _OWN_FOCUS, len(_DISTANCES), 0.0
-        )
+    """Logarithms of the gains of each laser in each range bin [H, D] beside those of all, which `strength` has; where
+    it has no cell, as in the next bins that have."""
+    found, bins = np.zeros((len(curves), len(_DISTANCES))), np.arange(len(_DISTANCES))
+    for laser in np.unique(cells.laser):
+        mine = cells.laser == laser
+        at, curve = cells.range_bin[mine], (knots, curves[laser])
+        shifts, _ = _shifts(strength[mine], reading[mine], cells.weight[mine], at, curve, _OWN_FOCUS, len(bins))
         known = np.unique(at)
-        found[beam] = np.interp(np.arange(len(_DISTANCES)), known, shifts[known])
+        found[laser] = np.interp(bins, known, shifts[known])
     return found
 
 
@@ -248,8 +279,8 @@ def _monotone(strength: np.ndarray, reading: np.ndarray, weight: np.ndarray, kno
     design = np.stack([np.ones_like(rows), *steps], axis=1) * rows[:, None]
     root = np.linalg.cholesky(design.T @ design + 1e-3 * np.mean(rows**2) * np.eye(len(knots)))
     target = np.linalg.solve(root, design.T @ (reading.ravel() * rows))
-    found, _ = nnls(root.T, target - _LEAST * root[0])
-    solution: np.ndarray = np.cumsum(found) + _LEAST
+    found, _ = nnls(root.T, target - _LOWEST * root[0])
+    solution: np.ndarray = np.cumsum(found) + _LOWEST
     return solution
 
 
@@ -261,18 +292,17 @@ def _shifts(
     curve: tuple[np.ndarray, np.ndarray],
     tried: np.ndarray,
     count: int,
-    most: float,
+    most: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """For each of `count` lasers or ranges, which cells are `of`, the best of the shifts `tried` of its strengths, and
-    the offset up to `most` that goes with it."""
+    """For each of `count` lasers or range bins, which cells are `of`, the best of the shifts `tried` of its strengths,
+    and the offset up to `most` that goes with it."""
     shifts, offsets = np.zeros(count), np.zeros(count)
-    drawn = _DRAWN * _FEWEST * len(_LEVELS)
     for number in np.unique(of):
         ours = of == number
         share = np.broadcast_to(weight[ours] ** 2, reading[ours].shape)
         over = np.interp(strength[ours] + tried[:, None, None], *curve) - reading[ours]
-        offset = np.clip((share * over).sum(axis=(1, 2)) / (share.sum() + drawn), -most, most)
-        left = (share * (over - offset[:, None, None]) ** 2).sum(axis=(1, 2)) + drawn * (0.1 * tried**2 + offset**2)
+        offset = np.clip((share * over).sum(axis=(1, 2)) / (share.sum() + _PRIOR), -most, most)
+        left = (share * (over - offset[:, None, None]) ** 2).sum(axis=(1, 2)) + _PRIOR * (0.1 * tried**2 + offset**2)
         best = int(np.argmin(left))
         shifts[number], offsets[number] = tried[best], offset[best]
     return shifts, offsets

@@ -23,10 +23,9 @@ from lidardraft.cli.arguments import (
 )
 from lidardraft.cli.command import progress
 from lidardraft.cli.inputs import scan_files
-from lidardraft.cli.paper_tables import NAMES, table_lines
 from lidardraft.errors import FormatError
 from lidardraft.files import check_replaceable, write_text
-from lidardraft.protocols import PROTOCOLS, Protocol, Score, compare
+from lidardraft.protocols import NAMES, PROTOCOLS, Protocol, Score, compare, table_lines
 from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:

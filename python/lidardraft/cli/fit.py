@@ -148,8 +148,7 @@ def _print_rows(
     found: Fit, like: Sensor | None, recordings: list[Recording], held: list[Recording], num_streets: int
 ) -> None:
     """What the fit moves, on scans that it has not seen."""
-    from lidardraft.calibration.fit import sweeps_of
-    from lidardraft.calibration.judge import judged
+    from lidardraft.calibration.fit import judged, sweeps_of
 
     usual = like or Sensor(name="typical", elevations=found.sensor.elevations, columns=1)
     before = replace(found.sensor, model=usual.assumed_model, range_sigma=usual.range_sigma, max_range=usual.max_range)

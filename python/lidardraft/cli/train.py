@@ -331,7 +331,7 @@ def _row(
     """Print a row, and write its scans for `lidardraft evaluate table`."""
     from lidardraft.evaluation import score
     from lidardraft.formats.kitti import write_bin
-    from lidardraft.metrics.bev import bev_mmd
+    from lidardraft.metrics.comparisons import bev_mmd
 
     scores = score(name, pairs, scans)
     mmd = bev_mmd((pair.scan.points() for pair in pairs), (scan.points() for scan in scans))

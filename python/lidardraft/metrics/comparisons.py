@@ -2,20 +2,24 @@
 
 `sides` i8 [C, N] says for each of C comparisons of N scans on which side a scan stands: 0 recorded, 1 generated, -1
 neither. A distance takes what was measured of each scan, one after the other (`add`), and gives one number for each
-comparison (`distances`).
+comparison (`distances`). `bev_mmd` is LiDARGen's score of two sets alone (Zyrianov et al., ECCV 2022; constants from
+vzyrianov/lidargen, metrics/histogram).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Protocol
 
 import numpy as np
 
 from lidardraft.errors import LidarDraftError
+from lidardraft.files import named
 from lidardraft.metrics.profiles import jensen_shannon
 
 KERNEL_WIDTH = 0.5  # of LiDARGen and R2DM
+BINS, HALF_EXTENT = 100, 80.0  # m; cells of 1.6 m
+MIN_DISTANCE, MAX_DISTANCE = 3.0, 70.0  # m from the sensor, exclusive
 _CELLS = 200  # along an edge of the square in which top views are matched
 _BLOCK = 256  # scans on each side that are compared at once
 _HELD = 4  # blocks of generated top views that are held at once, in 0.6 GB
@@ -90,6 +94,39 @@ def spectral(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Squared distances [N, M] in the matrix 2-norm, the largest singular value of a difference, as LiDARGen takes
     them."""
     return np.stack([np.linalg.norm(histogram - second, ord=2, axis=(1, 2)) ** 2 for histogram in first])
+
+
+def bev_histogram(points: np.ndarray) -> np.ndarray:
+    """Counts f64 [100, 100] of sensor-frame points [N, 3] by x and y in [-80 m, 80 m], for distances of 3 to 70 m."""
+    distance = np.linalg.norm(points, axis=1)
+    x, y = points[(distance > MIN_DISTANCE) & (distance < MAX_DISTANCE), :2].T
+    span = (-HALF_EXTENT, HALF_EXTENT)
+    return np.histogram2d(x, y, bins=BINS, range=(span, span))[0]
+
+
+def bev_mmd(recorded: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
+    """Squared maximum mean discrepancy of the histograms of scans [N, 3], each divided by its sum.
+
+    The kernel is Gaussian in the matrix 2-norm (the largest singular value) of the difference of two histograms; the
+    means are over all pairs, those of a scan with itself included.
+    """
+    return histogram_mmd(_histograms(recorded), _histograms(generated))
+
+
+def histogram_mmd(recorded: np.ndarray, generated: np.ndarray) -> float:
+    """`bev_mmd` of histograms [N, 100, 100] that `bev_histogram` has counted."""
+    discrepancy = KernelDiscrepancy(np.repeat([0, 1], [len(recorded), len(generated)])[None], spectral)
+    for number, histogram in enumerate([*recorded, *generated]):
+        with named(f"scan {number if number < len(recorded) else number - len(recorded)}"):
+            discrepancy.add(histogram)
+    return float(discrepancy.distances()[0])
+
+
+def _histograms(scans: Iterable[np.ndarray]) -> np.ndarray:
+    histograms = [bev_histogram(points) for points in scans]
+    if not histograms:
+        raise LidarDraftError("a set of scans is empty; a score needs at least one scan on each side")
+    return np.stack(histograms)
 
 
 class MatchingDistance:

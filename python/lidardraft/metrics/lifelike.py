@@ -12,11 +12,12 @@ import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from lidardraft.metrics import profiles, returns, surfaces
-from lidardraft.metrics.bev import bev_histogram, histogram_mmd
+from lidardraft.metrics.comparisons import bev_histogram, histogram_mmd
 from lidardraft.metrics.profiles import jensen_shannon, wasserstein
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.semantics import BY_NAME
@@ -146,6 +147,10 @@ def _histogram_property(name: str, measure: Callable[[Sweep], np.ndarray], borde
     return Property(name, measure, pooled_divergence, _median_of(_middles(borders)))
 
 
+def _top_view(sweep: Sweep) -> np.ndarray:
+    return bev_histogram(sweep.points[sweep.valid])
+
+
 def _nothing(_: Features) -> float:
     return math.nan
 
@@ -157,13 +162,8 @@ PROPERTIES: tuple[Property, ...] = (
     _histogram_property("runs of dropped firings (JSD)", returns.hole_lengths, returns.RUN_EDGES),
     _histogram_property("range (JSD)", profiles.range_histogram, profiles.RANGE_BINS),
     _histogram_property("height over the road (JSD)", profiles.height_histogram, profiles.HEIGHT_BINS),
-    Property("top view (BEV JSD)", lambda sweep: bev_histogram(sweep.points[sweep.valid]), pooled_divergence, _nothing),
-    Property(
-        "top view (BEV MMD)",
-        lambda sweep: bev_histogram(sweep.points[sweep.valid]),
-        lambda first, second: histogram_mmd(np.stack(first), np.stack(second)),
-        _nothing,
-    ),
+    Property("top view (BEV JSD)", _top_view, pooled_divergence, _nothing),
+    Property("top view (BEV MMD)", _top_view, lambda p, q: histogram_mmd(np.stack(p), np.stack(q)), _nothing),
     Property("edges with a mixed pixel", lambda s: np.float64(surfaces.mixed_share(s)), value_difference, _mean_value),
     _histogram_property("steps between firings (JSD)", surfaces.range_steps, surfaces.STEP_EDGES),
     _histogram_property("bends between firings (JSD)", surfaces.range_bends, surfaces.STEP_EDGES),
@@ -182,30 +182,16 @@ def class_properties() -> tuple[Property, ...]:
     found = []
     for name, members in CLASS_SETS.items():
         ids = tuple(BY_NAME[member].id for member in members)
-        found.append(
-            _histogram_property(
-                f"intensity of {name} (JSD)",
-                lambda sweep, ids=ids: profiles.intensity_histogram(sweep, ids),  # type: ignore[misc]
-                _INTENSITY_BORDERS,
-            )
+        intensity, roughness = (
+            partial(m, labels=ids) for m in (profiles.intensity_histogram, surfaces.residual_histogram)
         )
+        found.append(_histogram_property(f"intensity of {name} (JSD)", intensity, _INTENSITY_BORDERS))
         if name in ("road", "building", "vegetation", "car"):
-            found.append(
-                Property(
-                    f"intensity of {name} by range",
-                    lambda sweep, ids=ids: profiles.intensity_by_range(sweep, ids),  # type: ignore[misc]
-                    mean_difference,
-                    _mean_of_bins,
-                )
-            )
+            by_range = partial(profiles.intensity_by_range, labels=ids)
+            found.append(Property(f"intensity of {name} by range", by_range, mean_difference, _mean_of_bins))
         if name in ("road", "sidewalk", "terrain", "building", "fence", "vegetation", "car"):
-            found.append(
-                _histogram_property(
-                    f"roughness of {name} (JSD)",
-                    lambda sweep, ids=ids: surfaces.residual_histogram(sweep, ids),  # type: ignore[misc]
-                    surfaces.RESIDUAL_EDGES,
-                )
-            )
+            roughness = partial(surfaces.residual_histogram, labels=ids)
+            found.append(_histogram_property(f"roughness of {name} (JSD)", roughness, surfaces.RESIDUAL_EDGES))
     return tuple(found)
 
 

@@ -1,4 +1,4 @@
-"""What generated scans must reach, and what they did reach."""
+"""Numbers as tables in Markdown, and goals that were to be reached."""
 
 from __future__ import annotations
 
@@ -6,7 +6,23 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from markdown_table import digits
+Row = dict[str, float]  # by column
+
+
+def table(rows: Mapping[str, Row]) -> str:
+    """Rows by name; the columns are those of all, "-" where a row has none."""
+    columns = list(dict.fromkeys(column for row in rows.values() for column in row))
+    lines = [f"| | {' | '.join(columns)} |", f"|---|{'---:|' * len(columns)}"]
+    for name, row in rows.items():
+        lines.append(f"| {name} | {' | '.join(digits(row.get(column, math.nan)) for column in columns)} |")
+    return "\n".join(lines)
+
+
+def digits(value: float) -> str:
+    """Three digits, or all of those before the point; "-" for what is not a number."""
+    if math.isnan(value):
+        return "-"
+    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
 
 
 @dataclass(frozen=True)
@@ -41,8 +57,3 @@ def goal_table(goals: Sequence[Goal]) -> str:
         ]
         lines.append(f"| {goal.name} | {goal.bounds} | {', '.join(cells)} | {'yes' if goal.met else 'no'} |")
     return "\n".join(lines)
-
-
-def ratio(first: float, second: float) -> float:
-    """How many times `second` `first` is; NaN where that is nothing."""
-    return first / second if second else math.nan
