@@ -20,6 +20,7 @@ from PIL import Image
 import lidardraft
 from lidardraft.cli import main as cli
 from lidardraft.cli import train
+from lidardraft.training.sources import PairFolder
 from replay_server import ReplayServer, openai
 
 ROOT = Path(__file__).parents[1]
@@ -146,7 +147,7 @@ def test_the_code_of_a_page_runs(
 
 def check_tutorial(scans: int) -> None:
     assert len(list(Path("set/nuscenes/samples/LIDAR_TOP").iterdir())) == scans
-    assert len(list(Path("pairs").glob("*.npz"))) == scans
+    assert len(PairFolder("pairs")) == scans
     assert Path("segmenter/weights.safetensors").exists()
 
 
