@@ -106,9 +106,9 @@ pub(crate) fn add_backscatter(
 ///
 /// An echo of power P is dropped with probability 1 - exp(-2 f / P^1.25 - drop_exponent): somewhat less speckle
 /// than developed one, whose power is distributed as the `exponential` numbers. Factor and exponent are fitted to how
-/// rays to the ground are dropped in recordings of a Pandar64, see docs/explanation/sensor-model.md. The fading f has the mean 1
-/// and follows the `patches` of surfaces, so that dropped rays come in runs. `edge_drop` is added to the exponent where
-/// the beam made several echoes: receivers often report none of them.
+/// rays to the ground are dropped in recordings of a Pandar64 (docs/explanation/sensor-model.md). The fading f has the
+/// mean 1 and follows the `patches` of surfaces, so that dropped rays come in runs. `edge_drop` is added to the
+/// exponent if the beam made several echoes: receivers often report none of them.
 #[inline(always)]
 pub(crate) fn drop_rays(
     echoes: &Echoes,

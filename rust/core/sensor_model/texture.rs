@@ -7,7 +7,8 @@ use glam::{DVec2, DVec3};
 use super::elementary::{cos_sin, whole_part};
 use crate::{Error, Pose, Result, SensorPattern};
 
-/// Cells a metre, and shares of the standard deviation: asphalt is as patchy in recordings, see docs/explanation/sensor-model.md.
+/// Cells a metre, and shares of the standard deviation: asphalt is as patchy in recordings
+/// (docs/explanation/sensor-model.md).
 const OCTAVES: [(f32, f32); 4] = [(10.0, 0.22), (2.5, 0.30), (0.7, 0.44), (0.2, 0.82)];
 /// Places further apart than this share the cells' numbers [m]: so many are exact enough in 32 bits.
 const PERIOD: f64 = 4096.0;
