@@ -1,4 +1,4 @@
-"""`lidardraft dataset` and `export`: data sets, of scans that a recipe asks for, and of folders of scans."""
+"""`lidardraft dataset` and `export`: data sets from recipes, and from folders of scans."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def dataset(arguments: argparse.Namespace) -> None:
 
 
 def _workers(arguments: argparse.Namespace, num: int, run: int) -> Callable[..., Iterator[Any]]:
-    """What makes shards: the machines of a cluster, worker processes, or this process."""
+    """The function that makes shards: on the machines of a cluster, in worker processes, or in this process."""
     if arguments.ray is not None:
         from lidardraft.dataset.shards import on_cluster
 

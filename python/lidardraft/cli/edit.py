@@ -105,7 +105,7 @@ def _move(id: str, place: str) -> Edit:
 
 
 class _InOrder(argparse.Action):
-    """Collects the edits of all options in the order in which they stand."""
+    """Collects the edits of all options in their order on the command line."""
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
         from lidardraft.simulation.recorded.scan_edits import Remove, Replace

@@ -1,4 +1,4 @@
-"""`lidardraft streets` and `pairs`: training pairs on disk, of procedural streets or of your own recordings."""
+"""`lidardraft streets` and `pairs`: training pairs on disk, from procedural streets or from recordings."""
 
 from __future__ import annotations
 
@@ -31,9 +31,10 @@ if TYPE_CHECKING:
     from lidardraft.streets import StreetPair
     from lidardraft.training.recorded_pairs import LabelledCloud
 
-# A network learns more from another street than from another look at one; building it takes a third of the time then.
+# A network learns more from another street than from another view of one; with this many views, building the streets
+# takes a third of the time.
 _POSES = 4
-_UNRELATED = 0.2  # of the beams' spacing: points that are of other beams are 0.25 off in the median
+_UNRELATED = 0.2  # of the beams' spacing: points of another sensor are 0.25 off in the median
 
 
 def streets(arguments: argparse.Namespace) -> None:
@@ -67,7 +68,7 @@ def streets(arguments: argparse.Namespace) -> None:
 
 
 def _check_begun(folder: Path) -> None:
-    """Raises `FormatError` where a folder holds anything but pairs, or what a run may leave that was killed early."""
+    """Raises `FormatError` if a folder holds anything but pairs, or the remains of a run that was killed early."""
     if not (folder / "index.json").exists():
         check_empty(folder, "", but=r"\d+\.npz|.*\.partial")
 
@@ -108,7 +109,7 @@ def pairs(arguments: argparse.Namespace) -> None:
     with progress(len(files), "scan", "recordings") as bar:
 
         def new() -> Iterator[tuple[int, RecordedFile, int | LidarDraftError]]:
-            """Scans that are not among the pairs, with their checksums."""
+            """Scans that are not among the pairs yet, with their checksums."""
             for number, file in enumerate(files):
                 checksum = _checksum(file.scan)
                 if checksum in done:
@@ -150,12 +151,12 @@ def _checksum(path: Path) -> int | LidarDraftError:
 def _noted(
     arguments: argparse.Namespace, sensor: Sensor, item: tuple[int, RecordedFile, int | LidarDraftError]
 ) -> NotedPair | LidarDraftError:
-    """The pair of a scan, with its checksum, or what is wrong with it."""
+    """The pair of a scan, with its checksum, or its error."""
     number, file, checksum = item
     if isinstance(checksum, LidarDraftError):
         return checksum
     try:
-        with warnings.catch_warnings():  # in a process of its own, nobody has heard them
+        with warnings.catch_warnings():  # in a worker process they were not reported
             warnings.simplefilter("default", UserWarning)
             warnings.showwarning = lambda message, *_, **__: say(message)
             pair = _pair(arguments, file, sensor, arguments.seed + number, first=not number)
@@ -196,7 +197,7 @@ def _recorded_by(arguments: argparse.Namespace, scan: Path) -> Sensor:
 
 @cache
 def _segmenter(weights: str | None) -> Segmenter:
-    """That of --segmenter, or the packaged one; it says once that labels are predicted."""
+    """The segmenter of --segmenter, or the packaged one; reports once that labels are predicted."""
     from lidardraft.perception.segmenter import Segmenter
 
     by = "the packaged segmenter" if weights is None else weights
@@ -206,7 +207,7 @@ def _segmenter(weights: str | None) -> Segmenter:
 
 def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> LabelledCloud:
     """A scan with its classes: those of --labels, of the file, of one beside it or of the data set, or those of the
-    segmenter; what is in boxes has theirs."""
+    segmenter; points in boxes get those of the boxes."""
     from lidardraft.formats.recording import read_returns, with_fields
     from lidardraft.training.recorded_pairs import LabelledCloud
 

@@ -1,4 +1,4 @@
-"""The tables of the LiDARDraft paper, as published and with scores of other scans in rows of their own.
+"""The tables of the LiDARDraft paper, as published, with rows for the scores of other scans.
 
 The scores are LiDM's: the paper's MMD is LiDM's minimum matching distance, and its FRD and FPD most probably are LiDM's
 FRID and FPVD; FPVD needs a sparse network that is not rebuilt here.
@@ -55,7 +55,7 @@ NAMES = (*_INPUTS, *_ABLATION, "none")
 
 
 def table_lines(ours: Mapping[str, list[Score]]) -> Iterator[str]:
-    """The lines of those tables that one of `ours`, scores by name, has a row in; then those of other names."""
+    """The lines of the tables in which a row of `ours`, scores by name, belongs; then those of other names."""
     if ours.keys() & {*_INPUTS, "none"}:
         yield _heading("Table 1")
         for name, published in (*_INPUTS.items(), ("none", _UNCONDITIONAL)):

@@ -62,8 +62,8 @@ _HZ = 10.0  # frames of a sequence
 
 @dataclass(frozen=True, slots=True)
 class Layouts:
-    """The layout of each scan: `first` for all, or the sentences in turn, each for another seed; with a sentence goes
-    what messages call it."""
+    """The layout of each scan: `first` for all, or the sentences in turn, each with another seed; a sentence comes with
+    its name in messages."""
 
     arguments: argparse.Namespace
     first: Layout
@@ -71,7 +71,7 @@ class Layouts:
 
     @classmethod
     def read(cls, arguments: argparse.Namespace) -> Layouts:
-        """Those that the arguments ask for."""
+        """The layouts of the arguments."""
         if arguments.text_file is None:
             sentences = [] if arguments.text is None else [("--text", arguments.text)]
             return cls(arguments, read_layout(arguments), sentences)
@@ -92,7 +92,7 @@ class Layouts:
             return layout_of_text(self.arguments, sentence, seed), seed
 
     def notes(self, number: int, scan: Scan | Drive) -> list[str]:
-        """What there is to say of a sentence of a file, the first time that it is read."""
+        """The notes on a sentence of a file, the first time that it is read."""
         if self.arguments.text_file is None or number >= len(self.sentences):
             return []
         return [f"{self.sentences[number][0]}: {note}" for note in notes_on(self.arguments, scan.layout)]
@@ -222,7 +222,7 @@ def simulate(arguments: argparse.Namespace) -> None:
 
 
 def _scan_of_world(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None) -> Callable[[int], Scan]:
-    """What makes the scan of --world, which has a seed, speeds and surroundings of its own."""
+    """The function that makes the scan of --world, which has its own seed, speeds and surroundings."""
     from lidardraft.world.state import WorldState
     from lidardraft.world.world import World
 
@@ -353,8 +353,8 @@ def observe(arguments: argparse.Namespace) -> None:
 
 
 def _with_its_scene(path: str, image: RangeImage, seed: int) -> Scan:
-    """The image of a cast, with what came with it: pose, motion and time in its .npz, and NAME.layout.json or
-    NAME.boxes.json beside it."""
+    """The image of a cast with its scene: pose, motion and time from its .npz, and NAME.layout.json or NAME.boxes.json
+    beside it."""
     from lidardraft.drafting.boxes import layout_from_boxes
     from lidardraft.formats.boxes import read_boxes
     from lidardraft.scan import Scan, read_motion
@@ -416,7 +416,7 @@ def observe_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_scan_output(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
-    """--sensor, --num and what `add_folder` adds, in a group of their own."""
+    """Add --sensor, --num and the options of `add_folder`, in a group of their own."""
     output = parser.add_argument_group("output")
     add_sensor(output, of=" to make scans of")
     text = "scans to make, with seeds counting up (default 1, or one of each sentence of --text-file)"
@@ -426,7 +426,7 @@ def _add_scan_output(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup
 
 
 def _report(arguments: argparse.Namespace, num: int, more: str = "") -> None:
-    """Say what is in the folder."""
+    """Report the contents of the folder."""
     names, pictures = [f"{number:06d}" for number in range(num)], min(arguments.pictures, num)
     beside = (".label", ".boxes.json", ".png")
     each = [ending for ending in beside if all(Path(arguments.output, f"{name}{ending}").exists() for name in names)]

@@ -48,7 +48,7 @@ def studio(arguments: argparse.Namespace) -> None:
         seed = state.seed
     else:
         first = read_layout(given if gives_input(given) else _asked(arguments.sensor, seed, f"--text={SENTENCE}"))
-    with named(arguments.world or "the scene"):  # what cannot be scanned ends the command, and no page
+    with named(arguments.world or "the scene"):  # a scene that cannot be scanned ends the command before the page
         ready = [Editor(first, (sensor,), seed=seed, weather=weather)]
 
     def begin() -> Editor:
@@ -65,8 +65,8 @@ def studio(arguments: argparse.Namespace) -> None:
 
 
 def inputs_of(sensor: str, folder: Path | None, model: Mapping[str, object] | None = None) -> Inputs:
-    """The readers of all inputs, as commands have them; files without a sensor of their own are of `sensor`, and
-    `model` are the options of a language model that reads sentences."""
+    """The readers of all inputs, as in commands; files without a sensor are of `sensor`, and `model` are the options of
+    a language model that reads sentences."""
     from lidardraft.studio.page import Inputs
     from lidardraft.studio.session import Draft
 
@@ -90,7 +90,7 @@ def inputs_of(sensor: str, folder: Path | None, model: Mapping[str, object] | No
 
 
 def _asked(sensor: str, seed: int, *given: str) -> argparse.Namespace:
-    """The arguments of an input alone, as the command line has them."""
+    """The arguments of an input alone, as from the command line."""
     parser = Parser(add_help=False)
     add_inputs(parser)
     add_sensor(parser)
