@@ -20,7 +20,7 @@ class ControlNet(nn.Module):
     to all inputs of the decoder: the outputs of the stages, and the pixels at the head.
 
     A cast is a range image like a scan, in the same numbers, so the decoder knows the copy's features from the first
-    step
+    step on. The features do not depend on the noise; their gain at each level does.
     """
 
     def __init__(self, encoder: Encoder) -> None:
