@@ -56,7 +56,7 @@ def _joined(sources: Sequence[Path]) -> bytes:
 
 
 def _rows(sources: Sequence[Path]) -> Iterator[bytes]:
-    """A JSON list of all rows, or the first object with all rows in place of its own."""
+    """A JSON list of all rows, or the first object with all rows in place of its rows."""
     first, seen = json.loads(sources[0].read_bytes()), set[bytes]()
     head = "" if isinstance(first, list) else json.dumps(first | {_ROWS: []})[: -len("[]}")]
     yield f"{head}[\n".encode()

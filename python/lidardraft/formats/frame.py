@@ -196,7 +196,7 @@ def numbered(drives: Drives, first: int) -> Iterator[tuple[str, Frame]]:
 
 
 def write_each(ending: str, by: Callable[[Path, np.ndarray], None], folder: Path, drives: Drives, first: int) -> None:
-    """Write the `point_records` of each frame to a file of its own."""
+    """Write a file of `point_records` for each frame."""
     for name, frame in numbered(drives, first):
         by(folder / f"{name}{ending}", point_records(frame))
 

@@ -24,7 +24,7 @@ Sources of `MATERIALS`, by column; a value with several sources is typical of th
   their neighbours in height (5 mm root mean square) and 38 mm in range (8 to 17 mm); of bark, gravel and soil
   estimates.
 - `variation`, `grain`: the spread between objects of one material (dirt, age, colour), an estimate, and within one
-  from firing to firing, beside what the sensor adds (`speckle`): such that neighbouring readings of PandaSet
+  from firing to firing, in addition to the sensor's (`speckle`): such that neighbouring readings of PandaSet
   (roads, sidewalks, walls, leaves) and of ika's VLP-32C differ as recorded, see docs/sensor-model.md.
 - `texture`: the share of `SensorModel.texture`, which is fitted to asphalt: of walls a half, such that as few of their
   readings are over 2.5 medians as recorded; of seamless surfaces, paint, glass or cloth, none.

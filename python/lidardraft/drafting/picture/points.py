@@ -11,7 +11,7 @@ from lidardraft.drafting.cloud.ground import GROUND_IDS
 from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.semantics import CLASSES
 
-# Angles and shares without a source are estimates of ours.
+# Angles and shares without a source are estimates.
 CELL = math.radians(0.08)  # a cell with one point: about as dense as an HDL-64E's along its rows
 _SIDE = math.radians(0.16)  # to either side of a point: depth that grows across both means a point between two surfaces
 _STEEPEST = 27.0  # growth of depth for each radian, relative to the depth: more is no wall at any angle

@@ -12,7 +12,7 @@ from lidardraft.drafting.solver.poses import BACKWARDS, Lane, RoadPose, Try, lot
 from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.road import Road
 
-# Estimates of ours: gaps between two objects [m], smallest and largest, where no distance is asked for.
+# Estimates: gaps between two objects [m], smallest and largest, without a requested distance.
 _IN_LANE = (1.5, 5.0)  # along a lane
 _CLOSE = (0.4, 1.2)
 _NEAR = (0.5, 4.0)

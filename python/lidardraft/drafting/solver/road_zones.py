@@ -36,7 +36,7 @@ from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.check import EGO_SIZE
 from lidardraft.scene.road import Road
 
-# Estimates of ours.
+# Estimates.
 NEAREST = 8.0  # m to the middle of an object in front or behind, without a requested distance
 _CLEAR = 0.3  # m between a row and a road that crosses it
 QUEUE_BEFORE = 25.0  # m before a junction that count as "at" it

@@ -96,7 +96,7 @@ def _relate_one(d: Discourse, number: int, said: Relation, references: Ids) -> N
     first = d.mentions[references[0]]
     parked = "parked" in (mention.heading, at.heading) and at.sides and relation in TURNED
     if parked and first.record.is_vehicle and not first.placed and first.heading is None:
-        d.change(references[0], at=Position(at.places), heading="parked", placed=True)  # where what is behind it is
+        d.change(references[0], at=Position(at.places), heading="parked", placed=True)  # at the same place
     motion = d.mentions[number].motion
     if said.overtakes and mention.record.walks:
         relation = "near"  # "walks past a row of cars"
