@@ -107,5 +107,5 @@ def scans_in(folder: Path) -> list[Path]:
         raise FormatError(f"{folder} is not a folder of scans")
     endings = sorted(path.name for path in folder.glob("*.sensor.json"))
     if not endings:
-        raise FormatError(f"{folder} holds no scans of `simulate`, `generate` or `observe`: there is no .sensor.json")
+        raise FormatError(f"{folder} holds no scans of `simulate`, `generate` or `observe`: no .sensor.json found")
     return [folder / name.removesuffix(".sensor.json") for name in endings]

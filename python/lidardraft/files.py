@@ -92,7 +92,7 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
     temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.partial")
     try:
         if os.path.lexists(target) and (not target.is_dir() or any(target.iterdir())):
-            raise FormatError(f"{path} is there already; write to a new or empty folder")
+            raise FormatError(f"{path} exists already; write to a new or empty folder")
         target.parent.mkdir(parents=True, exist_ok=True)
         temporary.mkdir()
         yield temporary
@@ -130,9 +130,9 @@ def _replace_all(new: Path, old: Path, folder: Path, earlier: Sequence[str]) -> 
 def check_replaceable(target: Path) -> None:
     """Raise `FormatError` if the target exists and is not a regular file: a rename would replace a device."""
     if "\0" in str(target):
-        raise FormatError(f"{target} cannot be written: no file can have that name")
+        raise FormatError(f"{target} cannot be written: invalid file name")
     if target.exists() and not target.is_file():
-        raise FormatError(f"{target} cannot be written: it is there, and not a regular file")
+        raise FormatError(f"{target} cannot be written: it exists and is not a regular file")
 
 
 def check_other_file(output: str | os.PathLike[str], given: str | os.PathLike[str]) -> None:

@@ -98,7 +98,7 @@ def add_sensor(parser: Options, *, default: str | None = DEFAULT_SENSOR, of: str
 
 def add_reading(parser: Options) -> None:
     """Add the options of how a scan is read, --intensity-scale and --carla-tags, for `reading`."""
-    text = "number that stands for an intensity of 1 in the scan, as 255 (default: that of its format, or of whole "
+    text = "number for an intensity of 1 in the scan, such as 255 (default: that of its format, or of whole "
     text += "numbers by their type; else 1)"
     parser.add_argument("--intensity-scale", type=positive, metavar="X", help=text)
     add_carla_tags(parser)
@@ -150,7 +150,7 @@ def add_minutes(parser: Options) -> None:
 
 def add_training_device(parser: Options) -> None:
     """Add --device of a training."""
-    text = "where torch trains: cpu, cuda, ... (default: the GPU if there is one, else cpu)"
+    text = "device for training: cpu, cuda, ... (default: the GPU if there is one, else cpu)"
     parser.add_argument("--device", help=text)
 
 
@@ -165,9 +165,9 @@ def add_weights(parser: Options) -> None:
     stored = "(default: as stored with the weights, else"
     text = f"steps of denoising, a call of the network each, two with `paper` {stored} {STEPS})"
     parser.add_argument("--steps", type=whole_number(1), metavar="N", help=text)
-    text = f"weight of what a ControlNet adds; 1 takes one call of the network a step {stored} {GUIDANCE:g})"
+    text = f"weight of the ControlNet; 1 takes one call of the network a step {stored} {GUIDANCE:g})"
     parser.add_argument("--guidance", type=positive, metavar="W", help=text)
-    parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
+    parser.add_argument("--device", default="cpu", help="device for the model: cpu, cuda, ... (default cpu)")
 
 
 def read_pipeline(arguments: argparse.Namespace) -> Pipeline:
@@ -188,7 +188,7 @@ def add_speed(parser: Options, more: str = "") -> None:
 def add_weather(parser: Options) -> None:
     """Add --weather, for `read_weather`."""
     text = "rain:10mm or snow:2mm (of water, an hour), fog:100m (visibility), wet:0.5 (of the ground); repeatable "
-    text += "(default: what --text says, or clear and dry)"
+    text += "(default: that of --text, or clear and dry)"
     parser.add_argument("--weather", action="append", default=[], metavar="KIND:AMOUNT", help=text)
 
 

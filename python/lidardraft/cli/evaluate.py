@@ -115,9 +115,9 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
     text = "recorded scans: files, or folders, of .bin, .pcd.bin, .pcd, .ply, .npz, .las, .pkl.gz or .pcap"
     folders.add_argument("--real", nargs="+", metavar="SCANS", help=text)
     folders.add_argument("--generated", nargs="+", metavar="SCANS", help="generated scans, likewise")
-    text = "number that stands for an intensity of 1 in the scans of --real, where their format does not say it"
+    text = "number for an intensity of 1 in the scans of --real, if their format does not define it"
     folders.add_argument("--intensity-scale", type=positive, metavar="X", help=text)
-    text = "folder of the public weights for FRD, FRID and FPD; without it, the command says where to get them"
+    text = "folder of the public weights for FRD, FRID and FPD; without it, the command names their source"
     folders.add_argument("--networks", metavar="FOLDER", help=text)
     text = "write values, floors and definitions as JSON too"
     folders.add_argument("-o", "--output", metavar="FILE", help=text)

@@ -77,7 +77,7 @@ def _sound_recordings(arguments: argparse.Namespace, *paths: list[Path]) -> tupl
     for error in refused:
         say(f"left out: {error}")
     if all(read[key].intensity is None for key in sound):
-        say(f"{sound[0][0]}: there are no intensities{with_fields(sound[0][0])}: none are fitted")
+        say(f"{sound[0][0]}: it has no intensities{with_fields(sound[0][0])}: none are fitted")
     kept, rare = without_rare_lasers([read[key] for key in sound])
     if rare:
         rings = ", ".join(map(str, rare))
@@ -173,7 +173,7 @@ def fit_options(parser: argparse.ArgumentParser) -> None:
         ".pkl.gz, .pcd with rings or rows, .npz, ROS 2 bags, Ouster .pcap and .osf"
     )
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
-    parser.add_argument("-o", "--output", required=True, metavar="SENSOR.json", help="where the sensor goes")
+    parser.add_argument("-o", "--output", required=True, metavar="SENSOR.json", help="file of the sensor")
     text = "scans that the fit is judged on (default: a quarter of SCANs, the last ones, is kept back for that)"
     parser.add_argument("--judge", nargs="+", default=[], metavar="SCAN", help=text)
     text = "preset or sensor file for constants that no scan shows, such as the divergence (default: typical values)"

@@ -65,7 +65,7 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
     "detail": (("points",), {"choices": ("fine", "objects")},
         "fine: as near to --points as their cast can be (default); objects: few whole ones, to edit by hand"),
     "sensor_height": (("points", "boxes"), _METRES,
-        "height over the road of the sensor in whose frame --points or --boxes are (default that of its sensor)"),
+        "height over the road of the sensor of --points or --boxes (default that of its sensor)"),
     "metres_per_pixel": (("sketch",), _METRES, "length of a pixel of --sketch, in metres"),
     "scale_bar": (("sketch",), _METRES, "length of the black bar in a painted --sketch"),
     "class": (_MODELS, {"dest": "classes", "action": "append", "metavar": "NAME=CLASS"},
@@ -78,15 +78,15 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
     "scale": (_MODELS, _METRES,
         "length of a unit of --obj, --glb or --blender, in metres (default 1; 0.01 for centimetres)"),
     "recentre": (_MODELS, _FLAG,
-        "move --obj, --glb or --blender: the middle of its ground becomes the origin, where the sensor stands"),
+        "move --obj, --glb or --blender: the middle of its ground becomes the origin, the place of the sensor"),
     "as_is": ((*_MODELS, "boxes"), _FLAG,
         "read --obj, --glb, --blender or --boxes whatever the sizes of vehicles and people in it say of its unit"),
     "frame": (("boxes", "points"), {"type": int, "metavar": "N"},
         "frame of KITTI's tracking labels in --boxes, or of a log in --points, from 0 (default 0)"),
     "topic": (("points",), {"metavar": "NAME"}, TOPIC_HELP),
-    "explain": (_TEXTS, _FLAG, "say what each word of --text became, and which were not understood"),
+    "explain": (_TEXTS, _FLAG, "report the effect of each word of --text, and words not understood"),
     "depth": (("image",), {"metavar": "MODEL"},
-        "depth of --image: a metric depth network (id or folder), or an .npy file [m], 0 where unknown (default: Depth "
+        "depth of --image: a metric depth network (id or folder), or an .npy file [m], 0 if unknown (default: Depth "
         "Anything V2, outdoor, small)"),
     "semantics": (("image",), {"metavar": "MODEL"},
         "classes of --image: a segmentation network (id or folder), or an .npy or .png file of Cityscapes train ids "
@@ -95,9 +95,9 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
         "objects of --image: an .npz, .npy or .png file of masks, or a network for them such as SAM (id or folder) "
         "(default: points that touch)"),
     "intrinsics": (("image",), {"metavar": "FX,FY,CX,CY"},
-        "camera of --image in pixels, or a file that says it: .json, or a calibration of KITTI"),
+        "camera of --image in pixels, or a file: .json, or a calibration of KITTI"),
     "hfov": (("image",), {"type": number, "metavar": "DEGREES"},
-        "horizontal field of view of --image (default: what the file says of its focal length)"),
+        "horizontal field of view of --image (default: from the focal length in the file)"),
     "camera_height": (("image",), _METRES, "height of the camera over the road, which sets the scale (default 1.65)"),
     "metric_depth": (("image",), _FLAG,
         "take depth of --image as metres: it sets the scale, and the height of the camera"),
@@ -108,7 +108,7 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
     "llm_blender": (_TEXTS, _FLAG,
         "have the model write a Blender script, which is read as data, instead of relations"),
     "llm_cache": (_TEXTS, {"metavar": "FOLDER"},
-        "where replies are kept; the same request is not sent again (default: the user's cache folder)"),
+        "folder for replies; the same request is not sent again (default: the user's cache folder)"),
     "llm_timeout": (_TEXTS, {"type": number, "metavar": "SECONDS"},
         "how long all replies together may take (default 120)"),
 }  # fmt: skip
@@ -126,7 +126,7 @@ _URL = "LIDARDRAFT_LLM_URL"  # as in chat_server.py, which imports HTTP
 
 # Inputs of many layouts, for some commands: their values and descriptions.
 _MANY = {
-    "text-file": ("FILE.txt", "sentences, one a line: a scan of each, and again with other seeds where -n is more"),
+    "text-file": ("FILE.txt", "sentences, one a line: a scan of each, and again with other seeds if -n is larger"),
     "world": (
         "FILE.world.json",
         "the state of a World or of the studio: its scan, in which all moves as it does there",
@@ -134,7 +134,7 @@ _MANY = {
     "map": ("FILE", "a semantic map without ranges: .png or .npy of a class id for each ray, or a labelled scan"),
     "street": (
         "DISTRICT",
-        f"streets made up with all that stands and moves there: any, {', '.join(STREET_DISTRICTS)}, or a word for one",
+        f"invented streets with all their objects and traffic: any, {', '.join(STREET_DISTRICTS)}, or a word for one",
     ),
 }
 
@@ -151,12 +151,12 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, required: bool = Tru
         value, text = _MANY[name]
         one.add_argument(f"--{name}", metavar=value, help=text)
     add_reading(group)
-    title = "language model (reads --text where its URL is given; else nothing is sent)"
+    title = "language model (reads --text if its URL is given; else nothing is sent)"
     model = parser.add_argument_group(title)
     for name, (_, how, text) in _OPTIONS.items():
         (model if name.startswith("llm_") else group).add_argument(f"--{name.replace('_', '-')}", help=text, **how)
     usual = f"street with {', '.join(f'--{name}' for name in _STREET_AROUND)}, else bare"
-    text = "street: buildings, plants, traffic and people around what is given, which stays as it is and in sight; "
+    text = "street: buildings, plants, traffic and people around the input, which stays unchanged and in sight; "
     text += f"their ids begin with {AROUND}; bare: nothing is added (default: {usual})"
     group.add_argument("--surroundings", choices=("street", "bare"), help=text)
     add_seed(group)
@@ -291,7 +291,7 @@ def scan_files(given: Sequence[str]) -> list[Path]:
     files = list[Path]()
     for path in map(Path, given):
         if not path.exists():
-            raise FormatError(f"{path}: there is no such file or folder")
+            raise FormatError(f"{path}: no such file or folder")
         inside = (sorted(filter(_is_scan, path.glob(pattern))) for pattern in ("*", "**/*"))
         found = next(filter(None, inside), []) if path.is_dir() and not is_bag(path) else [path]
         if not found:
@@ -358,7 +358,7 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     from lidardraft.formats.recording import read_returns
 
     if arguments.labels is not None and arguments.segmenter is not None:
-        raise FormatError("--labels and --segmenter both say the classes of --points; give one of them")
+        raise FormatError("--labels and --segmenter both give the classes of --points; use one of them")
     path = arguments.points
     points, fields = read_returns(path, arguments.labels, needs_intensity=False, **reading(arguments))
     height = _sensor_height(arguments, path)

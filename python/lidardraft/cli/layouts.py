@@ -27,7 +27,7 @@ def draft(arguments: argparse.Namespace) -> None:
     arguments.output = in_folder(arguments.output, "layout.json")
     ending = Path(arguments.output).suffix.lower()
     if ending not in _ENDINGS:
-        raise FormatError(f"{arguments.output}: a layout is written as {', '.join(_ENDINGS)}; the ending says which")
+        raise FormatError(f"{arguments.output}: a layout is written as {', '.join(_ENDINGS)}; the ending decides")
     check_other_file(arguments.output, input_of(arguments))
     sensor = read_sensor(arguments.sensor)
     layout, scenario = read_layout(arguments), ego_of_points(arguments)
@@ -87,7 +87,7 @@ def draft_options(parser: argparse.ArgumentParser) -> None:
     inputs = add_inputs(parser)
     add_sensor(inputs, of=" that took --points or --boxes, for its height over the road, and of the preview's scan")
     output = parser.add_argument_group("output")
-    text = "where the layout goes, or a folder for layout.json; .obj, .glb and .py (a Blender script) are for 3D "
+    text = "file of the layout, or a folder for layout.json; .obj, .glb and .py (a Blender script) are for 3D "
     text += "modelling programs"
     output.add_argument("-o", "--output", required=True, metavar="LAYOUT.json", help=text)
     text = "leave out LAYOUT.preview.png, a picture of the layout from above and of a simulated scan"
@@ -121,6 +121,6 @@ def raycast_options(parser: argparse.ArgumentParser) -> None:
         "--output",
         required=True,
         metavar="IMAGE.npz",
-        help="where the range image goes, or a folder for cast.npz",
+        help="file of the range image, or a folder for cast.npz",
     )
     add_json(parser)

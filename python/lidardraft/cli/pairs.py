@@ -50,7 +50,7 @@ def streets(arguments: argparse.Namespace) -> None:
         report(arguments, f"{folder}: {start} pairs are there already; nothing to do", output=str(folder), pairs=start)
         return
     if start:
-        say(f"{folder}: goes on after the {start} pairs that are there")
+        say(f"{folder}: continues after {start} pairs")
     workers = min(arguments.workers, -(-(num - start) // poses))
     pairs = pairs_of_streets(seed=seed, config=config, start=start, workers=workers)
     with progress(num, "pair", "streets", initial=start) as bar:
@@ -83,7 +83,7 @@ def streets_options(parser: argparse.ArgumentParser) -> None:
     add_seed(parser)
     text = f"processes that make streets (default {cores()}, one a core)"
     parser.add_argument("--jobs", "--workers", dest="workers", type=positive, default=cores(), metavar="N", help=text)
-    text = "where the pairs go, for lidardraft-train; a second call goes on"
+    text = "folder for the pairs, for lidardraft-train; a second call continues"
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help=text)
     add_json(parser)
 
@@ -104,7 +104,7 @@ def pairs(arguments: argparse.Namespace) -> None:
     notes = notes_on_disk(folder, sensor, source=source)
     done = {note.get("checksum") for note in notes}
     if notes:
-        say(f"{folder}: goes on after the {len(notes)} pairs that are there")
+        say(f"{folder}: continues after {len(notes)} pairs")
     share, skipped = ReturnShares(), 0
     with progress(len(files), "scan", "recordings") as bar:
 
@@ -179,7 +179,7 @@ def _pair(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor, see
     scan = _read(arguments, file, sensor)
     with named(file.scan):
         if first and beside_beams(scan, sensor) > _UNRELATED:
-            say(f"{file.scan}: the points lie between the beams of {sensor.name} as often as on them; "
+            say(f"{file.scan}: the points are between the beams of {sensor.name} as often as on them; "
                 "`lidardraft fit` makes a sensor of the scans")  # fmt: skip
         return recorded_pair(scan, sensor, seed=seed)
 
@@ -217,7 +217,7 @@ def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> 
     points, fields = read_returns(scan, labels, **reading(arguments))
     with named(scan):
         if "intensity" not in fields:
-            raise FormatError(f"there are no intensities, which the generator learns too{with_fields(scan)}")
+            raise FormatError(f"it has no intensities, which the generator learns too{with_fields(scan)}")
         if "label" not in fields:
             from lidardraft.perception.segmenter import SURE
 
@@ -247,6 +247,6 @@ def pairs_options(parser: argparse.ArgumentParser) -> None:
     add_reading(parser)
     add_seed(parser)
     add_jobs(parser)
-    text = "where the pairs go; a second call goes on"
+    text = "folder for the pairs; a second call continues"
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help=text)
     add_json(parser)

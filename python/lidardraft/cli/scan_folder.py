@@ -25,7 +25,7 @@ _PICTURES = 8  # made by default: one takes longer than a scan
 
 def add_folder(parser: Options) -> None:
     """Add --output, --overwrite, --pictures and --no-picture."""
-    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where scans go: new or empty")
+    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="folder for scans: new or empty")
     parser.add_argument("--overwrite", action="store_true", help="replace the scans that are in FOLDER already")
     text = f"make pictures of the first N scans (default {_PICTURES})"
     parser.add_argument("--pictures", type=whole_number(0), default=_PICTURES, metavar="N", help=text)

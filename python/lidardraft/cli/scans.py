@@ -175,7 +175,7 @@ def _write_frames(arguments: argparse.Namespace, simulator: Drive, given: Layout
         say(note)
     asked = arguments.scenario is not None or arguments.speed is not None
     if not (asked or simulator.tracks.actors or simulator.tracks.ego.moves()):
-        say("nothing moves: the layout has no road whose lanes are known; --speed and --scenario say more")
+        say("nothing moves: the layout has no road with known lanes; give --speed or --scenario")
     num = arguments.frames
     folder = ScanFolder(Path(arguments.output), arguments.pictures, simulator.frame, Scan.save)
     with progress(num, "frame") as bar:
@@ -197,7 +197,7 @@ def simulate(arguments: argparse.Namespace) -> None:
         return
     for option in ("hz", "scenario"):
         if getattr(arguments, option) is not None:
-            raise FormatError(f"--{option} is of a sequence; say with --frames how long it is")
+            raise FormatError(f"--{option} is for a sequence; give its length with --frames")
     sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
     output, pictures, around = Path(arguments.output), arguments.pictures, ""
     if arguments.world is not None:
@@ -229,7 +229,7 @@ def _scan_of_world(arguments: argparse.Namespace, sensor: Sensor, weather: Weath
     check_inputs(arguments)
     for option in ("num", "speed", "surroundings"):
         if getattr(arguments, option) is not None:
-            raise FormatError(f"--{option} does not go with --world, whose state says all of its one scan")
+            raise FormatError(f"--{option} does not go with --world, whose state is complete")
     state = WorldState.load(arguments.world)
     with named(arguments.world):
         world = World(state, sensor, weather=weather)
@@ -240,7 +240,7 @@ def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weath
     check_inputs(arguments)
     for option in ("speed", "surroundings", "scenario"):
         if getattr(arguments, option):
-            raise FormatError(f"--{option} goes with a layout; --street decides what drives and stands there")
+            raise FormatError(f"--{option} goes with a layout; --street decides its own traffic and objects")
     mix = USUAL_MIX if arguments.street == "any" else StreetMix(**only(district_named(arguments.street)))
     config = StreetConfig(sensor=sensor, poses_per_street=poses, mix=mix, weather=weather or Weather())
     return config if arguments.frames is None else dataclasses.replace(config, half_length=HALF_LENGTH)
@@ -251,7 +251,7 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "The layout's shapes become objects with details, the sensor's beams are cast into them, and a model of its "
         "light and receiver makes returns, ranges and intensities of that. No weights are used; every label is that of "
-        "the surface that was hit. A sensor without a model of its own gets typical values."
+        "the surface that was hit. A sensor without its own model gets typical values."
     )
     inputs = add_inputs(parser, "text-file", "street", "world")
     text = f"scans of each --street in a row, from different places (default {_POSES})"
@@ -320,8 +320,8 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
         "The whole scan is made from noise, and a ControlNet holds it to the cast of the layout, as the paper does; "
         "of a semantic map too, with ranges that are guessed: flat ground, and all else where it stands on it. Labels "
         "are the layout's where ranges agree with it, the network's elsewhere. A GPU makes several scans at once. "
-        "Weights of your own that complete (the recipe `small`) keep the simulated scan of what the layout gives, and "
-        "make up what it leaves open: give them --surroundings bare. Weather and sequences are `simulate`'s alone."
+        "Weights of your own that complete (the recipe `small`) keep the simulated scan of the layout, and "
+        "invent only its open parts: give them --surroundings bare. Weather and sequences are `simulate`'s alone."
     )
     add_inputs(parser, "text-file", "map")
     add_speed(parser.add_argument_group("world"))
@@ -404,7 +404,7 @@ def observe_options(parser: argparse.ArgumentParser) -> None:
         "an .npz, and the objects of NAME.layout.json or, in the sensor's frame, NAME.boxes.json beside a cast."
     )
     parser.add_argument("casts", nargs="+", metavar="CAST", help="an .npz cast, or CARLA's .ply or .npy")
-    add_sensor(parser, default=None, of=" whose rays they are, where an .npz does not hold it")
+    add_sensor(parser, default=None, of=" of these rays, if an .npz does not hold it")
     text = "material of a class, in place of the usual one; repeatable"
     metavar = "CLASS=MATERIAL"
     parser.add_argument("--material", dest="materials", action="append", default=[], metavar=metavar, help=text)

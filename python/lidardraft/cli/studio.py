@@ -41,7 +41,7 @@ def studio(arguments: argparse.Namespace) -> None:
     given = argparse.Namespace(**vars(arguments) | ({} if arguments.text else dict.fromkeys(model)))
     check_inputs(given)
     if arguments.world is not None and arguments.surroundings is not None:
-        raise FormatError("--surroundings does not go with --world, whose state says all of its scene")
+        raise FormatError("--surroundings does not go with --world, whose state is complete")
     if arguments.world is not None:
         state = WorldState.load(arguments.world)
         first: Layout | WorldState = state
@@ -109,5 +109,5 @@ def studio_options(parser: argparse.ArgumentParser) -> None:
     add_weather(parser)
     text = f"port of the page, or the next one that is free (default {_PORT})"
     parser.add_argument("--port", type=whole_number(1, 65535), default=_PORT, metavar="P", help=text)
-    text = "where files that visitors keep may go on this machine (default: they are downloads)"
+    text = "folder on this machine for files that visitors keep (default: they are downloads)"
     parser.add_argument("-o", "--output", metavar="FOLDER", help=text)

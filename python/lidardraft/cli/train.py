@@ -41,7 +41,7 @@ _RECIPES = ("small", "paper", "paper-small", "paper-large", "paper-map", "small-
 COMMANDS = {
     "segmenter": Command(
         __name__,
-        "Train a segmenter, which tells the class of each return, on the scans of pairs; a second call goes on.",
+        "Train a segmenter, which predicts the class of each return, on the scans of pairs; a second call continues.",
         "lidardraft-train segmenter --pairs pairs/ -o run/",
     ),
     "street": Command(
@@ -52,7 +52,7 @@ COMMANDS = {
     ),
     "ablation": Command(
         __name__,
-        "Train the paper's form and what it is compared with, each for as long, and score all; a second call goes on.",
+        "Train the paper's form and its alternatives, each for as long, and score all; a second call continues.",
         "lidardraft-train ablation --steps 500 -n 16",
     ),
 }
@@ -199,16 +199,16 @@ def street_options(parser: argparse.ArgumentParser) -> None:
     add_minutes(parser)
     add_seed(parser)
     add_training_device(parser)
-    text = "processes that make the streets of --sensor meanwhile; each step learns from what is there by then, as a "
+    text = "processes that make the streets of --sensor meanwhile; each step learns from the pairs made so far, for a "
     text += "GPU needs it (default: each step makes its own)"
     parser.add_argument("--workers", type=whole_number(0), default=0, metavar="N", help=text)
     text = "compile the network first (torch.compile): a minute or more, worth it in long runs on a GPU"
     parser.add_argument("--compile", action="store_true", help=text)
     text = "unseen streets to score the weights on (default 50)"
     parser.add_argument("--evaluate", type=whole_number(1), default=50, metavar="N", help=text)
-    text = "where runs are kept (default out/street)"
+    text = "folder for runs (default out/street)"
     parser.add_argument("--work", default="out/street", metavar="FOLDER", help=text)
-    text = "where the weight file goes (default street.safetensors)"
+    text = "weight file (default street.safetensors)"
     parser.add_argument("-o", "--output", default="street.safetensors", metavar="WEIGHTS", help=text)
 
 
@@ -248,7 +248,7 @@ def segmenter_options(parser: argparse.ArgumentParser) -> None:
     text = "weights to begin with: `segmenter`, which is packaged, or a file"
     parser.add_argument("--init", metavar="NAME", help=text)
     add_minutes(parser)
-    text = "where the weights and the state of the run go; a second call goes on"
+    text = "folder for the weights and the state of the run; a second call continues"
     parser.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER", help=text)
     text = "steps of training (default 2000)"
     parser.add_argument("--steps", type=whole_number(1), default=2000, metavar="N", help=text)
@@ -366,7 +366,7 @@ def ablation_options(parser: argparse.ArgumentParser) -> None:
     text = "unseen streets to score on (default 50)"
     parser.add_argument("-n", "--num", type=whole_number(1), default=50, metavar="N", help=text)
     add_seed(parser)
-    text = "where runs are kept, and the scans of each row in scans/ROW (default out/ablation)"
+    text = "folder for runs, and for the scans of each row in scans/ROW (default out/ablation)"
     parser.add_argument("--work", default="out/ablation", metavar="FOLDER", help=text)
     add_training_device(parser)
 

@@ -90,7 +90,7 @@ def view_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--large", action="store_true", help="one large and smooth view of a scan alone")
     text = "boxes around the objects of a scan: .boxes.json, KITTI's label_2, ... (default: the .boxes.json beside it)"
     parser.add_argument("--boxes", metavar="FILE", help=text)
-    text = "where the picture goes (default FILE.view.png); .html makes a page of a scan; of a folder, a film: .gif "
+    text = "file of the picture (default FILE.view.png); .html makes a page of a scan; of a folder, a film: .gif "
     text += "(default view.gif in it) or .mp4"
     parser.add_argument("-o", "--output", metavar="PICTURE", help=text)
     add_json(parser)

@@ -143,7 +143,7 @@ class Table:
         """Raise `FormatError` on a key that was never read."""
         for key in sorted(self.fields.keys() - set(self.known)):
             near = did_you_mean(self.known, key) or f"; known are {', '.join(sorted(set(self.known)))}"
-            raise FormatError(f"{self.place}{key} is no key here{near}")
+            raise FormatError(f"{self.place}{key} is not a key here{near}")
 
 
 def _list(values: Values) -> list[Any]:

@@ -60,7 +60,7 @@ class DenoiserConfig:
         if self.controlnet and not (self.condition and set(self.condition) <= {"depth", "class"}):
             raise LidarDraftError(f"condition is {self.condition}; a ControlNet sees depth, class or both")
         if self.completes and "simulated" not in self.condition:
-            raise LidarDraftError("what is open is completed in the simulated scan; the condition must have it")
+            raise LidarDraftError("the part open completes the simulated scan; the condition must have it")
 
     @property
     def context(self) -> int:

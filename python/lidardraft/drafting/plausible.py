@@ -70,7 +70,7 @@ def out_of_reach(layout: Layout, remedy: str = "--recentre (`recentre` in Python
     gaps = np.maximum(np.abs(from_it) - np.array([one.size for one in shapes]) / 2, 0.0)
     away = float(np.linalg.norm(gaps, axis=1).min())
     if away > MAX_RANGE:
-        said = f"all of it is {away:,.0f} m or more from the origin, where the sensor stands"
+        said = f"all of it is {away:,.0f} m or more from the origin, the place of the sensor"
         return [f"{said}; sensors reach {MAX_RANGE:.0f} m; {remedy}"]
     low, high = corners_around([one for one in shapes if one.label in GROUND], 0.0)
     if _STEP < low[2] < math.inf or -math.inf < high[2] < -_STEP:

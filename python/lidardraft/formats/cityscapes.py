@@ -49,7 +49,7 @@ def _from_ids(values: np.ndarray) -> np.ndarray:
         row, column = np.argwhere(wrong)[0].tolist()
         raise FormatError(
             f"{values[row, column]} at row {row}, column {column} is not a train id of Cityscapes; they are 0 to 18, "
-            f"and {_VOID} for what has none"
+            f"and {_VOID} for pixels without one"
         )
     return CLASS_FROM_TRAIN_ID[values]
 

@@ -186,7 +186,7 @@ def read_table(path: Path, fields: tuple[str, ...]) -> list[dict[str, Any]]:
             if "filename" not in fields:
                 continue
             if ".." in Path(row["filename"]).parts or Path(row["filename"]).is_absolute():
-                raise FormatError(f"row {number} names {row['filename']!r}, which lies outside the data set")
+                raise FormatError(f"row {number} names {row['filename']!r}, which is outside the data set")
         return rows
 
 

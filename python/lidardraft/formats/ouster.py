@@ -25,7 +25,7 @@ from lidardraft.scene.sensor_model import MODELS
 _MOST_COLUMNS = 4096  # the most of any of their modes
 _TABLES = ("beam_altitude_angles", "beam_azimuth_angles")
 _LARGEST = 2**44  # bytes of a log; only a frame of it is read
-_NO_MODE = "columns_per_frame and lidar_mode say no mode such as 1024x10"
+_NO_MODE = "columns_per_frame and lidar_mode name no mode such as 1024x10"
 
 
 def is_ouster_metadata(text: str) -> bool:

@@ -107,7 +107,7 @@ def text_records(text: bytes, record: np.dtype, count: int) -> np.ndarray:
         lines = io.BytesIO(re.sub(rb"\.0+(?!\S)", b"", text))  # whole numbers may be written as 6.0
         table: np.ndarray = np.loadtxt(lines, record, comments=None, max_rows=count, ndmin=1, encoding="latin-1")
     if len(table) < count:
-        raise FormatError(f"{count} points are announced, and {len(table)} lines of numbers are there")
+        raise FormatError(f"{count} points are announced, but {len(table)} lines of numbers are there")
     return table
 
 

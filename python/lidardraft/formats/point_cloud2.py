@@ -39,7 +39,7 @@ def cloud_columns(cloud: Any) -> dict[str, np.ndarray]:
     fields = [field for field in cloud.fields if field.name.strip("_")]
     names = [field.name for field in fields]
     if twice := {name for name in names if names.count(name) > 1}:
-        raise FormatError(f"the field {min(twice)} is there twice")
+        raise FormatError(f"the field {min(twice)} occurs twice")
     formats = list[tuple[str, int]]()
     for field in fields:
         if field.datatype not in _KINDS:

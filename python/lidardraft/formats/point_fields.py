@@ -54,7 +54,7 @@ def unit_intensity(
         raise FormatError(f"{held}; give their scale as --intensity-scale (intensity_scale), likely {likely:g}")
     if scale is None and values.dtype == np.uint16 and most > 0 and likely < known:
         said = f"intensities of 16 bits are divided by {known:g}, but the largest is {most:g}"
-        warnings.warn(f"{os.fspath(of)}: {said}: give --intensity-scale {likely:g} if that stands for 1", stacklevel=2)
+        warnings.warn(f"{os.fspath(of)}: {said}: give --intensity-scale {likely:g} if that means 1", stacklevel=2)
     if over:
         said = f"{over} of {len(seen)} intensities are over {known:g}, at most {most:.9g}; they are clipped"
         warnings.warn(f"{os.fspath(of)}: {said}", stacklevel=2)

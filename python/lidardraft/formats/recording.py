@@ -44,10 +44,10 @@ SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pk
 _FIELDS = ("label", "instance", "column", "made_up")  # of an .npz file, with those of `NAMES`
 _OFF, _FURTHEST = 50.0, 1000.0  # m: the nearest returns are seldom further than the first, and never than the second
 _NEAR = 0.05  # the share that counts as nearest returns: a few points of a map may lie near its origin
-_MAP = "the nearest returns are {:.0f} m from the origin, where the sensor should be; of a cloud in the frame of a map"
+_MAP = "the nearest returns are {:.0f} m from the origin, the place of the sensor; of a cloud in the frame of a map"
 _MAP += ", subtract the sensor's place, and of one in other units make metres"
 _COARSE = 0.01  # m: coarser steps of coordinates are reported
-_NO_LASERS = "nothing says which laser took a point: no field ring, no rows, not laser by laser as KITTI's files are"
+_NO_LASERS = "the lasers of the points are unknown: no field ring, no rows, not laser by laser as in KITTI's files"
 _ORDERLY = 0.98  # the least share of small steps ahead in a file of KITTI's order
 _SMALL_STEP = np.deg2rad(5.0)
 _ASIDE = 0.05  # the share of the seam's crossings that go back, by lasers with other azimuths
@@ -122,7 +122,7 @@ def read_points(
     stated = next((scale for ending, scale in SCALES.items() if os.fspath(path).endswith(ending)), None)
     scale = stated if intensity_scale is None else intensity_scale
     if topic is not None and not is_bag(path):
-        raise FormatError(f"{os.fspath(path)} is no ROS 2 bag; --topic (topic) is for those")
+        raise FormatError(f"{os.fspath(path)} is not a ROS 2 bag; --topic (topic) is for bags")
     if frame is not None and frame < 0:
         raise FormatError(f"frame is {frame}; it must be 0 or more")
     if is_log(path):
@@ -393,13 +393,13 @@ def _from_columns(
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     plain = {name.removeprefix("scalar_"): values for name, values in columns.items()}
     if set(CARLA_FIELDS) <= plain.keys():
-        said = "CARLA's semantic LiDAR, whose y points right: y is turned to the left, and ObjTag says the classes"
+        said = "CARLA's semantic LiDAR, whose y points right: y is turned to the left, and ObjTag gives the classes"
         warnings.warn(f"{os.fspath(path)}: a cloud of {said}", stacklevel=2)
         with named(path):
             cloud = carla_cloud(plain, tags, of=path)
         return cloud.points, {"label": cloud.label, "instance": cloud.instance}
     if list(columns) == ["x", "y", "z", "I"]:
-        said = "x y z I are the fields of CARLA's LiDAR, whose y points right; y is read as it stands: negate it if so"
+        said = "x y z I are the fields of CARLA's LiDAR, whose y points right; y is read unchanged: negate it if so"
         warnings.warn(f"{os.fspath(path)}: {said}", stacklevel=2)
     names = named_fields([name for name, values in columns.items() if values.ndim == 1])
     if missing := [axis for axis in "xyz" if axis not in names]:

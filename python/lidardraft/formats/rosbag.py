@@ -71,7 +71,7 @@ class _Bag:
             listed = f"{', '.join(held[:_MOST_SHOWN])}{more}" if held else "none"
             raise FormatError(f"it holds no points, {_CLOUD}; its topics are {listed}")
         if topic is None and len(names) > 1:
-            raise FormatError(f"it has points on {', '.join(names)}; say which by --topic (topic)")
+            raise FormatError(f"it has points on {', '.join(names)}; choose one with --topic (topic)")
         if topic is not None and topic not in names:
             raise FormatError(f"topic is {topic!r}; it must be {one_of(names, topic)}")
         return [each for each in found if each.topic == (topic or names[0])]

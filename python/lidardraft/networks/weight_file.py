@@ -89,4 +89,4 @@ def read_card(path: str | os.PathLike[str]) -> dict[str, Any]:
     try:
         return parse_object(metadata.get("card", "{}"))
     except FormatError as error:
-        raise CheckpointError(f"{os.fspath(path)}: the card is no JSON object: {error}") from None
+        raise CheckpointError(f"{os.fspath(path)}: the card is not a JSON object: {error}") from None

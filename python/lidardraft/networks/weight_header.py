@@ -32,4 +32,4 @@ def read_metadata(path: str | os.PathLike[str]) -> dict[str, str]:
     except FormatError as error:
         raise CheckpointError(str(error)) from None
     except (SafetensorError, OSError) as error:
-        raise CheckpointError(f"{os.fspath(path)} is no whole safetensors file: {error}") from None
+        raise CheckpointError(f"{os.fspath(path)} is not a complete safetensors file: {error}") from None

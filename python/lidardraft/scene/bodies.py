@@ -45,7 +45,7 @@ class Bodies:
 
     def __reduce__(self) -> tuple[Any, ...]:
         if not self.as_given:
-            raise TypeError("bodies that were joined or moved cannot be pickled; pickle what they were made of")
+            raise TypeError("bodies that were joined or moved cannot be pickled; pickle their sources")
         return Bodies._again, (self.primitives, self.surfaces, self.origin)
 
     @classmethod

@@ -23,7 +23,7 @@ def standing_on_ground(label: np.ndarray, sensor: Sensor) -> RangeImage:
         raise FormatError(f"the map is {label.dtype} {label.shape}; {sensor.name} needs whole numbers {sensor.shape}")
     if not label.any() or label.min() < 0 or label.max() >= NUM_CLASSES:
         held = f"{label.min()} to {label.max()}"
-        raise FormatError(f"the map holds {held}; classes are 1 to {NUM_CLASSES - 1}, and 0 where nothing returns")
+        raise FormatError(f"the map holds {held}; classes are 1 to {NUM_CLASSES - 1}, and 0 for no return")
     down = -np.array(sensor.elevations)[:, None]
     flat = np.minimum(max(sensor.mount_height, _LOWEST_MOUNT) / np.tan(np.maximum(down, 1e-3)), _FAR)
     ground = np.where(np.isin(label, [BY_NAME[name].id for name in GROUND]), flat, flat[-1])

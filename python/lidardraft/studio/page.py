@@ -114,7 +114,7 @@ class BrowserPage(Page):
     # fmt: off
     def _scene_tab(self, gui: Any) -> None:
         with gui.add_folder("1. Describe a scene"):
-            self._text = gui.add_text("Sentence", SENTENCE, multiline=True, hint="In English: what stands and drives.")
+            self._text = gui.add_text("Sentence", SENTENCE, multiline=True, hint="In English: objects and traffic.")
             examples = gui.add_dropdown("Examples", ("choose one ...", *_EXAMPLES))
             self._seed = gui.add_number("Seed", 0, min=0, max=_SEED, step=1, hint="Another seed, another scene.")
             self._button("Make the scene", viser.Icon.WAND, self._draft, "blue")

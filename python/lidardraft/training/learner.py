@@ -161,7 +161,7 @@ class Learner:
                 metadata, tensors = file.metadata(), {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
             begun, step = RunIdentity(**json.loads(metadata["run"])), int(metadata["step"])
         except (SafetensorError, OSError, KeyError, TypeError, ValueError) as error:
-            raise TrainingError(f"{path} is no state of a run: {error}") from None
+            raise TrainingError(f"{path} is not the state of a run: {error}") from None
         identity.check(path, begun)
         self.network.load_state_dict(_below("network.", tensors))
         self.averaged.load_state_dict(_below("average.", tensors))

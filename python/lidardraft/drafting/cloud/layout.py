@@ -256,7 +256,7 @@ def _check_points(points: np.ndarray) -> None:
     for wrong, what in (
         (~np.isfinite(reach), "every coordinate must be finite"),
         (reach > _FURTHEST, f"a scan reaches {_FURTHEST:.0f} m"),
-        (reach < _NEAREST, "that is in the sensor itself; leave out what is no return"),
+        (reach < _NEAREST, "that is in the sensor itself; leave out points that are not returns"),
     ):
         if wrong.any():
             raise LayoutError(f"point {np.argmax(wrong)} is {points[np.argmax(wrong)].tolist()}; {what}")

@@ -67,7 +67,7 @@ class ChatServer:
         if not usable or not self.url.isprintable() or " " in self.url:
             raise LanguageModelError(f"the URL of the language model is {self.url!r}; it must be as {_EXAMPLE}")
         if not self.model or not isinstance(self.model, str):
-            raise LanguageModelError(f"which model of {self.url} to ask is not said; {MODEL} or --llm-model names it")
+            raise LanguageModelError(f"which model of {self.url} to ask is not given; {MODEL} or --llm-model names it")
         object.__setattr__(self, "url", self.url.rstrip("/").removesuffix("/chat/completions"))
 
     def reply(self, messages: list[dict[str, str]], options: dict[str, Any], limit: TimeLimit) -> ChatReply:
@@ -179,7 +179,7 @@ def _refusal(answer: HttpAnswer) -> str:
         return f"{status}: the API is at {target}; redirections are not followed, give that URL"
     said = f"{status}: {_said(answer.body)}".rstrip(": ")
     if answer.status in (401, 403):
-        return f"{said}; the key is what the environment variable {KEY} holds" + ("" if _key() else ", and it is empty")
+        return f"{said}; the key is that of the environment variable {KEY}" + ("" if _key() else ", and it is empty")
     if answer.status == 404:
         return f"{said}; the URL must be that of the API, as in {_EXAMPLE}, and the server must have the model"
     wait = answer.retry_after()

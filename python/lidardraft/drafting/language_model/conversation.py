@@ -108,7 +108,7 @@ class ReplyCache:
         except (OSError, ValueError) as error:
             usable, reason = False, getattr(error, "strerror", None) or str(error)
         if not usable:
-            raise FormatError(f"{self.folder}: replies of language models cannot be kept there: {reason}")
+            raise FormatError(f"{self.folder}: cannot keep replies of language models: {reason}")
 
     def find(self, request: str) -> list[ChatReply]:
         """The replies to the request of that hash; an empty list if there are none. A broken file is a
@@ -182,7 +182,7 @@ def once_more(read: Callable[[str], T], missing: Callable[[T], list[str]]) -> Ca
         lines = missing(result) if len(seen) < MAX_ATTEMPTS and not any(seen) else []
         if lines:
             seen[-1] = True
-            raise LayoutError(f"{'; '.join(lines)}; add what is missing")
+            raise LayoutError(f"{'; '.join(lines)}; add the missing parts")
         return result
 
     return checked

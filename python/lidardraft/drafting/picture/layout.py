@@ -168,7 +168,7 @@ def _camera(
     width: int, height: int, intrinsics: object | None, hfov: float | None, film_focal_length: float | None
 ) -> Pinhole:
     if intrinsics is not None and hfov is not None:
-        raise LayoutError("intrinsics and hfov say the same; give one of them")
+        raise LayoutError("intrinsics and hfov both set the focal length; give one of them")
     if intrinsics is not None:
         return Pinhole.from_matrix(intrinsics, width, height)
     if hfov is not None:
@@ -176,7 +176,7 @@ def _camera(
     if film_focal_length is not None:
         return Pinhole.from_film(film_focal_length, width, height)
     raise LayoutError(
-        "the picture does not say its focal length; give hfov (--hfov), its horizontal field of view: 65 to 75 degrees "
+        "the picture has no focal length; give hfov (--hfov), its horizontal field of view: 65 to 75 degrees "
         "for most telephones, 80 for KITTI"
     )
 
@@ -197,7 +197,7 @@ def _check_array(name: str, array: np.ndarray, shape: tuple[int, int]) -> None:
             f"{name} holds {array.dtype}; it must hold {'numbers' if name == 'depth' else 'whole numbers'}"
         )
     wrong = ~np.isfinite(array) | (array < 0)
-    limit = "finite, and 0 where unknown"
+    limit = "finite, and 0 if unknown"
     if name == "semantics":
         wrong |= array >= NUM_CLASSES
         limit = f"a class id, 0 to {NUM_CLASSES - 1}; other tables are read by lidardraft.formats.cityscapes"

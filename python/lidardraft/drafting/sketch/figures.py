@@ -52,7 +52,7 @@ def read_svg(text: str, metres_per_unit: float | None) -> Sketch:
         if label == "road" and _says(figure, _MARKINGS):
             sketch.ignored.append(f"{figure.where}: markings are not read")
         elif label is None:
-            sketch.ignored.append(f"{figure.where}: neither a name nor a colour says its class")
+            sketch.ignored.append(f"{figure.where}: neither its name nor its colour gives a class")
         elif label != "terrain":
             sketch.add(_shapes(figure, label, frame, share))
     return sketch

@@ -66,7 +66,7 @@ def _unkept_of(
 ) -> Iterator[str]:
     kind = group.record
     if isinstance(group.count, str) and len(found) < (least := getattr(kind.counts, group.count)[0]):
-        yield f"there is room for {len(found)} of them, where {group.count} are {least} or more"
+        yield f"there is room for {len(found)} of them, but {group.count} means {least} or more"
     for one in found:
         if group.goes_across and group.surface != "sidewalk" and min(map(abs, one.across)) > road.edge:
             yield f"{one.name} is to cross the road, and is beside it"
@@ -74,10 +74,10 @@ def _unkept_of(
             yield f"{one.name} has no rider"
         in_lane = abs(one.middle[1]) < road.edge - road.parking - 0.5 and not (group.lane or road.paved_areas)
         if kind.is_vehicle and group.heading == "parked" and in_lane:
-            yield f"{one.name} is to be parked, and stands in a lane"
+            yield f"{one.name} should be parked, but is in a lane"
         others = [other for number in group.references for other in placed[number]]
         if group.distance is not None and others and not any(_is_at(one, other, group.distance) for other in others):
-            yield f"{one.name} is not {group.distance[0]:g} m from what it is placed from"
+            yield f"{one.name} is not {group.distance[0]:g} m from its reference"
     gap = max(_gaps(group, found, road), default=0.0)
     if gap > _NO_GAP:
         yield f"there are gaps of up to {gap:.1f} m between them"

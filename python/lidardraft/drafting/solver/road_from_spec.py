@@ -128,7 +128,7 @@ def _crossed_at(spec: SceneSpec, road: Road) -> Road:
     junction = sum(distance) / 2 + lane
     nearest = NEAREST_JUNCTION + (road.edge if road.roundabout_radius is None else road.roundabout_radius)
     if junction < nearest:
-        limit = f"what crosses must be {math.ceil(nearest - lane)} m away or more"
+        limit = f"crossing traffic must be {math.ceil(nearest - lane)} m away or more"
         raise LayoutError(f"{kind}: distance is {sum(distance) / 2:g} m; {limit}")
     return replace(road, junction=junction, half_length=max(road.half_length, junction + 30.0))
 

@@ -50,7 +50,7 @@ def layout_from_text(sentence: str, *, seed: int = 0, strict: bool = False) -> L
     spec = _strictly(explanation) if strict else explanation.spec
     layout = layout_from_spec(spec, seed=seed)
     if strict and layout.notes:
-        raise TextError(f"{'; '.join(layout.notes)}; say it otherwise, or take another seed")
+        raise TextError(f"{'; '.join(layout.notes)}; rephrase it, or take another seed")
     said = {"source": "text", "sentence": sentence, "understood": relations(spec)}
     near = "".join(f"; did you mean {known!r}?" for known in nearest_words(spec.not_understood).values())
     notes = [f"not understood: {', '.join(spec.not_understood)}{near}"] * bool(spec.not_understood)
@@ -75,7 +75,7 @@ def _strictly(explanation: Explanation) -> SceneSpec:
     if unknown:
         raise TextError(f"not understood: {_listed(unknown)}; {_FREE_TEXT}")
     if explanation.mismatches:
-        raise TextError(f"{'; '.join(explanation.mismatches)}; say it otherwise; {_FREE_TEXT}")
+        raise TextError(f"{'; '.join(explanation.mismatches)}; rephrase it; {_FREE_TEXT}")
     return explanation.spec
 
 
@@ -120,10 +120,10 @@ def explain(sentence: str) -> Explanation:
     if spec == SceneSpec() and not any(_names_road(node) for node in nodes):
         if not_shown and not unknown:
             shapeless = f"nothing of {sentence!r} was understood that has a shape (not shown: {_listed(not_shown)})"
-            raise TextError(f"{shapeless}; name a road, or objects and where they are; {_FREE_TEXT}")
+            raise TextError(f"{shapeless}; name a road, or objects and their places; {_FREE_TEXT}")
         parts = f" (unknown as a whole: {_listed(unknown)})" if unknown else ""
         raise TextError(
-            f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are; {_FREE_TEXT}"
+            f"nothing of {sentence!r} was understood{parts}; name a road, or objects and their places; {_FREE_TEXT}"
         )
     spec = dataclasses.replace(spec, not_understood=unknown)
     return Explanation(tuple(meanings), spec, not_shown, tuple(mismatches(nodes, texts, spec, silent)))
