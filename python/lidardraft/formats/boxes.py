@@ -38,7 +38,7 @@ def write_boxes(path: str | os.PathLike[str], boxes: Sequence[Box], num_points: 
 def read_boxes(path: str | os.PathLike[str]) -> tuple[list[Box], list[int]]:
     """The sensor-frame boxes and the number of points on each.
 
-    Raises `FormatError` if the file is not such a file, `LayoutError` for an invalid box; both name it.
+    Raises `FormatError` if the file is of another form, `LayoutError` for an invalid box; both name it.
     """
     text = read_text(path)
     boxes, counts = [], []
