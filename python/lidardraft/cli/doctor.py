@@ -39,8 +39,8 @@ def doctor(arguments: argparse.Namespace) -> None:
         found = _found(library)
         lacks = f"missing; pip install 'lidardraft[{extras[0]}]'"
         report(arguments, f"{library:15} {found or lacks}", library=library, found=found, extra=extras[0])
-    if found := _devices():
-        report(arguments, f"generate: on {', '.join(found)}", devices=found)
+    if devices := _devices():
+        report(arguments, f"generate: on {', '.join(devices)}", devices=devices)
 
 
 def _first_scan() -> float:
