@@ -270,14 +270,14 @@ def test_what_is_missing_is_said_with_what_is_there(
     path = folder / f"a{ending}"
     there = "xyz, brightness" if ending == ".npz" else "x, y, z, brightness"
     WITH_NAMES[ending](path, columns_of(np.random.default_rng(0).permutation(POINTS), brightness=DIM))
-    with pytest.raises(FormatError, match=rf"nothing says which laser took a point: .*; its fields are {there}"):
+    with pytest.raises(FormatError, match=rf"the lasers of the points are unknown: .*; its fields are {there}"):
         read_recording(path)
     write_label(folder / "a.label", LABEL, np.zeros(len(LABEL), np.uint32))
     said = run(capsys, "pairs", path.name, "--labels", "a.label", "--sensor", "few.json", "-o", "p", status=2)
-    assert f"there are no intensities, which the generator learns too; its fields are {there}" in said
-    assert "there are no intensities" not in run(capsys, "edit", path.name, "--sensor", "few.json")
+    assert f"it has no intensities, which the generator learns too; its fields are {there}" in said
+    assert "it has no intensities" not in run(capsys, "edit", path.name, "--sensor", "few.json")
     said = run(capsys, "edit", path.name, "--sensor", "few.json", "--insert", "car at 9,-5", "-o", "edited")
-    assert f"there are no intensities; its fields are {there}: recorded returns read 0" in said
+    assert f"it has no intensities; its fields are {there}: recorded returns read 0" in said
 
 
 def test_fit_says_if_there_are_no_intensities(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -289,7 +289,7 @@ def test_fit_says_if_there_are_no_intensities(folder: Path, capsys: pytest.Captu
     points = np.column_stack([level * np.cos(azimuth), level * np.sin(azimuth), far * np.sin(elevation)])
     write_pcd(folder / "a.pcd", columns_of(points.astype("<f4"), line=np.repeat(np.arange(8), 400).astype("<u1")))
     said = run(capsys, "fit", "a.pcd", "-o", "mine.json", "--streets", "4")
-    assert "a.pcd: there are no intensities; its fields are x, y, z, line: none are fitted" in said
+    assert "a.pcd: it has no intensities; its fields are x, y, z, line: none are fitted" in said
 
 
 # Frames
@@ -344,7 +344,7 @@ def test_clouds_of_maps_are_refused_by_every_command(
     ):
         said = run(capsys, *argv, status=2)
         assert f"{path.name}: the nearest returns are 5837" in said
-        assert "m from the origin, where the sensor should be; of a cloud in the frame of a map, subtract" in said
+        assert "m from the origin, the place of the sensor; of a cloud in the frame of a map, subtract" in said
         assert "and of one in other units make metres" in said
 
 
@@ -372,7 +372,7 @@ def test_pairs_say_what_is_applied_in_other_processes_too(capfd: pytest.CaptureF
 def test_clouds_that_are_not_around_the_sensor_are_told(folder: Path) -> None:
     write_ply(folder / "a.ply", columns_of(POINTS + np.float32([200, 0, 0])))
     with pytest.warns(
-        UserWarning, match=r"a\.ply: the nearest returns are 18\d m from the origin, where the sensor should"
+        UserWarning, match=r"a\.ply: the nearest returns are 18\d m from the origin, the place of the sensor"
     ):
         read_points(folder / "a.ply")
 
@@ -460,7 +460,7 @@ def hits(tags: dict[int, int], label: np.ndarray = LABEL) -> Columns:
 
 
 MIRRORED = (
-    r"a cloud of CARLA's semantic LiDAR, whose y points right: y is turned to the left, and ObjTag says the classes"
+    r"a cloud of CARLA's semantic LiDAR, whose y points right: y is turned to the left, and ObjTag gives the classes"
 )
 
 
@@ -493,7 +493,7 @@ def test_clouds_of_carla_are_mirrored_and_have_classes(
     found = re.search(r"car_1: car at [\d.]+,(\S+) ", said)
     assert found is not None
     assert float(found[1]) == pytest.approx(5, abs=0.3)
-    assert "there are no intensities" in run(capsys, "pairs", path.name, "--sensor", "few.json", "-o", "p", status=2)
+    assert "it has no intensities" in run(capsys, "pairs", path.name, "--sensor", "few.json", "-o", "p", status=2)
 
 
 @pytest.mark.parametrize("ending", [".ply", ".npy"])

@@ -109,7 +109,7 @@ def test_a_device_is_not_replaced_by_a_file(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "null").symlink_to("/dev/null")
     for name in ("pipe", "null"):
-        said = rf"{name} cannot be written: it is there, and not a regular file"
+        said = rf"{name} cannot be written: it exists and is not a regular file"
         with pytest.raises(FormatError, match=said), written_whole(tmp_path / name) as temporary:
             temporary.write_text("")
     assert not (tmp_path / "pipe").is_file()

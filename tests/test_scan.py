@@ -54,7 +54,7 @@ def test_a_scan_that_cannot_be_saved_leaves_nothing(scan: Scan, tmp_path: Path) 
         with pytest.raises(FormatError, match=f"{name} cannot be written"):
             scan.save(tmp_path / name)
     (tmp_path / "000000.png").mkdir()
-    with pytest.raises(FormatError, match=r"000000\.png cannot be written: it is there, and not a regular file"):
+    with pytest.raises(FormatError, match=r"000000\.png cannot be written: it exists and is not a regular file"):
         scan.save(tmp_path / "000000")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["000000.png", "file"]
 

@@ -1,4 +1,4 @@
-"""Anything a person has becomes a layout of semantic shapes, and the layout a LiDAR scan."""
+"""Any input becomes a layout of semantic shapes, and the layout a LiDAR scan."""
 
 import ast
 import importlib
@@ -10,7 +10,7 @@ from lidardraft.errors import extra as _extra
 
 __version__ = "0.2.0"  # that of pyproject.toml and Cargo.toml
 
-# The module of each public name, as type checkers read them too. It is imported when the name is first asked for: most
+# The module of each public name; type checkers read them too. A module is imported at the first use of its name: most
 # need scikit-learn, Pillow or torch.
 _STUB = ast.parse(Path(__file__).with_suffix(".pyi").read_text(encoding="utf-8"))
 _MODULE_OF = {name.name: row.module for row in _STUB.body if isinstance(row, ast.ImportFrom) for name in row.names}
@@ -32,7 +32,7 @@ def __dir__():
 
 
 def _warn_of_debug_build(debug: bool) -> None:
-    """One warning at the line that imports lidardraft, if the core was compiled without optimisation."""
+    """Warn once, at the line that imports lidardraft, if the core was compiled without optimisation."""
     if debug:
         message = (
             "lidardraft's compiled core is a debug build: right, but many times slower than a release build; "

@@ -1,4 +1,4 @@
-"""The public names and their types; `__init__.py` reads here which module each comes from."""
+"""The public names and their types; `__init__.py` reads from here the module of each."""
 
 # fmt: off
 # isort: off

@@ -1,4 +1,4 @@
-"""Arrays in .npz and .npy files of others: what is larger than any scan is not read."""
+"""Arrays in foreign .npz and .npy files; arrays larger than any scan are refused."""
 
 from __future__ import annotations
 
@@ -14,20 +14,20 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.files import expecting, named, read_bytes, regular_size
 
-_COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # what numpy writes; others take seconds to unpack
-_LARGEST = 2**27  # bytes of an array, ten times those of the largest scan; a small file may unpack to any number
+_COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # those of numpy; others take seconds to unpack
+_LARGEST = 2**27  # bytes of an array, ten times those of the largest scan; a small file may unpack to any size
 
 
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[zipfile.ZipFile]:
-    """The archive of an .npz file; errors of the block name the file, and are `FormatError` where it is broken."""
+    """The archive of an .npz file; errors of the block name the file, and are `FormatError` if it is broken."""
     regular_size(path)
     with named(path), expecting("a whole .npz file"), zipfile.ZipFile(path) as archive:
         yield archive
 
 
 def names_in(path: str | os.PathLike[str]) -> list[str]:
-    """The names of the arrays in an .npz file; raises `FormatError` where it is broken."""
+    """The names of the arrays in an .npz file; raises `FormatError` if it is broken."""
     with opened(path) as archive:
         return [name.removesuffix(".npy") for name in archive.namelist()]
 
@@ -38,7 +38,7 @@ def holds(archive: zipfile.ZipFile, name: str) -> bool:
 
 
 def read_array(archive: zipfile.ZipFile, name: str, dtype: np.dtype[Any], shape: tuple[int, ...]) -> np.ndarray:
-    """The array of that name; raises `FormatError` where it is missing, truncated, or of another type or shape."""
+    """The array of that name; raises `FormatError` if it is missing, truncated, or of another type or shape."""
     array = _array(archive, name)
     if array.dtype != dtype or array.shape != shape:
         raise FormatError(f"{name} is {array.dtype} {array.shape}; it must be {dtype} {shape}")
@@ -46,7 +46,7 @@ def read_array(archive: zipfile.ZipFile, name: str, dtype: np.dtype[Any], shape:
 
 
 def read_numbers(archive: zipfile.ZipFile, name: str, shape: tuple[int, ...] | None = None) -> np.ndarray:
-    """The array of that name, of any type of numbers, and of any shape if none is given; raises `FormatError` as
+    """The array of that name, of any numeric type, and of any shape if `shape` is None; raises `FormatError` as
     `read_array` does."""
     array = _array(archive, name)
     if array.dtype.kind not in "fiub":
@@ -65,14 +65,14 @@ def read_text(archive: zipfile.ZipFile, name: str) -> str:
 
 
 def read_npy(path: str | os.PathLike[str]) -> np.ndarray:
-    """The array of numbers or records in an .npy file; raises `FormatError` where it is broken or holds others."""
+    """The array of numbers or records in an .npy file; raises `FormatError` if it is broken or holds anything else."""
     data = read_bytes(path)
     with named(path):
         return parse_npy(data)
 
 
 def parse_npy(data: bytes) -> np.ndarray:
-    """As `read_npy`, of the bytes of a file."""
+    """As `read_npy`, from the bytes of a file."""
     array = _parsed(io.BytesIO(data))
     if array.dtype.kind not in "fiubV":
         raise FormatError(f"it holds {array.dtype} {array.shape}; it must hold numbers")

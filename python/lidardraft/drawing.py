@@ -1,4 +1,4 @@
-"""An eye that looks at a layout or a scan, and drawings of the points and boxes that it sees."""
+"""A virtual camera in a layout or a scan, and drawings of the points and boxes in its view."""
 
 from __future__ import annotations
 
@@ -18,23 +18,24 @@ _TEXT = (214, 221, 235)
 _RING, _RING_NAME, _EGO = (62, 76, 104), (128, 142, 172), (235, 239, 248)
 _TOP, _BOTTOM = (27, 34, 52), (11, 13, 21)  # the background, darker towards the eye
 _EGO_BOX = Box("ego", "car", 0, (0.0, 0.0, 0.8), (4.5, 1.9, 1.5), 0.0)
-_NEAR = 1.0  # m, what is nearer to the eye is not drawn
-_POINT, _LEAST, _MOST = 0.06, 2, 4  # m, how wide a point is; pixels of a picture of _USUAL rows, at least and at most
+_NEAR = 1.0  # m, the least distance that is drawn
+_POINT, _LEAST, _MOST = 0.06, 2, 4  # m, the width of a point; its least and most pixels in a picture of _USUAL rows
 _USUAL = 560
-_SKY = 1000.0  # m, the height of an eye that looks straight down
+_SKY = 1000.0  # m, the height of an eye for views from above
 _PITCHES = (32.0, 42.0)  # degrees down
-# Degrees around what it looks at, the best liked first: behind the ego vehicle and a little to the side.
+# Bearings of the eye [degrees] from its target, in order of preference: behind the ego vehicle and a little to the
+# side.
 _BEARINGS = (190.0, 170.0, 215.0, 145.0, 250.0, 110.0, 15.0, -15.0)
-_NEAREST, _FURTHEST = 17.0, 46.0  # m from what it looks at
+_NEAREST, _FURTHEST = 17.0, 46.0  # m from the target
 _FOCAL = 1.15  # times the height of the picture
-_MARGIN = 0.85  # of half the picture, which what is shown may fill
-_LIKED = 1.4  # times as near must another bearing be to be taken
+_MARGIN = 0.85  # of half the picture: the share that its content may fill
+_LIKED = 1.4  # a later bearing must be nearer by this factor to be taken
 _AHEAD = np.array([(25.0, 10.0, 0.0), (25.0, -10.0, 0.0)])
-_PATHS = ([0, 1, 2, 3, 0, 4, 5, 6, 7, 4], [1, 5], [2, 6], [3, 7], [8, 9])  # along the edges; 8 and 9 are where it looks
+_PATHS = ([0, 1, 2, 3, 0, 4, 5, 6, 7, 4], [1, 5], [2, 6], [3, 7], [8, 9])  # along the edges; 8 to 9 is the heading
 
 
 def _axes(bearing: float, pitch: float) -> np.ndarray:
-    """The axes [3, 3] of an eye at that bearing of what it looks at, `pitch` over the horizon [rad]."""
+    """The axes [3, 3] of an eye at that bearing from its target, `pitch` over the horizon [rad]."""
     cos, sin = math.cos(bearing), math.sin(bearing)
     ahead = np.array([-cos * math.cos(pitch), -sin * math.cos(pitch), -math.sin(pitch)])
     left = np.array([sin, -cos, 0.0])
@@ -46,7 +47,7 @@ _VIEWS = np.stack([_axes(bearing, pitch) for pitch in np.radians(_PITCHES) for b
 
 @dataclass(frozen=True, eq=False)
 class Eye:
-    """A pinhole camera of `width` x `height` pixels that looks along the x axis of `pose`, world_from_camera [4, 4];
+    """A pinhole camera of `width` x `height` pixels that faces along the x axis of `pose`, world_from_camera [4, 4];
     `focal` is in pixels."""
 
     pose: np.ndarray
@@ -56,14 +57,15 @@ class Eye:
 
     @classmethod
     def above(cls, *, width: int, height: int, reach: float) -> Eye:
-        """Straight down on the origin from far above; ahead is up, and the upper edge is `reach` [m] away."""
+        """Far above the origin, facing straight down; up in the picture is ahead, and its upper edge is `reach` [m]
+        away."""
         pose = np.array([[0, 0, 1.0, 0], [0, 1.0, 0, 0], [-1.0, 0, 0, _SKY], [0, 0, 0, 1.0]])
         return cls(pose, _SKY * height / 2 / reach, width, height)
 
     @classmethod
     def showing(cls, places: np.ndarray, *, width: int, height: int) -> Eye:
-        """So near that `places` [N, 3] and the ego vehicle just fill the picture, from behind or from the nearest side.
-        Without places it looks ahead."""
+        """As near as possible with `places` [N, 3] and the ego vehicle in the picture, from behind or from the nearest
+        side. Without places it faces ahead."""
         places = np.concatenate([corners_of([_EGO_BOX])[0], places if len(places) else _AHEAD])
         target, focal = (places.min(axis=0) + places.max(axis=0)) / 2, _FOCAL * height
         ahead, left, up = np.moveaxis((places - target) @ _VIEWS, 2, 0)  # [V, N] each
@@ -84,7 +86,7 @@ class Eye:
         return np.broadcast_to(self.pose[:3, 3], across.shape), across @ self.pose[:3, :3].T
 
     def seen(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Column, row and distance ahead [m] of points [N, 3]; the first two mean something where that is positive."""
+        """Column, row and distance ahead [m] of points [N, 3]; column and row are valid if the distance is positive."""
         pose = self.pose.astype(points.dtype)
         ahead, left, up = pose[:3, :3].T @ (points - pose[:3, 3]).T
         scale = self.focal / np.maximum(ahead, _NEAR)
@@ -92,7 +94,7 @@ class Eye:
 
 
 class Drawing:
-    """What an eye sees, drawn in the order of the calls over a dark background with rings of the distance; lines are
+    """The view of an eye, drawn in the order of the calls over a dark background with rings of the distance; lines are
     `line` pixels wide."""
 
     def __init__(self, eye: Eye, rings: Iterable[int] = (10, 20, 30, 40, 50, 60)) -> None:
@@ -117,18 +119,18 @@ class Drawing:
         eye, angle = self.eye, np.linspace(0.0, math.tau, 121)
         places = np.stack(eye.seen(radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)), axis=1)
         behind = np.flatnonzero(places[:, 2] <= _NEAR)
-        if len(behind):  # the ring begins where it comes into sight
+        if len(behind):  # the ring begins at the edge of the view
             places = np.roll(places[:-1], -int(behind[-1]) - 1, axis=0)
             places = places[places[:, 2] > _NEAR]
         self._pen.line(places[:, :2].ravel().tolist(), fill=_RING, width=self.line)
         column, row, _ = places.T
         inside = (column > 0) & (column < eye.width - 44 * self.line) & (row > 0) & (row < eye.height - 20)
-        if inside.any():  # its name stands on the right, and so high that names do not touch
+        if inside.any():  # its name is on the right, at a height that keeps names apart
             best = np.argmax(np.where(inside, column - row / 2, -math.inf))
             self.text((float(column[best]) + 4, float(row[best])), f"{radius} m", 12 * self.line, _RING_NAME)
 
     def points(self, points: np.ndarray, colours: np.ndarray) -> None:
-        """Points [N, 3] in their colours uint8 [N, 3], the nearest over the others and larger."""
+        """Draw points [N, 3] in their colours uint8 [N, 3], the nearest over the others and larger."""
         eye, most = self.eye, _MOST * self.line
         column, row, ahead = eye.seen(points)
         inside = (column >= 0) & (column <= eye.width - most) & (row >= 0) & (row <= eye.height - most)
@@ -144,14 +146,14 @@ class Drawing:
         opaque = np.full((len(kept), 4), 255, dtype=np.uint8)
         opaque[:, :3] = colours[kept]
         colour, flat = opaque.view(np.uint32)[:, 0], self._pixels.reshape(-1)
-        for size in range(int(wide.min()), int(wide.max()) + 1):  # those that are large are near
+        for size in range(int(wide.min()), int(wide.max()) + 1):  # the large ones are near
             some = wide == size
             corner, paint = pixel[some], colour[some]
             for down, right in itertools.product(range(size), repeat=2):
                 flat[corner + (down * eye.width + right)] = paint
 
     def boxes(self, boxes: Sequence[Box], colours: Sequence[Colour]) -> None:
-        """The edges of boxes, and a line on the ground from the middle of each to where it looks."""
+        """Draw the edges of boxes, and on the ground a line from the middle of each in its heading."""
         corners = corners_of(boxes)
         floor, front = corners[:, :4].mean(axis=1, keepdims=True), corners[:, 1:3].mean(axis=1, keepdims=True)
         points = np.concatenate([corners, floor, 1.25 * front - 0.25 * floor], axis=1)
@@ -164,11 +166,11 @@ class Drawing:
                 self._pen.line(path[number], fill=colours[number], width=self.line)
 
     def ego(self) -> None:
-        """The vehicle at the origin, on which the sensor stands."""
+        """Draw the vehicle at the origin, which carries the sensor."""
         self.boxes([_EGO_BOX], [_EGO])
 
     def text(self, place: tuple[float, float], text: str, size: int, colour: Colour = _TEXT) -> None:
-        """A line of text whose upper left corner is at `place`, column and row."""
+        """Write a line of text with its upper left corner at `place`, column and row."""
         self._pen.text(place, text, fill=colour, font=font(size))
 
     def title(self, place: tuple[float, float], text: str, size: int) -> None:
@@ -178,8 +180,7 @@ class Drawing:
         self.text(place, text, size)
 
     def legend(self, place: tuple[float, float], entries: Sequence[tuple[str, Colour]], size: int) -> None:
-        """Names beside their colours, in one row on a dark ground from `place` on, as many as the picture has room
-        for."""
+        """Write names beside their colours, in one row on a dark ground from `place` on, as many as fit."""
         (column, row), letters = place, font(size)
         for name, colour in entries:
             width = 1.6 * size + letters.getlength(name)
@@ -192,7 +193,7 @@ class Drawing:
 
 
 def corners_of(boxes: Sequence[Box]) -> np.ndarray:
-    """The corners [M, 8, 3] of boxes, each as `Box.corners` has them."""
+    """The corners [M, 8, 3] of boxes, each as in `Box.corners`."""
     return np.array([box.corners() for box in boxes]).reshape(-1, 8, 3)
 
 

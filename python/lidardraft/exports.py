@@ -1,4 +1,4 @@
-"""Scans become a data set in a format of others."""
+"""Scans become a data set in a foreign format."""
 
 from __future__ import annotations
 
@@ -31,15 +31,16 @@ def export(
     as_seen: bool | None = None,
     box_margin: float = 0.0,
 ) -> None:
-    """Write a scan, a drive of scans or of names of saved ones, all of a folder or of the drives in it, or several
-    drives, one scan after the other, into the new folder `output` in a format of docs/reference/formats.md ("kitti").
+    """Write a data set of scans into the new folder `output`, in a format of docs/reference/formats.md ("kitti", ...).
 
-    Of several sensors of one vehicle, `scans` are those of each channel, by its name. "nuscenes" makes one data set of
-    them, in which a sample has a sweep of each channel; other formats get a folder OUTPUT/CHANNEL for each.
+    `scans` are a scan, a drive of scans or of names of saved ones, all scans of a folder or of the drives in it, or
+    several drives, in order. For several sensors of one vehicle, `scans` maps the name of each channel to its scans.
+    "nuscenes" makes one data set of them, in which a sample has a sweep of each channel; other formats get a folder
+    OUTPUT/CHANNEL for each.
 
-    Points and boxes are those of `Scan.frame`, by default `as_seen` for "mcap" and "ros2". No box at all is a
-    `UserWarning` if the format has boxes. Raises `FormatError` for an unknown format, no scans, or an `output` that is
-    there already, for invalid names of channels, and for channels with different numbers of scans.
+    Points and boxes are those of `Scan.frame`, by default `as_seen` for "mcap" and "ros2". If the format has boxes and
+    there are none at all, a `UserWarning` says so. Raises `FormatError` for an unknown format, no scans, an `output`
+    that exists already, invalid names of channels, and channels with different numbers of scans.
     """
     write, boxes, seen = writer_of(format), 0, format in AS_SEEN if as_seen is None else as_seen
 
@@ -83,7 +84,7 @@ def _is_name(channel: object) -> bool:
 
 
 def _together(channels: Iterable[Iterable[T]]) -> Iterator[tuple[T, ...]]:
-    """The first of all channels, the second of all, and so on; raises `FormatError` where one has fewer."""
+    """The first item of all channels, the second of all, and so on; raises `FormatError` if one has fewer."""
     try:
         yield from zip(*channels, strict=True)
     except ValueError:
@@ -95,7 +96,7 @@ def _by_moment(channels: Iterable[Iterable[Frame]]) -> Iterator[Frame]:
 
 
 def drives_in(folder: Path) -> list[list[Path]]:
-    """The scans of a folder as one drive, or of each folder in it, in order."""
+    """The scans of a folder as one drive, or one drive for each folder in it, in order."""
     inner = sorted(each.parent for each in folder.glob("*/tracks.json"))
     return [scans_in(each) for each in inner or [folder]]
 
@@ -106,5 +107,5 @@ def scans_in(folder: Path) -> list[Path]:
         raise FormatError(f"{folder} is not a folder of scans")
     endings = sorted(path.name for path in folder.glob("*.sensor.json"))
     if not endings:
-        raise FormatError(f"{folder} holds no scans of `simulate`, `generate` or `observe`: there is no .sensor.json")
+        raise FormatError(f"{folder} holds no scans of `simulate`, `generate` or `observe`: no .sensor.json found")
     return [folder / name.removesuffix(".sensor.json") for name in endings]

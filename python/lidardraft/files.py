@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all, and files that are read only if they can be read to an end."""
+"""Files that are written whole or not at all, and checks that a file can be read to its end."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if sys.platform == "win32":
     import msvcrt
 
     def _lock(file: int) -> None:
-        os.lseek(file, 2**30, os.SEEK_SET)  # others may read what lies before: who holds the lock
+        os.lseek(file, 2**30, os.SEEK_SET)  # others may read the name of the holder before this byte
         msvcrt.locking(file, msvcrt.LK_NBLCK, 1)
 
 else:
@@ -29,8 +29,8 @@ else:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
-MAX_BYTES = 2**32  # larger than any weight file that fits into memory beside what is made of it
-MAX_WHOLE, MAX_TEXT = 2**27, 2**26  # of a file that is read at once, a scan or a model, and of one of text, as JSON is
+MAX_BYTES = 2**32  # larger than any weight file that fits into memory together with its network
+MAX_WHOLE, MAX_TEXT = 2**27, 2**26  # of a file read at once, a scan or a model, and of a text file such as JSON
 LOCK = ".lock"  # the file of a folder that its writer holds
 _KINDS = {
     stat.S_IFDIR: "a directory",
@@ -43,9 +43,9 @@ _KINDS = {
 
 @contextmanager
 def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A temporary path beside `path`: renamed to it when the block ends well, removed when it raises.
+    """A temporary path beside `path`: renamed to it if the block succeeds, removed if it raises.
 
-    Each writer gets its own. Raises `FormatError` where the file cannot be written.
+    Each writer gets its own. Raises `FormatError` if the file cannot be written.
     """
     target = Path(path)
     check_replaceable(target)
@@ -55,17 +55,17 @@ def written_whole(path: str | os.PathLike[str]) -> Iterator[Path]:
         temporary.replace(target)
     except OSError as error:
         raise FormatError(f"{target} cannot be written: {error.strerror or error}") from None
-    finally:  # where it was renamed, there is nothing of that name
-        with suppress(OSError):  # on a disk that is read-only, even where nothing is there
+    finally:  # after the rename there is no such file
+        with suppress(OSError):  # a read-only disk raises even for a missing file
             temporary.unlink()
 
 
 @contextmanager
 def written_together(name: str | os.PathLike[str], endings: Sequence[str] = ()) -> Iterator[str]:
-    """The stem of temporary files that get the stem `name` when the block ends well: all of them or none.
+    """The stem of temporary files that get the stem `name` if the block succeeds: all of them or none.
 
-    A set of files that has the first of `endings` is replaced whole: those of its files that are not written anew go.
-    Raises `FormatError` where one cannot be written; the files that had these names are then as they were.
+    A set of files that has the first of `endings` is replaced whole: its files that are not written again are removed.
+    Raises `FormatError` if one cannot be written; the earlier files then stay unchanged.
     """
     target = Path(name)
     try:
@@ -84,19 +84,19 @@ def written_together(name: str | os.PathLike[str], endings: Sequence[str] = ()) 
 
 @contextmanager
 def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """A hidden temporary folder beside `path`: renamed to it when the block ends well, removed when it raises.
+    """A hidden temporary folder beside `path`: renamed to it if the block succeeds, removed if it raises.
 
-    Raises `FormatError` where `path` is there and not an empty folder, or where something cannot be written.
+    Raises `FormatError` if `path` exists and is not an empty folder, or if something cannot be written.
     """
     target = Path(os.path.abspath(path))
     temporary = target.with_name(f".{target.name}.{secrets.token_hex(4)}.partial")
     try:
         if os.path.lexists(target) and (not target.is_dir() or any(target.iterdir())):
-            raise FormatError(f"{path} is there already; write to a new or empty folder")
+            raise FormatError(f"{path} exists already; write to a new or empty folder")
         target.parent.mkdir(parents=True, exist_ok=True)
         temporary.mkdir()
         yield temporary
-        temporary.replace(target)  # fails where another process has filled the folder meanwhile
+        temporary.replace(target)  # fails if another process has filled the folder meanwhile
     except OSError as error:
         raise FormatError(f"{path} cannot be written: {error.strerror or error}") from None
     except FormatError as error:  # it may name a temporary file
@@ -106,8 +106,8 @@ def new_folder(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 
 def _replace_all(new: Path, old: Path, folder: Path, earlier: Sequence[str]) -> None:
-    """Move the files of `new` to `folder`, and to `old` those that they replace and, where the first of them is there,
-    the `earlier` ones; where one move fails, undo all."""
+    """Move the files of `new` to `folder`, and the files that they replace to `old`. If the first of the `earlier`
+    files exists, move all of those to `old` too. If a move fails, undo all."""
     written = {path.name for path in new.iterdir()}
     names = sorted(written.union(earlier if earlier and os.path.lexists(folder / earlier[0]) else ()))
     for name in names:
@@ -128,25 +128,25 @@ def _replace_all(new: Path, old: Path, folder: Path, earlier: Sequence[str]) -> 
 
 
 def check_replaceable(target: Path) -> None:
-    """Raise `FormatError` where something is there that is not a regular file: a rename would take a device's place."""
+    """Raise `FormatError` if the target exists and is not a regular file: a rename would replace a device."""
     if "\0" in str(target):
-        raise FormatError(f"{target} cannot be written: no file can have that name")
+        raise FormatError(f"{target} cannot be written: invalid file name")
     if target.exists() and not target.is_file():
-        raise FormatError(f"{target} cannot be written: it is there, and not a regular file")
+        raise FormatError(f"{target} cannot be written: it exists and is not a regular file")
 
 
 def check_other_file(output: str | os.PathLike[str], given: str | os.PathLike[str]) -> None:
-    """Raise `FormatError` where what is to be written would replace what it is made of."""
+    """Raise `FormatError` if the output would replace its own input."""
     try:
         is_same = os.path.samefile(output, given)
-    except (OSError, ValueError):  # one of them is not there
+    except (OSError, ValueError):  # one of them does not exist
         return
     if is_same:
         raise FormatError(f"{os.fspath(output)} is the input too; write to another file")
 
 
 def write_text(path: str | os.PathLike[str], text: str) -> None:
-    """Write a text in UTF-8; raises `FormatError` where it cannot be written or is more than `read_text` reads."""
+    """Write a text in UTF-8; raises `FormatError` if it cannot be written or is larger than `read_text` accepts."""
     content = text.encode("utf-8")
     if len(content) > MAX_TEXT:
         raise FormatError(f"{os.fspath(path)} would have {len(content)} bytes; such files of up to {MAX_TEXT} are read")
@@ -157,7 +157,7 @@ def write_text(path: str | os.PathLike[str], text: str) -> None:
 def regular_size(path: str | os.PathLike[str], most: int = MAX_BYTES) -> int:
     """The number of bytes of a file, links followed.
 
-    Raises `FormatError` where it is missing, is not a regular file (a FIFO or a device may never end) or has more than
+    Raises `FormatError` if it is missing, is not a regular file (a FIFO or a device may never end) or has more than
     `most` bytes.
     """
     name = os.fspath(path) or "''"
@@ -165,7 +165,7 @@ def regular_size(path: str | os.PathLike[str], most: int = MAX_BYTES) -> int:
         status = os.stat(path)
     except OSError as error:
         raise FormatError(f"{name}: {error.strerror}") from None
-    except ValueError as error:  # a name that no file can have
+    except ValueError as error:  # an invalid file name
         raise FormatError(f"{name}: {error}") from None
     if not stat.S_ISREG(status.st_mode):
         kind = _KINDS.get(stat.S_IFMT(status.st_mode), "something else")
@@ -194,7 +194,8 @@ def read_text(path: str | os.PathLike[str], most: int = MAX_TEXT) -> str:
 
 
 def read_sentences(path: str | os.PathLike[str]) -> dict[int, str]:
-    """The sentences of a file by their lines, each of which holds one or nothing; raises `FormatError` for none."""
+    """The sentences of a file by line number; a line holds one or none. Raises `FormatError` if there are none at
+    all."""
     lines = enumerate(map(str.strip, read_text(path).splitlines()), start=1)
     if not (sentences := {number: line for number, line in lines if line}):
         raise FormatError(f"{os.fspath(path)} holds no sentence; it must hold one a line")
@@ -203,7 +204,7 @@ def read_sentences(path: str | os.PathLike[str]) -> dict[int, str]:
 
 @contextmanager
 def named(name: str | os.PathLike[str]) -> Iterator[None]:
-    """Errors of the block begin with the name of the file, or of the part of it, that they are about."""
+    """Prefix errors of the block with the name of the file, or of the part of it, that they are about."""
     try:
         yield
     except LidarDraftError as error:
@@ -212,12 +213,12 @@ def named(name: str | os.PathLike[str]) -> Iterator[None]:
 
 @contextmanager
 def expecting(what: str) -> Iterator[None]:
-    """Whatever a library raises in the block, on what others wrote, becomes one `FormatError`: not `what`."""
+    """Turn whatever a library raises in the block, on a foreign file, into one `FormatError`: not `what`."""
     try:
         yield
     except LidarDraftError:
         raise
-    except Exception as error:  # parsers raise what they meet, a lack of memory and of depth too
+    except Exception as error:  # parsers raise anything, for lack of memory and of depth too
         lines = filter(str.strip, str(error).splitlines())
         said = getattr(error, "strerror", None) or next(lines, type(error).__name__)
         raise FormatError(f"not {what}: {said.strip():.200}") from None
@@ -225,14 +226,15 @@ def expecting(what: str) -> Iterator[None]:
 
 @contextmanager
 def locked_folder(folder: Path, lock: str = LOCK) -> Iterator[None]:
-    """Hold a lock of an existing folder while the block runs: a file of its name, which goes at the end.
+    """Hold a lock of an existing folder while the block runs: a file of that name, removed at the end.
 
     Raises `FormatError` naming the process that holds the lock.
     """
     path = folder / lock
     with ExitStack() as opened:
         while True:
-            # the system closes the file, and so ends the lock, when this process ends; others that it starts have none
+            # the system closes the file, and so ends the lock, when this process ends; its child processes do not hold
+            # it
             file = opened.enter_context(path.open("a+"))
             try:
                 _lock(file.fileno())
@@ -251,5 +253,5 @@ def locked_folder(folder: Path, lock: str = LOCK) -> Iterator[None]:
         try:
             yield
         finally:
-            with suppress(OSError):  # Windows keeps what is open
+            with suppress(OSError):  # Windows keeps open files
                 path.unlink()

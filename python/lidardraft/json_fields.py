@@ -1,4 +1,4 @@
-"""JSON as others write it: the object or list that a text holds, its fields, and numbers that are numbers."""
+"""Foreign JSON: the object or list in a text, its fields, and checks of numbers."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ import numpy as np
 from lidardraft.errors import FormatError
 
 _LONGEST = 2**26  # bytes or letters of a text
-_MOST_BRACKETS = 3_000_000  # lists and objects of a text, which take a hundred bytes each once they are read
-_MOST_FIELDS = 1_500_000  # of all objects, which take twice as much and twice as long
+_MOST_BRACKETS = 3_000_000  # lists and objects of a text; each takes a hundred bytes of memory
+_MOST_FIELDS = 1_500_000  # of all objects; each takes twice as much memory and time
 
 
 def parse_json(text: str | bytes) -> Any:
-    """What a JSON text holds; raises `FormatError` where it is not JSON, or more of it than is read."""
+    """The content of a JSON text; raises `FormatError` if it is not JSON, or exceeds the limits."""
     check_brackets(text)
     try:
         return json.loads(text)
@@ -29,20 +29,20 @@ def parse_json(text: str | bytes) -> Any:
     except json.JSONDecodeError as error:
         begins = f"; it begins with {text[:20]!r}" if error.pos == 0 and text else ""
         raise FormatError(f"not JSON: {error}{begins}") from None
-    except ValueError as error:  # a number of too many digits is one too
+    except ValueError as error:  # a number of too many digits raises it too
         raise FormatError(f"not JSON: {error}") from None
 
 
 def parse_object(text: str | bytes) -> dict[str, Any]:
-    """The object that a JSON text holds; raises `FormatError` where it holds something else or nothing."""
+    """The object in a JSON text; raises `FormatError` if the text holds something else or nothing."""
     return check_object(parse_json(text))
 
 
 def parse_document(
     text: str, schema: str, required: Iterable[str], optional: Iterable[str], *, older: Iterable[str] = ()
 ) -> dict[str, Any]:
-    """The object that a JSON text of this schema, or an older one, holds; raises `FormatError` on another schema or
-    other fields."""
+    """The object in a JSON text of this schema, or an older one; raises `FormatError` on another schema or other
+    fields."""
     document = parse_object(text)
     check_schema(document.get("schema"), schema, older)
     check_fields(document, ("schema", *required), optional)
@@ -50,7 +50,7 @@ def parse_document(
 
 
 def check_schema(found: Any, schema: str, older: Iterable[str] = ()) -> None:
-    """Raises `FormatError` where the schema of a file is neither this one nor an older one that is read."""
+    """Raises `FormatError` unless the schema of a file is this one or an older one that is read."""
     if found not in (schema, *older):
         name, _, version = str(found).rpartition("/")
         is_later = (
@@ -61,7 +61,7 @@ def check_schema(found: Any, schema: str, older: Iterable[str] = ()) -> None:
 
 
 def parse_list(text: str | bytes) -> list[Any]:
-    """The list that a JSON text holds; raises `FormatError` where it holds something else or nothing."""
+    """The list in a JSON text; raises `FormatError` if the text holds something else or nothing."""
     document = parse_json(text)
     if not isinstance(document, list):
         raise FormatError(f"{document!r:.50} is not a JSON list")
@@ -69,14 +69,14 @@ def parse_list(text: str | bytes) -> list[Any]:
 
 
 def check_object(value: Any) -> dict[str, Any]:
-    """The value, which is a JSON object; raises `FormatError` where it is not."""
+    """The value, if it is a JSON object; else raises `FormatError`."""
     if not isinstance(value, dict):
         raise FormatError(f"{value!r:.50} is not a JSON object")
     return value
 
 
 def check_fields(fields: Iterable[str], required: Iterable[str], optional: Iterable[str] = ()) -> None:
-    """Raises `FormatError` naming a field that is missing or unknown."""
+    """Raises `FormatError` naming a missing or unknown field."""
     given = set(fields)
     missing = set(required) - given
     if missing:
@@ -87,7 +87,7 @@ def check_fields(fields: Iterable[str], required: Iterable[str], optional: Itera
 
 
 def check_brackets(text: str | bytes) -> None:
-    """Raises `FormatError` where a text is longer, or has more lists, objects or fields, than is read."""
+    """Raises `FormatError` if a text is too long, or has too many lists, objects or fields."""
     if len(text) > _LONGEST:
         raise FormatError(f"{len(text)} bytes of JSON; up to {_LONGEST} are read")
     opened, begun, fields = map(text.count, "[{:") if isinstance(text, str) else map(text.count, (b"[", b"{", b":"))
@@ -97,13 +97,13 @@ def check_brackets(text: str | bytes) -> None:
 
 
 def check_lists(number: int) -> None:
-    """Raises `FormatError` where a text has more lists and objects than are read."""
+    """Raises `FormatError` if a text has too many lists and objects."""
     if number > _MOST_BRACKETS:
         raise FormatError(f"{number} lists and objects; JSON of up to {_MOST_BRACKETS} is read")
 
 
 def is_number(value: Any) -> bool:
-    """Whether it is a finite real number that fits in a float; True and False are none."""
+    """Whether the value is a finite real number that fits in a float; False for True and False."""
     if type(value) is float:  # most are
         return math.isfinite(value)
     if isinstance(value, bool) or not isinstance(value, int | float | np.integer | np.floating):
@@ -115,15 +115,15 @@ def is_number(value: Any) -> bool:
 
 
 def are_numbers(values: Any, count: int) -> bool:
-    """Whether it is a list, tuple or array of so many finite numbers."""
+    """Whether the value is a list, tuple or array of `count` finite numbers."""
     return isinstance(values, list | tuple | np.ndarray) and len(values) == count and all(map(is_number, values))
 
 
 def read_as(kind: Any, value: Any, name: str = "") -> Any:
-    """A JSON value as the type that an annotation says: a dataclass of an object, a tuple of a list, or what it is.
-    A dataclass that is written otherwise has `read` and `written`.
+    """A JSON value in the type of an annotation: a dataclass from an object, a tuple from a list, else the value
+    itself. A dataclass with a JSON form of its own has `read` and `written`.
 
-    Raises `FormatError` naming the place in it, the value and what was expected; a dataclass raises as it does.
+    Raises `FormatError` naming the place, the value and the expected type; a dataclass raises its own errors.
     """
     origin, kinds = get_origin(kind), get_args(kind)
     if origin in (Union, UnionType):
@@ -161,7 +161,7 @@ def _read_dataclass(kind: Any, value: Any, name: str) -> Any:
 
 
 def write_as(value: Any) -> Any:
-    """JSON types: the inverse of `read_as`. Objects of dataclasses are without the fields that have their defaults."""
+    """The value as JSON types, the inverse of `read_as`. Fields of dataclasses with default values are left out."""
     if is_dataclass(value) and not isinstance(value, type):
         if hasattr(value, "written"):
             return value.written()

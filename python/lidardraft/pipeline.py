@@ -34,12 +34,12 @@ from lidardraft.scene.visibility import open_pixels
 from lidardraft.simulation.simulate import simulate
 
 _NOTHING_OPEN = "the layout leaves nothing open: the scan is the simulated one"
-_PIXELS_AT_ONCE = 2**19  # that a GPU makes in a call: 8 scans of 64 x 1024
+_PIXELS_AT_ONCE = 2**19  # of a call on a GPU: 8 scans of 64 x 1024
 
 
 class _Given(NamedTuple):
-    """What a scan is made of: the cast of a layout, its simulated scan, and a seed. Weights that complete make what
-    `is_open`, bool [H, W]; all others the whole scan, where it is None."""
+    """The input of a scan: the cast of a layout, its simulated scan, and a seed. Weights that complete make the pixels
+    of `is_open`, bool [H, W]. All others make the whole scan; for them it is None."""
 
     cast: RangeImage
     simulated: RangeImage
@@ -49,12 +49,12 @@ class _Given(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Pipeline:
-    """A denoiser, ready to turn sentences and layouts into scans, of an hdl64e where no sensor is given.
+    """A denoiser that turns sentences and layouts into scans, by default of an hdl64e.
 
-    Weights that complete (`DenoiserConfig.completes`) leave the simulated scan of a layout as it is, and make what the
-    layout leaves open; all others make the whole scan from noise. A scan is sampled in `steps` calls of the network,
-    two each where `guidance` strengthens a ControlNet, the last one at `last_noise`. `trained` says which sensors it
-    was trained on, where that is known: a scan of another one is a `UserWarning`.
+    Weights that complete (`DenoiserConfig.completes`) keep the simulated scan of a layout, and make only the pixels
+    that the layout leaves open; all others make the whole scan from noise. A scan is sampled in `steps` calls of the
+    network, two each if `guidance` strengthens a ControlNet, the last one at `last_noise`. `trained` are the limits of
+    the sensors in training, if known: a scan of another sensor is a `UserWarning`.
     """
 
     denoiser: Denoiser
@@ -85,8 +85,8 @@ class Pipeline:
     ) -> Pipeline:
         """The packaged weights of that name, or the weight file at that path; raises `CheckpointError`.
 
-        What of `steps` and `guidance` is not given, and the last noise, are those stored in the card of the weights.
-        `threads` is how many torch may use in this process from now on; scans differ a little with their number.
+        `steps` and `guidance` are by default those in the card of the weights, as is the last noise. `threads` is the
+        number of torch's threads in this process from now on; scans differ a little with it.
         """
         check_type("name", name, str, os.PathLike)
         path = weight_header.find(name)
@@ -113,10 +113,11 @@ class Pipeline:
         speed: float = 0.0,
         on_step: Callable[[], object] | None = None,
     ) -> Scan:
-        """The scan of a layout, or of a sentence in its street, by a sensor that moves ahead with `speed` [m/s].
+        """The scan of a layout, or of a sentence in its street, by a sensor that moves ahead at `speed` [m/s].
 
-        Same arguments, same scan; another seed gives another one (of a sentence, with another layout too). `on_step` is
-        called after each sampling step. A layout that leaves nothing open to weights that complete is a `UserWarning`.
+        The same arguments give the same scan; another seed gives another one, for a sentence with another layout too.
+        `on_step` is called after each sampling step. With weights that complete, a layout that leaves nothing open is a
+        `UserWarning`.
         """
         check_type("source", source, str, Layout)
         return next(self.scans([(source, seed)], sensor=sensor, speed=speed, on_step=on_step))
@@ -129,7 +130,7 @@ class Pipeline:
         speed: float = 0.0,
         on_step: Callable[[], object] | None = None,
     ) -> Iterator[Scan]:
-        """The scans of many sentences or layouts, each with its seed. A GPU makes several in the same calls.
+        """The scans of many sentences or layouts, each with its seed. A GPU makes several in one call.
 
         `on_step` is called after each sampling step of each scan.
         """
@@ -138,16 +139,16 @@ class Pipeline:
             yield from self._made([simulate(each, sensor, seed=seed, speed=speed) for each, seed in some], on_step)
 
     def from_simulated(self, scan: Scan, *, on_step: Callable[[], object] | None = None) -> Scan:
-        """What becomes of a simulated scan, as of those that `scans` makes of layouts."""
+        """The generated scan of a simulated one, as `scans` makes it from a layout."""
         return next(self._made([scan], on_step))
 
     def _at_once(self, sensor: Sensor) -> int:
-        """How many scans a call of the network makes."""
+        """The number of scans made in one call of the network."""
         is_cpu = next(self.denoiser.parameters()).device.type == "cpu"
         return 1 if is_cpu else max(1, _PIXELS_AT_ONCE // math.prod(sensor.shape))
 
     def _made(self, simulated: Sequence[Scan], on_step: Callable[[], object] | None) -> Iterator[Scan]:
-        """What becomes of simulated scans of one sensor."""
+        """The generated scans of simulated scans of one sensor."""
         given = [_given(scan, completes=self.denoiser.config.completes) for scan in simulated]
         images = iter(self._sampled([one for one in given if one.is_open is None or one.is_open.any()], on_step))
         for scan, one in zip(simulated, given, strict=True):
@@ -169,10 +170,11 @@ class Pipeline:
         seed: int = 0,
         on_step: Callable[[], object] | None = None,
     ) -> RangeImage:
-        """The scan of a semantic map, class ids [H, W] of the sensor's rays, with the classes that the network gives.
+        """The scan of a semantic map, class ids [H, W] of the sensor's rays, with the classes that the network
+        predicts.
 
-        Weights that see ranges too are given guessed ones (`standing_on_ground`). Raises `FormatError` on a map that is
-        not of the sensor, `CheckpointError` with weights that complete the simulated scan of a layout.
+        Weights that use ranges too get guessed ones (`standing_on_ground`). Raises `FormatError` on a map that does not
+        fit the sensor, `CheckpointError` with weights that complete the simulated scan of a layout.
         """
         if self.denoiser.config.completes:
             raise CheckpointError(
@@ -190,9 +192,9 @@ class Pipeline:
         seed: int = 0,
         on_step: Callable[[], object] | None = None,
     ) -> RangeImage:
-        """The scan of the cast of a layout and its simulated scan, with the classes that the network gives it.
+        """The scan for the cast of a layout and its simulated scan, with the classes that the network predicts.
 
-        Of weights that complete it is the simulated scan but where `is_open`, bool [H, W]: None is everywhere.
+        Weights that complete return the simulated scan except where `is_open`, bool [H, W]; None is everywhere.
         """
         if not self.denoiser.config.completes:
             is_open = None
@@ -203,7 +205,7 @@ class Pipeline:
 
     @torch.inference_mode()
     def _sampled(self, given: Sequence[_Given], on_step: Callable[[], object] | None) -> list[RangeImage]:
-        """The scans of what is given, all of one sensor, in the same calls of the network."""
+        """The scans of several inputs, all of one sensor, in the same calls of the network."""
         if not given:
             return []
         sensor, condition = given[0].simulated.sensor, None
@@ -234,7 +236,7 @@ class Pipeline:
 
 
 def _given(scan: Scan, *, completes: bool) -> _Given:
-    """What a simulated scan's layout gives."""
+    """The input from a simulated scan and its layout."""
     poses = scan.poses()
     cast = raycast(scan.layout, scan.image.sensor, poses=poses, primitive=True)
     return _Given(cast, scan.image, open_pixels(scan.layout, cast, poses) if completes else None, scan.seed)

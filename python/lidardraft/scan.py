@@ -1,4 +1,4 @@
-"""A labelled scan of a layout, simulated or generated, and the files that it is saved as."""
+"""A labelled scan of a layout, simulated or generated, and its files."""
 
 from __future__ import annotations
 
@@ -30,27 +30,28 @@ from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.visibility import occluded_shares
 
-_MOST_IN_NOTEBOOKS = 40_000  # points of an output, which is kept in the file of the notebook: half a megabyte
+_MOST_IN_NOTEBOOKS = 40_000  # points of an output, half a megabyte in the file of the notebook
 SCAN_ENDINGS = (".npz", ".bin", ".label", ".boxes.json", ".layout.json", ".sensor.json", ".png")  # of a saved scan
 TRACK_FILES = ("poses.txt", "times.txt", "tracks.json")  # beside the saved scans of a sequence
-CASTS_FILE = "casts.json"  # beside those of `observe`: the file that each is made of, by its number
+CASTS_FILE = "casts.json"  # beside those of `observe`: the source file of each, by number
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scan:
-    """A labelled scan and the layout it was made of.
+    """A labelled scan and its layout.
 
-    `pose` is the world_from_sensor [4, 4] it was taken from; of a sensor that moves with `speed` [m/s] along `heading`,
-    by default its x axis, and turns about its z axis with `turn` [rad/s] it is the pose in the middle of the sweep.
-    `heading` [3], of length 1 in the world, is that of a vehicle that leans, as its sensor does, but not its way.
+    `pose` is the world_from_sensor [4, 4] of the scan. A sensor may move at `speed` [m/s] along `heading`, by default
+    its x axis, and turn about its z axis at `turn` [rad/s]; then `pose` is that in the middle of the sweep. `heading`
+    [3], of length 1 in the world, is for a vehicle that leans: its sensor leans too, but its direction of travel does
+    not.
 
-    In a frame of a sequence, `time` is that of the middle of the sweep since the start [s], the layout is as it stands
-    then, and `velocities` are those [m/s] of the objects that move, by their names, in the world.
+    In a frame of a sequence, `time` is that of the middle of the sweep since the start [s], the layout is that of this
+    time, and `velocities` are those [m/s] of the moving objects, by name, in the world.
 
     `mount` is the place of the sensor on its vehicle: x, y, z [m] and yaw [rad] from the road under the vehicle's
     middle. None is (0, 0, `mount_height`, 0).
 
-    `assumed` are lines on this scan alone, which files do not keep; `notes` are these and those of its layout.
+    `assumed` are notes on this scan alone, which files do not keep; `notes` are these and those of its layout.
     """
 
     image: RangeImage
@@ -77,11 +78,11 @@ class Scan:
         layout: Layout | None = None,
         pose: np.ndarray | None = None,
     ) -> Scan:
-        """The scan of points of your own, [N, 3] [m] in the frame of `sensor`, with one value a point [N] of what else
-        is known: class ids, numbers of objects as in `layout`, which is by default empty, and intensities in [0, 1].
+        """The scan of given points, [N, 3] [m] in the frame of `sensor`, with optional values [N] for each: class ids,
+        instances as in `layout`, which is by default empty, and intensities in [0, 1].
 
-        Each point becomes the return of the pixel that it lies in: it keeps its range, and lies in the middle of its
-        beam and column. Of several the nearest stays; how many are left out is a `UserWarning`, and one of `notes`.
+        Each point becomes the return of its pixel: it keeps its range, and moves to the middle of its beam and column.
+        Of several points in a pixel the nearest stays; a `UserWarning` and one of `notes` report the number left out.
         `pose` is world_from_sensor [4, 4], by default that of the sensor on its mount. Raises `LayoutError` naming the
         first invalid value.
         """
@@ -102,12 +103,12 @@ class Scan:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """The notes of the layout, and what was assumed or left out in this scan (`assumed`): a line each."""
+        """The notes of the layout, and the assumptions and omissions of this scan (`assumed`), a line each."""
         return (*self.layout.notes, *self.assumed)
 
     @cached_property
     def condition_image(self) -> RangeImage:
-        """The cast of the layout from the same place: what a generated scan is conditioned on."""
+        """The cast of the layout from the same place: the condition of a generated scan."""
         if not (self.speed or self.turn):
             return raycast(self.layout, self.image.sensor, self.pose)
         return raycast(self.layout, self.image.sensor, poses=self.poses())
@@ -120,8 +121,7 @@ class Scan:
     def points(self) -> np.ndarray:
         """x, y, z of the returns in the sensor's frame in the middle of the sweep [m], float32 [N, 3].
 
-        They lie in their boxes, as KITTI's do: the sensor's own motion is taken out. `image.points()` are the points of
-        a sensor that does not know it moves.
+        They are in their boxes, as in KITTI: the sensor's own motion is taken out. `image.points()` still has it.
         """
         if not (self.speed or self.turn):
             return self.image.points()
@@ -129,7 +129,7 @@ class Scan:
         return (points @ self.pose[:3, :3]).astype(np.float32)
 
     def intensities(self) -> np.ndarray:
-        """Intensities in [0, 1] of `points()`, float32 [N]; raises `SensorError` where the image has none."""
+        """Intensities in [0, 1] of `points()`, float32 [N]; raises `SensorError` if the image has none."""
         if self.image.intensity is None:
             said = "`simulate` and `observe_cast` give one, `Scan.from_points` takes one"
             raise SensorError(f"no intensity in the image; {said}")
@@ -153,15 +153,15 @@ class Scan:
         return [replace(box, velocity=each) for box, each in zip(self.layout.boxes(), velocities, strict=True)]
 
     def returns_per_box(self) -> list[int]:
-        """How many points are of each of `boxes()`."""
+        """The number of points of each of `boxes()`."""
         counts = np.bincount(self.instances(), minlength=2**16)
         return [int(counts[box.instance]) for box in self.layout.boxes()]
 
     def frame(self, *, as_seen: bool = False, box_margin: float = 0.0) -> Frame:
-        """What data sets in other people's formats are written from: `points()` in boxes that are larger by
-        `box_margin` [m] on each side, or with `as_seen` `image.points()`, as the sensor saw them, and their times.
+        """The frame from which data sets in foreign formats are written: `points()` and boxes grown by `box_margin` [m]
+        on each side; with `as_seen` `image.points()`, with the sensor's motion, and their times.
 
-        Raises `FormatError` where the margin is negative or not a number.
+        Raises `FormatError` if the margin is negative or not a number.
         """
         if not is_number(box_margin) or box_margin < 0:
             raise FormatError(f"box_margin is {box_margin!r}; it must be a number of metres, 0 or more")
@@ -184,9 +184,9 @@ class Scan:
         )
 
     def picture(self, *, by_label: bool = False) -> np.ndarray:
-        """The points, with boxes, by an eye that shows the objects and from above, over the range images: uint8
-        [H, W, 3]. The origin is the road under the sensor. Objects have the colours of their classes, all else has
-        those of heights, or also of classes."""
+        """The points, with boxes, in a view of the objects and from above, over the range images: uint8 [H, W, 3]. The
+        origin is the road under the sensor. Objects have the colours of their classes; the rest is coloured by height,
+        or also by class."""
         (x, y, z), yaw = self.pose[:3, 3].tolist(), math.atan2(self.pose[1, 0], self.pose[0, 0])
         below = upright((x, y, z - self.image.sensor.mount_height), yaw)
         level = inverse(below) @ self.pose
@@ -195,8 +195,8 @@ class Scan:
         return view.render_returns(self.image, points, boxes=boxes, title=title, by_label=by_label)
 
     def html(self, most: int | None = None) -> str:
-        """One page of HTML that shows points, boxes and classes in any browser, with no other file; of `most` points
-        evenly spread where there are more."""
+        """One self-contained page of HTML that shows points, boxes and classes in any browser; at most `most` points,
+        evenly spread."""
         step = 1 if most is None else -(-len(self.labels()) // most)
         up = np.array([0.0, 0.0, self.image.sensor.mount_height])
         boxes = [box.raised(up[2]) for box in self.boxes()]
@@ -212,9 +212,9 @@ class Scan:
         """Write `NAME.bin`, `.label`, `.npz`, `.boxes.json`, `.layout.json`, `.sensor.json` and `.png`.
 
         The `.npz` is the range image, with pose, motion and seed: `load` reads it and the layout. A scan of an empty
-        layout, whose objects nobody knows, has no `.boxes.json`. An earlier scan of that name is replaced whole. Raises
-        `FormatError` where a file cannot be written and `SensorError` on an image without intensity; then all stay as
-        they were.
+        layout, whose objects are unknown, has no `.boxes.json`. An earlier scan of that name is replaced whole. Raises
+        `FormatError` if a file cannot be written and `SensorError` on an image without intensity; then all files stay
+        unchanged.
         """
         with written_together(name, SCAN_ENDINGS) as stem:
             kitti.write_bin(f"{stem}.bin", self.points(), self.intensities())
@@ -228,7 +228,7 @@ class Scan:
                 view.save_png(f"{stem}.png", self.picture())
 
     def _motion(self) -> dict[str, Any]:
-        """What the .npz says of motion."""
+        """The motion of the scan, as stored in the .npz."""
         in_sequence = self.time is not None
         said = {
             "speed": (self.speed, True),
@@ -242,8 +242,8 @@ class Scan:
 
     @classmethod
     def load(cls, name: str | os.PathLike[str]) -> Scan:
-        """The scan that was saved as `NAME`, which may end in .bin or .npz here; one that says no pose has an empty
-        layout. Raises `FormatError` where `NAME.npz` or `NAME.layout.json` is missing or broken.
+        """The scan saved as `NAME`, which may end in .bin or .npz here. Without a stored pose, the layout is empty.
+        Raises `FormatError` if `NAME.npz` or `NAME.layout.json` is missing or broken.
         """
         name = os.fspath(name).removesuffix(".bin").removesuffix(".npz")
         file = f"{name}.npz"
@@ -258,8 +258,8 @@ class Scan:
 
 
 def read_motion(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """What a .npz of a scan or a cast says of `pose`, `speed`, `heading`, `turn`, `time`, `velocities`, `mount` and
-    `seed`: arguments of `Scan`. Raises `FormatError` naming the broken part."""
+    """The `pose`, `speed`, `heading`, `turn`, `time`, `velocities`, `mount` and `seed` in a .npz of a scan or a cast:
+    arguments of `Scan`. Raises `FormatError` naming the broken part."""
     said: dict[str, Any] = {}
     with array_files.opened(path) as archive:
         names = [name for name in ("speed", "turn", "time", "seed") if array_files.holds(archive, name)]

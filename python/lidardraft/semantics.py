@@ -1,4 +1,4 @@
-"""The class table: what a pixel or a primitive can be.
+"""The class table: the classes of pixels and primitives.
 
 Ids 1-10 are the Cityscapes / KITTI-360 train ids plus one, 11-18 are the train ids themselves (sky, train id 10, never
 returns a ray), so that image labels, KITTI-360 boxes and layouts share one table. Id 0 is "no return".
@@ -11,8 +11,9 @@ from dataclasses import dataclass
 class SemanticClass:
     """One row of the table.
 
-    `is_thing` marks what is counted and gets boxes. `size` is its typical (length, width, height) [m], `limits` are the
-    smallest and the largest that are plausible: from children and microcars up to articulated buses and coupled trams.
+    `is_thing` marks classes whose objects are counted and get boxes. `size` is its typical (length, width, height) [m];
+    `limits` are the smallest and the largest plausible sizes, from children and microcars up to articulated buses and
+    coupled trams.
     """
 
     id: int
@@ -23,7 +24,7 @@ class SemanticClass:
     limits: tuple[tuple[float, float, float], tuple[float, float, float]] | None = None
 
 
-# Colours: Cityscapes palette. Sizes: common European dimensions, estimates of ours.
+# Colours: Cityscapes palette. Sizes: common European dimensions, estimates.
 CLASSES: tuple[SemanticClass, ...] = (
     SemanticClass(0, "none", (0, 0, 0)),
     SemanticClass(1, "road", (128, 64, 128)),
@@ -50,4 +51,4 @@ CLASSES: tuple[SemanticClass, ...] = (
 
 NUM_CLASSES = len(CLASSES)
 BY_NAME: dict[str, SemanticClass] = {row.name: row for row in CLASSES}
-GROUND = ("road", "sidewalk", "terrain")  # what everything else stands on
+GROUND = ("road", "sidewalk", "terrain")  # the ground of all other classes

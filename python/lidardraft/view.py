@@ -29,7 +29,7 @@ from lidardraft.scene.raycast import Hits, Raycaster, raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, CLASSES
 
-# Of Cityscapes, with brighter colours of what moves: those are for a white background.
+# Those of Cityscapes, with brighter colours for moving objects: the palette is for a white background.
 PALETTE = np.array([row.colour for row in CLASSES], dtype=np.uint8)
 for _name, _colour in {
     "building": (150, 152, 164), "person": (255, 82, 110), "rider": (255, 120, 60), "car": (70, 170, 255),
@@ -48,22 +48,22 @@ _LEVELS = (0.0, 0.5, 1.0, 2.0, 3.5, 6.0, 12.0)  # m over the road, and their col
 _LEVEL_COLOURS: list[Colour] = [
     (98, 110, 158), (50, 150, 170), (52, 196, 160), (130, 220, 110), (235, 222, 92), (252, 160, 70), (240, 92, 96)
 ]  # fmt: skip
-_DIM, _LIT = 0.6, 0.6  # how bright a return without intensity is, and how much more the strongest
+_DIM, _LIT = 0.6, 0.6  # the brightness of a return without intensity, and the excess of the strongest
 _GAP = 6
 _VIEW_HEIGHT, _WIDE, _NARROW = 560, 7 / 4, 3 / 4  # rows of a view; columns of the two views over rows
 _LARGE = (1800, 900)  # columns and rows of a large picture
 _STRIP = 1 / 8  # rows of a range image over those of the view
-_REACH = 50.0  # m, what a view from above shows ahead and behind
-_SHOWN, _SHOWN_WITHIN, _SEEN = 10, 30.0, 5  # boxes that an eye shows: so many, within m, with so many returns
+_REACH = 50.0  # m, ahead and behind in a view from above
+_SHOWN, _SHOWN_WITHIN, _SEEN = 10, 30.0, 5  # boxes in a view: their number, range [m], and least returns
 _LONGEST_TITLE = 120
-_FURTHEST = 1000.0  # m of a page: what is further is not a return
-_SENT: dict[str, tuple[str, float]] = {  # the integers and the unit that a page has of each field
+_FURTHEST = 1000.0  # m of a page; further points are not returns
+_SENT: dict[str, tuple[str, float]] = {  # the integers and the unit of each field in a page
     "label": ("<i2", 1.0), "instance": ("<u4", 1.0), "intensity": ("<i2", 1 / 255), "row": ("<i4", 1.0),
     "column": ("<i4", 1.0), "range": ("<i4", 0.01), "time": ("<i4", 1e-6),
 }  # fmt: skip
 _FILM_COLOURS = 64  # of all frames of a GIF
-_FILM_LOSS = "26"  # of H.264, 0 to 51; points are still told apart
-_EYE = np.array(  # 16 m behind and 11 m over the ego vehicle, looking 24 degrees down
+_FILM_LOSS = "26"  # of H.264, 0 to 51; points stay distinct
+_EYE = np.array(  # 16 m behind and 11 m over the ego vehicle, facing 24 degrees down
     [[0.9135, 0, 0.4067, -16.0], [0, 1, 0, 0], [-0.4067, 0, 0.9135, 11.0], [0, 0, 0, 1]]
 )
 _ABOVE_SMALL = Eye.above(width=360, height=360, reach=36.0)
@@ -77,7 +77,7 @@ def colour_by_label(label: np.ndarray) -> np.ndarray:
 
 
 def colour_by_depth(depth: np.ndarray) -> np.ndarray:
-    """A ramp over the logarithm of the range from 2 to 80 m, uint8 [..., 3]; black where there is no return."""
+    """A ramp over the logarithm of the range from 2 to 80 m, uint8 [..., 3]; black without a return."""
     share = np.log(np.maximum(depth, _RANGES[0]) / _RANGES[0]) * (254 / math.log(_RANGES[1] / _RANGES[0]))
     return _DEPTH_RAMP[np.where(depth > 0, np.minimum(share, 254).astype(np.uint8) + 1, 0)]
 
@@ -103,8 +103,8 @@ _HEIGHT_RAMP = _ramp(_LEVELS, np.array(_LEVEL_COLOURS), 256)
 
 
 def colour_returns(image: RangeImage, z: np.ndarray, *, by_label: bool = False) -> np.ndarray:
-    """The colours uint8 [N, 3] of a scan's returns at heights `z` [N]: objects that are counted by their class, the
-    rest by height, or all by class; the stronger the return, the brighter."""
+    """The colours uint8 [N, 3] of a scan's returns at heights `z` [N]: things by class and the rest by height, or all
+    by class. Stronger returns are brighter."""
     label = image.label[image.valid]
     colours = colour_by_height(z).astype(np.float32)
     by_class = (label > 0) if by_label else _IS_THING[label]
@@ -132,12 +132,12 @@ def render_points(points: np.ndarray, colours: np.ndarray, eye: Eye = BEHIND) ->
 
 
 def title_of(layout: Layout) -> str:
-    """The sentence of a layout, or the district of its street; nothing where it has neither."""
+    """The sentence of a layout, or the district of its street; "" if it has neither."""
     return layout.intent.sentence or layout.intent.district or ""
 
 
 def points_on_road(image: RangeImage) -> np.ndarray:
-    """The returns [N, 3] of a scan that was taken from its sensor's mount."""
+    """The returns [N, 3] of a scan taken from its sensor's mount, relative to the road."""
     return image.points() + np.array([0.0, 0.0, image.sensor.mount_height])
 
 
@@ -148,7 +148,7 @@ def render_scan(image: RangeImage, pose: np.ndarray, *, by_label: bool = False, 
 
 
 def render_from_above(layout: Layout, *, size: int = 480, reach: float = _REACH) -> np.ndarray:
-    """The classes of a layout's shapes from above, what is higher being lighter: uint8 [size, size, 3].
+    """The classes of a layout's shapes from above, lighter with height: uint8 [size, size, 3].
 
     Forward is up, the edge is `reach` [m] away, and a cross marks the ego vehicle.
     """
@@ -180,12 +180,11 @@ def render_returns(
     title: str = "",
     by_label: bool = False,
 ) -> np.ndarray:
-    """The returns `points` [N, 3] of a scan: by an eye that shows its boxes, from above, and as range images.
+    """The returns `points` [N, 3] of a scan: in a view of its boxes, from above, and as range images.
 
-    uint8 [788, 1400, 3]. The legend says what the colours are (`colour_returns`); rings are 10 m
-    apart.
+    uint8 [788, 1400, 3]. The legend explains the colours (`colour_returns`); rings are 10 m apart.
     """
-    boxes, points = _with_returns(boxes, image), points.astype(np.float32)  # half as much memory to go through
+    boxes, points = _with_returns(boxes, image), points.astype(np.float32)  # half the memory
     colours = colour_returns(image, points[:, 2], by_label=by_label)
     view, above = (_drawn(eye, points, colours, boxes) for eye in _eyes(boxes))
     _describe(view, image, boxes, title, by_label)
@@ -207,14 +206,14 @@ def render_frame(image: RangeImage, points: np.ndarray, *, boxes: Sequence[Box] 
 def render_large(
     image: RangeImage, points: np.ndarray, *, boxes: Sequence[Box] = (), title: str = "", by_label: bool = False
 ) -> np.ndarray:
-    """As `render_returns`, the eye's view alone, large and smooth: uint8 [900, 1800, 3]."""
+    """As `render_returns`, but only the view of the boxes, large and smooth: uint8 [900, 1800, 3]."""
     width, height = _LARGE
     boxes = _with_returns(boxes, image)
     eye = Eye.showing(_shown(boxes), width=2 * width, height=2 * height)
     view = _drawn(eye, points, colour_returns(image, points[:, 2], by_label=by_label), boxes)
     _describe(view, image, boxes, title, by_label)
     smooth = Image.fromarray(np.ascontiguousarray(view.picture())).resize(_LARGE, Image.Resampling.BOX)
-    return np.asarray(smooth) & 0xFC  # nobody sees the last two bits, which make a file half as large again
+    return np.asarray(smooth) & 0xFC  # the last two bits are invisible, but make a file half as large again
 
 
 def _drawn(eye: Eye, points: np.ndarray, colours: np.ndarray, boxes: Sequence[Box]) -> Drawing:
@@ -226,10 +225,10 @@ def _drawn(eye: Eye, points: np.ndarray, colours: np.ndarray, boxes: Sequence[Bo
 
 
 def _with_returns(boxes: Sequence[Box], image: RangeImage) -> list[Box]:
-    """Those boxes of objects that more than a stray return came from."""
+    """The boxes of objects with more than a stray return."""
     if not boxes:
         return []
-    if not image.instance.any():  # a recording does not say whose its returns are
+    if not image.instance.any():  # the returns of a recording have no instances
         return list(boxes)
     instances, counts = np.unique(image.instance[image.valid], return_counts=True)
     seen = set(instances[counts >= _SEEN].tolist())
@@ -237,7 +236,7 @@ def _with_returns(boxes: Sequence[Box], image: RangeImage) -> list[Box]:
 
 
 def _eyes(boxes: Sequence[Box]) -> tuple[Eye, Eye]:
-    """One that shows the boxes, and one above."""
+    """A view of the boxes, and one from above."""
     wide, narrow = round(_VIEW_HEIGHT * _WIDE), round(_VIEW_HEIGHT * _NARROW) - _GAP
     return (
         Eye.showing(_shown(boxes), width=wide, height=_VIEW_HEIGHT),
@@ -246,7 +245,7 @@ def _eyes(boxes: Sequence[Box]) -> tuple[Eye, Eye]:
 
 
 def _shown(boxes: Sequence[Box]) -> np.ndarray:
-    """The corners [N, 3] of the boxes that are to be seen: the nearest ones, but of no surroundings."""
+    """The corners [N, 3] of the boxes to be shown: the nearest ones, without surroundings."""
     asked = [box for box in boxes if not box.id.startswith(AROUND)]
     near = sorted(asked, key=lambda box: math.hypot(*box.center[:2]))[:_SHOWN]
     near = [box for number, box in enumerate(near) if not number or math.hypot(*box.center[:2]) < _SHOWN_WITHIN]
@@ -254,7 +253,7 @@ def _shown(boxes: Sequence[Box]) -> np.ndarray:
 
 
 def _describe(drawing: Drawing, image: RangeImage, boxes: Sequence[Box], title: str, by_label: bool) -> None:
-    """What it is, what the colours mean, and how many objects of each class have a box."""
+    """Write the title, the meaning of the colours, and the number of boxes of each class."""
     eye, line = drawing.eye, drawing.line
     small, edge, step = 13 * line, 12 * line, 19 * line
     row = float(edge)
@@ -279,8 +278,8 @@ def _colour_of(number: int) -> Colour:
 
 
 def _strips(image: RangeImage) -> dict[str, np.ndarray]:
-    """Range, class, and intensity where there is one, uint8 [H, W, 3] each: a column is one azimuth, also where beams
-    look aside from the column that they fire in."""
+    """Range, class, and intensity if the image has it, uint8 [H, W, 3] each: a column is one azimuth, even if beams
+    fire at other azimuths in a column."""
     rows, columns, inside = image.sensor.azimuth_grid()
     depth, label = (np.where(inside, values[rows, columns], 0) for values in (image.depth, image.label))
     strips = {"range": colour_by_depth(depth), "class": PALETTE[label]}
@@ -291,7 +290,7 @@ def _strips(image: RangeImage) -> dict[str, np.ndarray]:
 
 
 def _over_strips(picture: np.ndarray, image: RangeImage, most: int = 3) -> np.ndarray:
-    """The picture over the first `most` of the range images, which are as wide."""
+    """The picture over the first `most` of the range images, at its width."""
     size = picture.shape[1], round(picture.shape[0] * _STRIP)
     strips = [
         caption(np.asarray(Image.fromarray(strip).resize(size, Image.Resampling.NEAREST)), name, size=12)
@@ -301,7 +300,7 @@ def _over_strips(picture: np.ndarray, image: RangeImage, most: int = 3) -> np.nd
 
 
 def render_image(image: RangeImage) -> np.ndarray:
-    """The range image itself, depth over label (over intensity, where it has one): uint8 [H', W, 3]."""
+    """The range image itself, depth over label (over intensity, if it has one): uint8 [H', W, 3]."""
     scale = max(1, round(128 / image.sensor.shape[0]))
     return stack([np.repeat(strip, scale, axis=0) for strip in _strips(image).values()])
 
@@ -316,7 +315,7 @@ def render_preview(layout: Layout, scan: RangeImage, pose: np.ndarray) -> np.nda
 
 
 def render_layout_and_cast(layout: Layout, sensor: Sensor) -> np.ndarray:
-    """The shapes of a layout, by an eye that shows its objects and from above, over their cast: uint8 [H, W, 3]."""
+    """The shapes of a layout, in a view of its objects and from above, over their cast: uint8 [H, W, 3]."""
     views = [render_layout(layout, eye) for eye in _eyes(layout.boxes())]
     return _over_strips(stack(views, across=True), raycast(layout, sensor))
 
@@ -331,7 +330,7 @@ def render_pair(scan: RangeImage, condition_image: RangeImage) -> np.ndarray:
 
 
 def sheet(pictures: Sequence[np.ndarray], columns: int = 2) -> np.ndarray:
-    """Pictures of one size in rows of so many: uint8 [H, W, 3]."""
+    """Pictures of one size in rows of `columns`: uint8 [H, W, 3]."""
     rows = [list(pictures[first : first + columns]) for first in range(0, len(pictures), columns)]
     return stack([stack(row, across=True) for row in rows])
 
@@ -362,7 +361,7 @@ def caption(picture: np.ndarray, text: str, *, size: int = 18) -> np.ndarray:
 
 
 def fields_of(image: RangeImage) -> dict[str, np.ndarray]:
-    """What an image knows of each of its returns [N], by the names that `html_page` has for it."""
+    """The known values of each return [N] of an image, by their names in `html_page`."""
     row, column = np.nonzero(image.valid)
     kept = {name: getattr(image, name) for name in ("label", "instance", "intensity")}
     known = {name: values[image.valid] for name, values in kept.items() if values is not None}
@@ -370,12 +369,12 @@ def fields_of(image: RangeImage) -> dict[str, np.ndarray]:
 
 
 def html_page(points: np.ndarray, fields: Mapping[str, np.ndarray], *, boxes: Sequence[Box], title: str) -> str:
-    """One page of HTML that turns points [N, 3] with boxes, and tells of each what is known; it needs no other file
-    and no host.
+    """One self-contained page of HTML that shows points [N, 3] with boxes, can be turned, and shows the fields of a
+    point.
 
-    `fields` [N] are class ids (`label`), numbers of objects as boxes have them (`instance`), `intensity` of 0 to 1,
-    `row`, `column`, `range` [m] and `time` in the sweep [s]; all may be missing. Points more than 1000 m away are left
-    out, and coordinates rounded to the 32767th part of the furthest. Raises `LayoutError` where arrays do not fit.
+    `fields` [N] are class ids (`label`), instances as in the boxes (`instance`), `intensity` of 0 to 1, `row`,
+    `column`, `range` [m] and `time` in the sweep [s]; any may be missing. Points more than 1000 m away are left out,
+    and coordinates rounded to the 32767th part of the furthest. Raises `LayoutError` if arrays do not fit.
     """
     fields = {"label": np.zeros(len(points), np.uint8), **fields}
     if wrong := [name for name, values in fields.items() if values.shape != (len(points),)]:
@@ -406,7 +405,8 @@ def html_page(points: np.ndarray, fields: Mapping[str, np.ndarray], *, boxes: Se
 
 
 def _planes(values: np.ndarray, kind: str, unit: float) -> bytes:
-    """The bytes of values in units, each less the one before it: all lowest bytes first, as zlib likes them."""
+    """The bytes of values in units, as differences from the previous value: all lowest bytes first, which zlib
+    compresses better."""
     steps = np.diff(np.round(values / unit).astype(kind), prepend=np.zeros(1, kind))
     return steps.view(np.uint8).reshape(len(values), steps.itemsize).T.tobytes()
 
@@ -428,18 +428,18 @@ def save_png(path: str | os.PathLike[str], picture: np.ndarray) -> None:
 
 
 def save_gif(path: str | os.PathLike[str], pictures: Iterable[np.ndarray], seconds: float) -> None:
-    """Write pictures uint8 [H, W, 3] as a film that shows each for so many seconds, over and over."""
+    """Write pictures uint8 [H, W, 3] as an endless GIF film that shows each for `seconds`."""
     frames = iter(map(Image.fromarray, pictures))
     first = next(frames).quantize(_FILM_COLOURS, Image.Quantize.FASTOCTREE)
     rest = (frame.quantize(palette=first, dither=Image.Dither.NONE) for frame in frames)
     with written_whole(path) as temporary:
-        shown = max(20, round(1000 * seconds))  # many viewers show what is shorter slowly
+        shown = max(20, round(1000 * seconds))  # many viewers slow shorter frames down
         first.save(temporary, "GIF", save_all=True, append_images=rest, duration=shown, loop=0)
 
 
 def save_mp4(path: str | os.PathLike[str], pictures: Iterable[np.ndarray], seconds: float) -> None:
-    """Write pictures uint8 [H, W, 3] as a film (H.264) that shows each for so many seconds; a last odd row or column is
-    left out. Raises `MissingExtraError` where PyAV is not installed."""
+    """Write pictures uint8 [H, W, 3] as a film (H.264) that shows each for `seconds`; a last odd row or column is left
+    out. Raises `MissingExtraError` if PyAV is not installed."""
     with extra():
         import av
     frames = iter(pictures)

@@ -1,10 +1,10 @@
-//! The ways in which a scan can be cast.
+//! The backends that can cast a scan.
 
 use std::str::FromStr;
 
 use crate::Error;
 
-/// A way of casting scans. All of them give the same images, but for rounding.
+/// A way to cast scans. All backends give the same images, except for rounding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Backend {
     /// Shapes onto pixels, sixteen rays at once.
@@ -20,17 +20,17 @@ pub enum Backend {
 impl Backend {
     const ALL: [Backend; 4] = [Backend::Avx512, Backend::Avx2, Backend::Portable, Backend::Reference];
 
-    /// What this machine can do, the fastest first.
+    /// The backends of this machine, the fastest first.
     pub fn available() -> Vec<Backend> {
         Backend::ALL.into_iter().filter(|backend| backend.is_available()).collect()
     }
 
-    /// The fastest that this machine can do.
+    /// The fastest backend of this machine.
     pub fn fastest() -> Backend {
         Backend::ALL.into_iter().find(|backend| backend.is_available()).unwrap_or(Backend::Portable)
     }
 
-    /// The name it is asked for by.
+    /// The name of the backend for callers.
     pub fn name(self) -> &'static str {
         match self {
             Backend::Avx512 => "avx512",

@@ -9,20 +9,20 @@ use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Hit, Ray, Rectangle, Span, T
 use crate::packed::{Meshlets, Obb, Outline};
 use crate::{Bounds, Pose, TriangleMesh};
 
-/// What a body is, in its own frame.
+/// The solid of a body, in its own frame.
 #[derive(Clone)]
 pub(crate) enum Solid {
     Cuboid(Cuboid),
     Ellipsoid(Ellipsoid),
     Cylinder(Cylinder),
     Rectangle(Rectangle),
-    /// Shared with the scenes that this one was moved from.
+    /// Shared with the scenes from which this one was moved.
     Mesh(Arc<MeshBody>),
 }
 
-/// A scaled mesh. What few scans need of it is made when one does.
+/// A scaled mesh. The parts that few scans need are made on first use.
 pub(crate) struct MeshBody {
-    /// Positions in the frame of the body [m]. Each is stored once, which watertightness rests on.
+    /// Positions in the frame of the body [m]. Each is stored once; watertightness relies on that.
     pub(crate) vertices: Vec<DVec3>,
     /// The vertex numbers of each triangle.
     pub(crate) faces: Vec<[u32; 3]>,
@@ -30,7 +30,7 @@ pub(crate) struct MeshBody {
     normals: OnceLock<Vec<[f32; 3]>>,
     /// The triangles as the scan kernel reads them.
     pub(crate) meshlets: Meshlets,
-    /// Whether rays from outside surely meet a face that looks at them before one that looks away.
+    /// Whether rays from outside certainly meet a face towards them before one away from them.
     pub(crate) outward: bool,
     /// The box around them in the frame of the body.
     pub(crate) bounds: Bounds,
@@ -42,10 +42,10 @@ pub(crate) struct Body {
     /// In the frame of the scene. Rigid, so that distances along a ray stay the same.
     pub(crate) pose: Pose,
     pub(crate) solid: Solid,
-    /// What makes it a medium [1/m].
+    /// The extinction of a medium [1/m].
     pub(crate) extinction: Option<f64>,
-    /// How far rounding may move a point of the surface [m]. Flat faces are grown by it, so that faces which meet on paper
-    /// leave no gap.
+    /// The largest shift of a surface point by rounding [m]. Flat faces are grown by it, so that adjacent faces leave
+    /// no gap.
     slack: f64,
     bounds: Bounds,
 }
@@ -68,7 +68,7 @@ impl MeshBody {
         self.bvh.get_or_init(|| Bvh::new(&self.faces.iter().map(bounds).collect::<Vec<_>>()))
     }
 
-    /// The unit normal of each triangle, to either side; 0 where it has no area.
+    /// The unit normal of each triangle, to either side; 0 if it has no area.
     pub(crate) fn normals(&self) -> &[[f32; 3]] {
         let normal = |&face: &[u32; 3]| triangle(&self.vertices, face).normal().as_vec3().to_array();
         self.normals.get_or_init(|| self.faces.iter().map(normal).collect())
@@ -87,15 +87,15 @@ impl MeshBody {
         Some(self.bvh().closest(ray, limit, hit)?.1)
     }
 
-    /// The parts of a ray inside a closed mesh, in order: where its surface winds around the ray. Triangles may run either
-    /// way around.
+    /// The parts of a ray inside a closed mesh, in order: those around which its surface winds. Triangles may have
+    /// either orientation.
     fn spans(&self, ray: &Ray) -> Vec<Span> {
         let sheared = ray.sheared();
         let crossing = |&face: &usize| self.triangle(face as u32).crossing(&sheared);
         let mut crossings: Vec<(f64, bool)> = self.bvh().along(ray).iter().filter_map(crossing).collect();
         crossings.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let turn = |front: bool| if front { 1 } else { -1 };
-        // Far away nothing winds around it.
+        // The winding number is 0 far away.
         let mut winding = -crossings.iter().map(|&(_, front)| turn(front)).sum::<i32>();
         let mut from = 0.0;
         let mut spans = Vec::new();
@@ -131,7 +131,7 @@ impl Solid {
         Bounds::around(pose.translation, half)
     }
 
-    /// How far rounding may move a point of the surface at a pose.
+    /// The largest shift of a surface point at a pose by rounding.
     fn slack(&self, pose: &Pose) -> f64 {
         let half = match self {
             Solid::Cuboid(shape) => shape.half,
@@ -152,12 +152,12 @@ fn root_of_squares(vectors: &[DVec3]) -> DVec3 {
 impl Body {
     pub(crate) fn new(solid: Solid, pose: Pose, extinction: Option<f64>) -> Body {
         let slack = solid.slack(&pose);
-        // A turned cube reaches sqrt(3) times as far as an upright one.
+        // A rotated cube reaches sqrt(3) times as far as an upright one.
         let bounds = solid.bounds(&pose).grown(2.0 * slack);
         Body { pose, solid, extinction, slack, bounds }
     }
 
-    /// The box around it, relative to the origin of the scene, in the axes of the body; and how it fills that.
+    /// The box around it, relative to the origin of the scene, in the axes of the body; and how the body fills it.
     pub(crate) fn obb(&self) -> Obb {
         let (center, half, outline) = match &self.solid {
             Solid::Cuboid(shape) => (DVec3::ZERO, shape.half, Outline::Box),
@@ -170,7 +170,7 @@ impl Body {
         Obb { center: self.pose.point(center), half_axes, outline }
     }
 
-    /// How many surfaces it has: a mesh has one for each triangle.
+    /// The number of surfaces: a mesh has one for each triangle.
     pub(crate) fn surfaces(&self) -> usize {
         if let Solid::Mesh(mesh) = &self.solid { mesh.faces.len() } else { 1 }
     }
@@ -194,8 +194,8 @@ impl Body {
         self.bounds
     }
 
-    /// The closest hit of a ray of the scene whose distance, as f32, is at most `limit`; there may be a further one instead.
-    /// `path` is asked of media: the free path of the ray, in mean free paths.
+    /// The closest hit of a ray of the scene whose distance, as f32, is at most `limit`; it may be a further one
+    /// instead. For media, `path` gives the free path of the ray, in mean free paths.
     pub(crate) fn intersect(&self, ray: &Ray, limit: f32, path: impl FnOnce() -> f32) -> Option<Hit> {
         let (ray, slack) = (self.inverse_ray(ray), self.slack);
         if let Some(extinction) = self.extinction {
@@ -211,12 +211,13 @@ impl Body {
         Some(Hit { distance: distance?, part: 0 })
     }
 
-    /// A ray of the scene as the body sees it.
+    /// A ray of the scene in the frame of the body.
     fn inverse_ray(&self, ray: &Ray) -> Ray {
         Ray { origin: self.pose.inverse_point(ray.origin), direction: self.pose.inverse_vector(ray.direction) }
     }
 
-    /// Where a ray of the body first interacts with the medium in it, given its free path in lengths of its direction.
+    /// The first interaction of a ray of the body with its medium, given the free path in lengths of the ray's
+    /// direction.
     fn first_interaction(&self, ray: &Ray, path: f64) -> Option<Hit> {
         let slack = self.slack;
         let distance = match &self.solid {
@@ -224,13 +225,13 @@ impl Body {
             Solid::Ellipsoid(shape) => first_interaction(shape.span(ray, slack), path),
             Solid::Cylinder(shape) => first_interaction(shape.span(ray, slack), path),
             Solid::Mesh(mesh) => first_interaction(mesh.spans(ray), path),
-            // Checked to be no medium.
+            // Checked not to be a medium.
             Solid::Rectangle(_) => None,
         };
         Some(Hit { distance: distance?, part: 0 })
     }
 
-    /// The closest hit by asking every triangle: the definition that the hierarchy is tested against.
+    /// The closest hit by a test of every triangle: the definition against which the hierarchy is tested.
     #[cfg(test)]
     pub(crate) fn intersect_all(&self, ray: &Ray, path: impl FnOnce() -> f32) -> Option<Hit> {
         let (Solid::Mesh(mesh), None) = (&self.solid, self.extinction) else {
@@ -242,8 +243,8 @@ impl Body {
         hits.min_by(|a, b| (a.distance as f32).total_cmp(&(b.distance as f32)))
     }
 
-    /// The unit normal at a point of the surface, both relative to the origin of the scene; outward for closed shapes, to
-    /// either side for a rectangle or a triangle. 0 where the surface has none.
+    /// The unit normal at a point of the surface, both relative to the origin of the scene; outward for closed shapes,
+    /// to either side for a rectangle or a triangle. 0 if the surface has none.
     pub(crate) fn normal(&self, point: DVec3, part: u32) -> DVec3 {
         let point = self.pose.inverse_point(point);
         let normal = match &self.solid {

@@ -43,7 +43,7 @@ impl Bounds {
         !self.min.cmple(self.max).all()
     }
 
-    /// Whether a point lies in it.
+    /// Whether a point is inside.
     pub(crate) fn contains(&self, point: DVec3) -> bool {
         point.cmpge(self.min).all() && point.cmple(self.max).all()
     }
@@ -58,7 +58,7 @@ impl Bounds {
         (self.max - self.min).length()
     }
 
-    /// The distances at which a line enters and leaves; `None` if it passes by. Negative values lie behind the origin.
+    /// The distances at which a line enters and leaves; `None` if it passes by. Negative values are behind the origin.
     pub fn crossing(&self, origin: DVec3, direction: DVec3) -> Option<(f64, f64)> {
         let (mut enter, mut exit) = (f64::NEG_INFINITY, f64::INFINITY);
         for axis in 0..3 {

@@ -12,12 +12,12 @@ use obvhs::ray::RayHit;
 use crate::Bounds;
 use crate::intersect::{Hit, Ray};
 
-/// A binary hierarchy (crate `obvhs`) in f32; the tests of what is in its boxes stay in f64.
+/// A binary hierarchy (crate `obvhs`) in f32; the tests of the entries in its boxes stay in f64.
 ///
-/// Invariant: no hit is lost to f32. Everything is relative to the middle of all boxes, and a ray is followed from where it
-/// enters their bounds, so its origin, the box corners and their differences are at most one diagonal long, and each is
-/// off by at most half a unit in the last place of that; a box test makes fewer than 8 such errors, which is what the boxes
-/// are grown by.
+/// Invariant: no hit is lost to f32. Everything is relative to the middle of all boxes, and a ray is followed from its
+/// entry into their bounds. So its origin, the box corners and their differences are at most one diagonal long, and
+/// each is off by at most half a unit in the last place of that. A box test makes fewer than 8 such errors; the boxes
+/// are grown by those.
 pub(crate) struct Bvh {
     tree: Bvh2,
     middle: DVec3,
@@ -25,7 +25,7 @@ pub(crate) struct Bvh {
     bounds: Bounds,
 }
 
-/// The closest entry so far. Distances are compared as the f32 that the images hold; of equal ones the lower entry wins.
+/// The closest entry so far. Distances are compared as the f32 of the images; of equal ones the lower entry wins.
 struct Closest {
     hit: Hit,
     depth: f32,
@@ -52,7 +52,7 @@ impl Bvh {
 
     /// The closest of the hits that `intersect` finds with the entries along a ray, and its entry.
     ///
-    /// Hits whose distance, as f32, is greater than `limit` may be left out; `intersect` gets the limit that holds for it.
+    /// Hits whose distance, as f32, is greater than `limit` may be left out; `intersect` gets the current limit.
     pub(crate) fn closest(
         &self,
         ray: &Ray,
@@ -87,7 +87,7 @@ impl Bvh {
 }
 
 impl Bvh {
-    /// The entries whose boxes a ray meets.
+    /// The entries with boxes on a ray.
     pub(crate) fn along(&self, ray: &Ray) -> Vec<usize> {
         let met = RefCell::new(Vec::new());
         self.closest(ray, f32::INFINITY, |entry, _| {

@@ -1,4 +1,4 @@
-//! Any rays.
+//! Casts of single rays.
 
 use glam::DVec3;
 
@@ -6,7 +6,7 @@ use crate::image::Return;
 use crate::threads::spread;
 use crate::{Error, FreePathKey, ImagesMut, Result, Scene};
 
-/// What rays hit, one entry for each; a ray without hit has 0 in all of them and -1 in `primitive`.
+/// The hits of rays, one entry for each; a ray without hit has 0 in all of them and -1 in `primitive`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Hits {
     /// Distances [m].
@@ -21,14 +21,15 @@ pub struct Hits {
     pub normal: Vec<[f32; 3]>,
 }
 
-/// A ray that starts further away than this [m] would have a position coarser than 0.1 micrometres.
+/// The largest distance of a ray's start [m]; beyond, positions would be coarser than 0.1 micrometres.
 const FURTHEST: f64 = 1e9;
-/// Rays that a thread takes at once.
+/// Rays in a thread's block.
 const BLOCK: usize = 1024;
 
 /// The closest hit of each ray, not further than `max_range` [m] (compared as f32; it may be infinite).
 ///
-/// Directions need not have the length 1. `seed` decides how far rays travel in media. `threads` is 0 for as many as there are cores.
+/// Directions need not have the length 1. `seed` decides how far rays travel in media. `threads` 0 is the number of
+/// cores.
 ///
 /// # Errors
 /// [`Error::RayCount`], [`Error::RayOrigin`], [`Error::RayDirection`] or [`Error::MaxRange`].
@@ -76,7 +77,7 @@ impl Hits {
     }
 }
 
-/// A vector with the length 1, whatever its length was: its square may be too large or too small for f64.
+/// A vector scaled to the length 1, at any length: its square may be too large or too small for f64.
 fn unit(direction: DVec3) -> DVec3 {
     (direction / direction.abs().max_element()).normalize()
 }

@@ -1,11 +1,11 @@
-//! The ways in which what is given to the core can be wrong.
+//! The possible errors of the core's input.
 
 use std::path::PathBuf;
 
-/// The result of everything that checks its input.
+/// The result of functions that check their input.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// One variant for each way the input can be wrong; its message names the thing, the value and the limit.
+/// One variant for each kind of invalid input; its message names the thing, the value and the limit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[expect(missing_docs, reason = "each field is named in the message of its variant")]
 pub enum Error {
@@ -15,7 +15,7 @@ pub enum Error {
     /// A vertex with a coordinate that is NaN or infinite.
     #[error("vertex {vertex} is {position:?}; coordinates must be finite")]
     VertexNotFinite { vertex: usize, position: [f64; 3] },
-    /// A face that names a vertex the mesh does not have.
+    /// A face with a vertex that the mesh does not have.
     #[error("face {face} refers to vertex {vertex}; the mesh has {vertices} vertices")]
     FaceIndex { face: usize, vertex: u32, vertices: usize },
 
@@ -41,10 +41,10 @@ pub enum Error {
     /// A beam with a value that is NaN or infinite.
     #[error("{table}[{beam}] is {value}; it must be finite")]
     BeamNotFinite { table: &'static str, beam: usize, value: f64 },
-    /// A beam that starts nowhere.
+    /// A beam with an invalid origin.
     #[error("origins[{beam}] is {value:?} m; every coordinate must be finite and at most {limit:e} in size")]
     BeamOrigin { beam: usize, value: [f64; 3], limit: f64 },
-    /// A beam that looks straight up or down, or beyond.
+    /// A beam that points straight up or down, or beyond.
     #[error("elevations[{beam}] is {value} rad; it must be between -pi/2 and pi/2, both excluded")]
     ElevationLimit { beam: usize, value: f64 },
     /// A beam that is not below the one before it.
@@ -59,7 +59,7 @@ pub enum Error {
     /// No span, or more than a turn.
     #[error("azimuth_span is {value} rad; it must be greater than 0 and at most 2 pi")]
     AzimuthSpan { value: f64 },
-    /// Range limits that hold nothing.
+    /// Range limits with no range between them.
     #[error("min_range is {min} m and max_range is {max} m; it must be 0 <= min_range < max_range <= 1e9")]
     RangeLimits { min: f64, max: f64 },
     /// An image of another sensor.
@@ -78,21 +78,21 @@ pub enum Error {
     /// A table or an image whose rows have the wrong length.
     #[error("{table} has the shape {shape:?}; it must be {expected}")]
     TableShape { table: String, shape: Vec<usize>, expected: String },
-    /// A number that is no shape.
+    /// A number that is not a shape.
     #[error("shapes[{primitive}] is {code}; it must be 0 box, 1 ellipsoid, 2 cylinder, 3 plane or 4 mesh")]
     ShapeCode { primitive: usize, code: u8 },
     /// More or fewer meshes than primitives of shape mesh.
     #[error("there are {meshes} meshes; {primitives} primitives have the shape mesh")]
     MeshCount { meshes: usize, primitives: usize },
-    /// A mesh that is not one.
+    /// A mesh that is invalid.
     #[error("meshes[{mesh}]: {source}")]
     Mesh { mesh: usize, source: Box<Error> },
-    /// A mesh that reaches too far once it is scaled.
+    /// A mesh that reaches too far after scaling.
     #[error(
         "vertex {vertex} of the mesh of primitive {primitive} is {value:?} m from its center; the limit is {limit:e}"
     )]
     MeshReach { primitive: usize, vertex: usize, value: [f64; 3], limit: f64 },
-    /// A primitive that stands nowhere.
+    /// A primitive with an invalid place.
     #[error("centers[{primitive}] is {value:?} m; every coordinate must be finite and at most {limit:e} in size")]
     Center { primitive: usize, value: [f64; 3], limit: f64 },
     /// A primitive without extent.
@@ -102,7 +102,7 @@ pub enum Error {
     #[error("yaws[{primitive}] is {value}; it must be finite")]
     Yaw { primitive: usize, value: f64 },
 
-    /// A medium that is no density.
+    /// A medium with an invalid density.
     #[error("extinctions[{primitive}] is {value} per metre; it must be finite and greater than 0, or 0 for a solid")]
     Extinction { primitive: usize, value: f64 },
     /// A medium without volume.
@@ -115,13 +115,13 @@ pub enum Error {
     )]
     OpenMedium { primitive: usize, from: u32, to: u32 },
 
-    /// As many poses as primitives to move, or not.
+    /// More or fewer poses than primitives to move.
     #[error("primitives has {primitives} entries and world_from_primitive has {poses}; it must be one pose for each")]
     MovedCount { primitives: usize, poses: usize },
     /// A primitive to move that the scene does not have.
     #[error("primitives[{entry}] is {primitive}; the scene has {count} primitives")]
     MovedIndex { entry: usize, primitive: u32, count: usize },
-    /// A primitive that is to stand at two places.
+    /// A primitive that is moved to two places.
     #[error("primitives[{entry}] is {primitive}, as is primitives[{first}]; a primitive can be moved once")]
     MovedTwice { entry: usize, first: usize, primitive: u32 },
 
@@ -134,10 +134,10 @@ pub enum Error {
     /// A pose that scales or shears.
     #[error("the rotation of the pose is off R^T R = 1 by {deviation:e}; the limit is {limit:e}")]
     PoseNotRigid { deviation: f64, limit: f64 },
-    /// A pose that turns left into right.
+    /// A pose that mirrors.
     #[error("the rotation of the pose has the determinant {determinant}; a mirrored pose is not rigid")]
     PoseMirrored { determinant: f64 },
-    /// An entry of a table of poses that is no pose.
+    /// An entry of a table of poses that is not a pose.
     #[error("{table}{index:?}: {source}")]
     PoseOfTable { table: &'static str, index: Vec<usize>, source: Box<Error> },
     /// Neither one pose for a scan nor one for each of its columns.
@@ -149,51 +149,51 @@ pub enum Error {
     /// An image that has more or fewer pixels than the pattern.
     #[error("the {image} image has {pixels} pixels; the sensor has {rows} beams and {columns} columns")]
     ImageSize { image: &'static str, pixels: usize, rows: usize, columns: usize },
-    /// An array for images that is of other scans or another pattern.
+    /// An array for images of other scans or another pattern.
     #[error("{image} has the shape {shape:?}; it must be {expected:?} for these poses and this sensor")]
     OutputShape { image: &'static str, shape: Vec<usize>, expected: Vec<usize> },
-    /// A beam of no sub-rays, or of more than a receiver sums up.
+    /// A beam without sub-rays, or with more than a receiver sums up.
     #[error("a beam has {rays} sub-rays; it must be 1 to {limit}")]
     Rays { rays: usize, limit: usize },
-    /// A number of a sensor model that cannot be.
+    /// An invalid number of a sensor model.
     #[error("{field} is {value}; it must be {limit}")]
     SensorModel { field: &'static str, value: f32, limit: &'static str },
-    /// A table of an intensity curve that does not go with its knots or with the beams of the sensor.
+    /// A table of an intensity curve that does not fit its knots or the beams of the sensor.
     #[error("{table} of the intensity curve has {found} values; it needs {expected}")]
     CurveTable { table: &'static str, found: usize, expected: usize },
     /// Range offsets that are neither one for each beam nor none.
     #[error("range_offsets has {found} values; it needs one for each of {expected} beams")]
     OffsetTable { found: usize, expected: usize },
-    /// An image of more or fewer pixels than a sensor with these sub-rays has.
+    /// An image with more or fewer pixels than a sensor with these sub-rays.
     #[error("the {image} image has {pixels} pixels; the sensor model needs {expected}")]
     ObservedSize { image: &'static str, pixels: usize, expected: usize },
     /// A column of surfaces that is longer or shorter than the table of responses.
     #[error("{column} has {found} entries; the table of responses has {entries}")]
     SurfaceColumn { column: &'static str, found: usize, entries: usize },
-    /// An image that shows what the layout does not have.
+    /// An image with a primitive that the layout does not have.
     #[error("the image shows primitive {primitive}; the layout has {primitives}")]
     ImagePrimitive { primitive: i32, primitives: usize },
 
-    /// A way of casting that this machine does not have.
+    /// A backend that this machine does not have.
     #[error("backend is {given:?}; it must be one of {available}")]
     Backend { given: String, available: String },
-    /// A seed that cannot be.
+    /// An invalid seed.
     #[error("seed is {seed}; it must be 0 or more")]
     Seed { seed: i64 },
-    /// A number of threads that cannot be.
+    /// An invalid number of threads.
     #[error("threads is {threads}; it must be 0 (all cores) to {limit}")]
     Threads { threads: i64, limit: usize },
 
     /// Lists of origins and directions that differ in length.
     #[error("there are {origins} origins and {directions} directions; there must be as many")]
     RayCount { origins: usize, directions: usize },
-    /// A ray that starts nowhere.
+    /// A ray with an invalid origin.
     #[error("origins[{ray}] is {value:?} m; every coordinate must be finite and at most {limit:e} in size")]
     RayOrigin { ray: usize, value: [f64; 3], limit: f64 },
-    /// A ray that looks nowhere.
+    /// A ray without a direction.
     #[error("directions[{ray}] is {value:?}; it must be finite and not 0")]
     RayDirection { ray: usize, value: [f64; 3] },
-    /// A range that holds nothing.
+    /// An invalid range.
     #[error("max_range is {value} m; it must be greater than 0")]
     MaxRange { value: f64 },
 }

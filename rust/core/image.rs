@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{Error, Result, Scene, SceneHit};
 
-/// What one ray brings back.
+/// The return of one ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Return {
     /// The distance along the ray [m].
@@ -22,11 +22,11 @@ pub(crate) struct Return {
 }
 
 impl Return {
-    /// What a ray that hit a scene brings back; `depth` is the distance as the image holds it.
+    /// The return of a ray that hit a scene; `depth` is the distance as stored in the image.
     pub(crate) fn new(scene: &Scene, origin: DVec3, direction: DVec3, hit: &SceneHit, depth: f32) -> Return {
         let length = direction.length();
         let normal = if scene.is_medium(hit.primitive) {
-            // What it met there looks anywhere: it returns as a surface that faces the ray.
+            // Leaves face any way: the medium returns like a surface that faces the ray.
             -direction / length
         } else {
             scene.normal(hit.primitive, hit.part, origin + direction * hit.distance)
@@ -60,7 +60,7 @@ pub struct Images {
     pub normal: Vec<[f32; 3]>,
 }
 
-/// The images of one scan or several, one after the other, to be written; those that are `None` are not wanted.
+/// The images of one scan, or of several in order, to be written; those that are `None` are not wanted.
 #[derive(Debug)]
 pub struct ImagesMut<'a> {
     /// Distances along the rays [m].
@@ -128,7 +128,7 @@ impl<'a> ImagesMut<'a> {
 }
 
 impl ImagesMut<'_> {
-    /// The images in pieces of so many pixels: scans of a batch, or rows of a scan. What is left at the end is left out.
+    /// The images in pieces of `pixels` pixels: scans of a batch, or rows of a scan. A shorter rest is left out.
     pub fn pieces(&mut self, pixels: usize) -> Vec<ImagesMut<'_>> {
         let mut label = self.label.chunks_exact_mut(pixels);
         let mut instance = self.instance.chunks_exact_mut(pixels);

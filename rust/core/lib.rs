@@ -1,7 +1,8 @@
 //! Scenes of semantic shapes, cast by LiDAR sensor patterns.
 //!
 //! A [`Scene`] holds boxes, ellipsoids, cylinders, rectangles and triangle meshes, each with a class and an instance,
-//! solid or filled with a medium. A [`SensorPattern`] says which ray every pixel of a scan looks along. [`scan`] casts the pattern from a [`Pose`] and
+//! solid or filled with a medium. A [`SensorPattern`] gives the ray of every pixel of a scan. [`scan`] casts the
+//! pattern from a [`Pose`] and
 //! returns [`Images`]: distance, class, instance, primitive and incidence of the closest surface of every pixel.
 //!
 //! Metres and radians, f64 inside; frames are right-handed with x forward, y left and z up.

@@ -3,12 +3,12 @@
 //! The free path in a medium of extinction k is exponential with mean 1 / k: Beer and Lambert's law. Here it is counted in
 //! mean free paths, and is a pure function of seed, medium and ray.
 //!
-//! Leaves hang in clumps, so rays that pass near each other get nearly as far: in recorded foliage (PandaSet) ranges differ
-//! by 6 cm (median) between rays that are 3 cm apart, by 13 where they are 12 cm apart and by 42 at half a metre. So which of
-//! [`QUANTILES`] quantiles of the distribution a ray gets is read from two random **walks** round them, one along each
-//! diagonal of the scan (a sum of such bands is a random field: Matheron, "The intrinsic random functions", 1973). Their
-//! steps are wider the further apart the rays are where the medium is, in mean free paths. Rays without neighbours get
-//! independent quantiles. Ranks are whole numbers, so that every way of casting has the same bits, in tables that a vector of
+//! Leaves hang in clumps, so rays that pass near each other have similar free paths. In recorded foliage (PandaSet)
+//! ranges differ by 6 cm (median) between rays 3 cm apart, by 13 cm at 12 cm and by 42 cm at half a metre. So each ray
+//! gets one of [`QUANTILES`] quantiles of the distribution, read from two random **walks** round them, one along each
+//! diagonal of the scan (a sum of such bands is a random field: Matheron, "The intrinsic random functions", 1973). The
+//! steps are wider the further apart the rays are at the medium, in mean free paths. Rays without neighbours get
+//! independent quantiles. Ranks are whole numbers, so that all backends have the same bits, in tables that a vector of
 //! columns can load.
 
 use std::sync::OnceLock;
@@ -17,41 +17,41 @@ use glam::DVec3;
 
 use crate::simd::WIDEST;
 
-/// How many different free paths there are, and the length of a walk.
+/// The number of different free paths, and the length of a walk.
 pub(crate) const QUANTILES: usize = 1 << 12;
-/// How far apart rays are whose quantiles are independent, in mean free paths (fitted to PandaSet's foliage), and how often
-/// that is halved: half as far, half the variance.
+/// The distance of rays with independent quantiles, in mean free paths (fitted to PandaSet's foliage), and the number
+/// of its halvings: half the distance, half the variance.
 const INDEPENDENT: f64 = 3.0;
 const HALVINGS: usize = 8;
-/// The share of rays that single leaves stop, whatever their neighbours do.
+/// The share of rays that single leaves stop, independently of their neighbours.
 const LEAVES: f64 = 0.2;
-/// From there on, media are as far as they are [m].
+/// The least distance of media in the formula of steps [m].
 const NEAREST: f64 = 1.0;
 
-/// What decides the free paths of all rays of a scan in media.
+/// The key of the free paths in media of all rays of a scan.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ScanKey {
     seed: u64,
-    /// The width of a column [rad], infinite where rays have no neighbours.
+    /// The width of a column [rad], infinite if rays have no neighbours.
     width: f64,
-    /// Where the scan begins, in the scene's frame.
+    /// The start of the scan, in the scene's frame.
     origin: DVec3,
 }
 
 impl ScanKey {
-    /// That of a scan whose columns are so wide [rad], and which begins there in the scene's frame.
+    /// The key of a scan with columns of that width [rad] and that start in the scene's frame.
     pub(crate) fn new(seed: u64, width: f64, origin: DVec3) -> ScanKey {
         ScanKey { seed, width, origin }
     }
 
-    /// The free paths within the medium of that number and extinction [1/m], which is there in the scene's frame.
+    /// The free paths within the medium of that number and extinction [1/m], with its center in the scene's frame.
     pub(crate) fn free_paths(&self, medium: u32, extinction: f64, center: DVec3) -> FreePaths {
-        // Of a medium around the sensor, no leaf is nearer.
+        // In a medium around the sensor, no leaf is nearer.
         FreePaths::new(self.seed, medium, self.width * self.origin.distance(center).max(NEAREST) * extinction)
     }
 }
 
-/// What decides the free paths of a ray in media: equal keys, equal paths.
+/// The key of the free paths of a ray in media: equal keys, equal paths.
 #[derive(Clone, Copy, Debug)]
 pub struct FreePathKey {
     pub(crate) scan: ScanKey,
@@ -60,7 +60,7 @@ pub struct FreePathKey {
 }
 
 impl FreePathKey {
-    /// That of a ray by its number, which has no neighbours.
+    /// The key of a ray by its number, which has no neighbours.
     pub fn of_ray(seed: u64, ray: usize) -> FreePathKey {
         let scan = ScanKey { seed, width: f64::INFINITY, origin: DVec3::ZERO };
         let number = (ray / QUANTILES) as u32;
@@ -73,7 +73,7 @@ impl FreePathKey {
     }
 }
 
-/// A row of a scan: its number, and where it is on the two diagonals, in widths of a column.
+/// A row of a scan: its number, and its place on the two diagonals, in widths of a column.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct RowKey {
     number: u32,
@@ -81,8 +81,8 @@ pub(crate) struct RowKey {
 }
 
 impl RowKey {
-    /// A row by its angles [rad]. Sub-rays of a beam are nearer to each other than columns are, and differ by a
-    /// column as often as they are apart.
+    /// A row by its angles [rad]. Sub-rays of a beam are nearer to each other than columns; they differ by a column in
+    /// proportion to their distance.
     pub(crate) fn new(row: usize, elevation: f64, azimuth_offset: f64, width: f64) -> RowKey {
         let (up, left) =
             ((elevation / width + share(row as u64)).floor() as i32, (azimuth_offset / width).round() as i32);
@@ -95,7 +95,7 @@ impl RowKey {
 #[derive(Clone, Copy)]
 pub(crate) struct FreePaths {
     hash: u64,
-    /// Which quantile the walks begin at.
+    /// The quantile at which the walks begin.
     start: f32,
     walks: &'static [Vec<f32>; 2],
     tables: &'static Tables,
@@ -104,14 +104,14 @@ pub(crate) struct FreePaths {
 struct Tables {
     /// Two walks for rays that are [`INDEPENDENT`] apart, for half of that, and so on.
     walks: Vec<[Vec<f32>; 2]>,
-    /// What single leaves add to both: mostly nothing, or any number of quantiles.
+    /// The addends by single leaves for both: mostly 0, or any number of quantiles.
     leaves: Vec<f32>,
     /// -ln(1 - p) in the middle of each of QUANTILES equal steps of p, as often as there are addends.
     quantiles: Vec<f32>,
 }
 
 impl FreePaths {
-    /// Those within the medium of that number, where neighbouring columns are so many mean free paths `apart`.
+    /// The free paths within the medium of that number, with neighbouring columns `apart` mean free paths apart.
     pub(crate) fn new(seed: u64, medium: u32, apart: f64) -> FreePaths {
         let hash = mix(mix(seed) ^ u64::from(medium));
         let halvings = (INDEPENDENT / apart).log2().round().clamp(0.0, HALVINGS as f64) as usize;
@@ -125,8 +125,7 @@ impl FreePaths {
         self.tables.quantiles[(a[0] + b[0] + leaves[0] + self.start) as usize]
     }
 
-    /// Three addends of the number of the quantile, for as many columns from this one on as a vector holds; `start` is the
-    /// fourth.
+    /// Three addends of the number of the quantile, for a vector of columns from this one on; `start` is the fourth.
     pub(crate) fn ranks(&self, row: RowKey, column: usize) -> [&'static [f32]; 3] {
         let ([a, b], offsets) = (self.walks, [self.hash as u32, (self.hash >> 32) as u32]);
         let walked = |k: usize| offsets[k].wrapping_add_signed(row.diagonals[k]) as usize;
@@ -161,7 +160,7 @@ fn tables() -> &'static Tables {
     })
 }
 
-/// A random walk round the quantiles that ends where it began. Its steps are even up to a span, which is all quantiles
+/// A random walk round the quantiles that ends at its start. Its steps are uniform up to a span, which is all quantiles
 /// without a halving.
 fn walk(seed: u64, halvings: usize) -> Vec<f32> {
     let span = 0.5_f64.powf(halvings as f64 / 2.0);
@@ -172,12 +171,12 @@ fn walk(seed: u64, halvings: usize) -> Vec<f32> {
     padded(places.iter().enumerate().map(|(k, at)| rank((at - drift * k as f64).rem_euclid(1.0))))
 }
 
-/// The number of the quantile that so large a share is below.
+/// The number of the quantile with that share below it.
 fn rank(share: f64) -> f32 {
     (share * QUANTILES as f64).floor().min(QUANTILES as f64 - 1.0) as f32
 }
 
-/// A table, and as many of its first entries again as a vector holds.
+/// A table, with its first entries repeated for a full vector.
 fn padded(ranks: impl Iterator<Item = f32>) -> Vec<f32> {
     let mut ranks: Vec<f32> = ranks.collect();
     ranks.extend_from_within(..WIDEST);

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{Bounds, Error, Result};
 
-/// Volumes, as shares of the box around a mesh, that rounding cannot turn to the other side.
+/// Volumes, as shares of the box around a mesh, whose sign rounding cannot change.
 const SURE: f64 = 1e-9;
 
 /// Triangles that share vertices; every coordinate is finite and every index in range.
@@ -44,7 +44,7 @@ impl TriangleMesh {
         &self.faces
     }
 
-    /// An edge of a triangle that is not met by exactly one other triangle, which runs along it the other way; `None` if
+    /// An edge of a triangle that is not shared with exactly one other triangle of the opposite direction; `None` if
     /// the mesh is closed.
     pub(crate) fn open_edge(&self) -> Option<[u32; 2]> {
         let mut edges: Vec<[u32; 2]> = self.faces.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
@@ -56,12 +56,12 @@ impl TriangleMesh {
         edges.iter().copied().find(|&[a, b]| count(&[a, b]) != 1 || count(&[b, a]) != 1)
     }
 
-    /// Whether it is proven that the mesh encloses one body, cuts itself nowhere, and that its faces run counterclockwise
-    /// seen from outside. Many meshes that do are not proven to.
+    /// Whether it is proven that the mesh encloses one body, does not intersect itself, and has faces that are
+    /// counterclockwise from outside. Many such meshes are not proven.
     ///
-    /// If every face looks away from the middle, directions from there meet no face from behind. A closed surface is then met
-    /// equally often in all directions; if that is once in one of them, no two faces cover the same direction, and so none
-    /// touches another.
+    /// If every face points away from the middle, directions from there meet no face from behind. A closed surface is
+    /// then met equally often in all directions. If that is once in one of them, no two faces cover the same direction,
+    /// and so none touches another.
     pub(crate) fn is_proven_outward(&self) -> bool {
         let vertex = |v: u32| DVec3::from(self.vertices[v as usize]);
         let bounds = self

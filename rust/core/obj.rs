@@ -7,7 +7,7 @@ use std::path::Path;
 
 use crate::{Error, Result};
 
-/// The library that gives all materials, which the text as `tobj` reads it begins with.
+/// The library of all materials, named at the start of the text for `tobj`.
 const LIBRARY: &str = "lidardraft names";
 
 /// A named part of an OBJ file: the faces of one object (`o` or `g`) with one material (`usemtl`).
@@ -15,28 +15,28 @@ const LIBRARY: &str = "lidardraft names";
 pub struct ObjMesh {
     /// The name of the object; "unnamed_object" for faces before the first one.
     pub object: String,
-    /// The name of the material as the file writes it; "" if it uses none.
+    /// The name of the material as in the file; "" if it uses none.
     pub material: String,
     /// The positions that the faces refer to; every coordinate is finite.
     pub vertices: Vec<[f64; 3]>,
-    /// The vertex numbers of all faces, one face after the other.
+    /// The vertex numbers of all faces, in order.
     pub corners: Vec<u32>,
-    /// How many of them each face has, 3 or more.
+    /// The number of corners of each face, 3 or more.
     pub counts: Vec<u32>,
 }
 
 /// The objects of a Wavefront OBJ file, those with several materials as several entries.
 ///
-/// Positions shared within an entry stay shared. Points, lines, normals and texture coordinates are passed over, and
+/// Positions shared within an entry stay shared. Points, lines, normals and texture coordinates are ignored, and
 /// material libraries are not opened: the names come from the OBJ file itself.
 ///
 /// # Errors
-/// [`Error::ObjUnreadable`], [`Error::ObjBroken`], [`Error::ObjMesh`] or [`Error::ObjWithoutFaces`]. A face that names a
-/// missing vertex is noticed where its object ends, and that is the line in the message.
+/// [`Error::ObjUnreadable`], [`Error::ObjBroken`], [`Error::ObjMesh`] or [`Error::ObjWithoutFaces`]. A face with a
+/// missing vertex is noticed at the end of its object, and that is the line in the message.
 pub fn read_obj(path: &Path) -> Result<Vec<ObjMesh>> {
     let mut text = Vec::new();
     File::open(path)
-        // no more than its size: some files of the system are regular, empty and without an end
+        // no more than its size: some system files are regular, empty and endless
         .and_then(|file| file.metadata().map(|data| file.take(data.len())))
         .and_then(|mut file| file.read_to_end(&mut text))
         .map_err(|error| Error::ObjUnreadable { path: path.into(), reason: error.to_string() })?;
@@ -55,9 +55,9 @@ pub fn read_obj(path: &Path) -> Result<Vec<ObjMesh>> {
     Ok(meshes)
 }
 
-/// The text as `tobj` reads it, behind a line that names `LIBRARY`, with as many lines: those that end in a backslash go
-/// on in the next one, unless they are comments, and a `usemtl` without a name, as Rhino writes it, names a material that
-/// no library has.
+/// The text for `tobj`, after a line that names `LIBRARY`, with as many lines. Lines that end in a backslash continue
+/// in the next one, unless they are comments. A `usemtl` without a name, as Rhino writes it, names a material of no
+/// library.
 fn plain(text: &[u8]) -> Vec<u8> {
     let (mut plain, mut joined) = (format!("mtllib {LIBRARY}\n").into_bytes(), 0);
     plain.reserve(text.len());
@@ -72,7 +72,7 @@ fn plain(text: &[u8]) -> Vec<u8> {
         plain.extend(std::iter::repeat_n(b'\n', if begun.is_some() { 0 } else { std::mem::take(&mut joined) }));
         plain.extend(begun.map(|_| b' '));
     }
-    plain.pop(); // the text ends where it ended
+    plain.pop(); // the text ends at its original end
     plain
 }
 
@@ -88,10 +88,10 @@ fn material_names(text: &[u8]) -> Vec<String> {
     names
 }
 
-/// The models of a `plain` text, or the line where it breaks: the last one that was read.
+/// The models of a `plain` text, or the line of the error: the last one that was read.
 ///
-/// `tobj` forgets the name of a material that no library defines. So `LIBRARY` has all materials that the text uses, and
-/// the libraries of the text have none.
+/// `tobj` forgets the name of a material that no library defines. So `LIBRARY` has all materials of the text, and the
+/// libraries of the text have none.
 fn parse(text: &[u8], materials: &[String]) -> std::result::Result<Vec<tobj::Model>, (usize, tobj::LoadError)> {
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..Default::default() };
     let mut left = text;

@@ -4,22 +4,22 @@ use glam::{DMat3, DVec3};
 
 use crate::{Error, Result};
 
-/// Where something stands and how it is turned: `p_outside = rotation * p_inside + translation`.
+/// The place and rotation of an object: `p_outside = rotation * p_inside + translation`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pose {
-    /// Its axes as seen from outside, as columns.
+    /// Its axes in the outer frame, as columns.
     pub rotation: DMat3,
-    /// Its origin as seen from outside [m].
+    /// Its origin in the outer frame [m].
     pub translation: DVec3,
 }
 
-/// How far R^T R may be off the identity; enough for matrices that went through float32 text files.
+/// The largest deviation of R^T R from the identity; enough for matrices from float32 text files.
 const RIGIDITY: f64 = 1e-6;
-/// Anything further away than this [m] would have a position coarser than 0.1 micrometres.
+/// The largest coordinate [m]; beyond, positions would be coarser than 0.1 micrometres.
 const FURTHEST: f64 = 1e9;
 
 impl Pose {
-    /// At the origin, not turned.
+    /// At the origin, without rotation.
     pub const IDENTITY: Pose = Pose { rotation: DMat3::IDENTITY, translation: DVec3::ZERO };
 
     /// A pose from the rows of a homogeneous matrix.
@@ -48,26 +48,26 @@ impl Pose {
         if determinant < 0.0 {
             return Err(Error::PoseMirrored { determinant });
         }
-        // What float32 texts lose is made good: rays keep their lengths, and a transpose is an inverse.
+        // Restores the digits lost in float32 texts: rays keep their lengths, and a transpose is an inverse.
         Ok(Pose { rotation, translation: axis(3) }.orthonormal())
     }
 
-    /// A point of its frame as seen from outside.
+    /// A point of its frame in the outer frame.
     pub fn point(&self, point: DVec3) -> DVec3 {
         self.rotation * point + self.translation
     }
 
-    /// A direction of its frame as seen from outside.
+    /// A direction of its frame in the outer frame.
     pub fn vector(&self, vector: DVec3) -> DVec3 {
         self.rotation * vector
     }
 
-    /// A point outside, as seen in its frame.
+    /// A point of the outer frame in its frame.
     pub(crate) fn inverse_point(&self, point: DVec3) -> DVec3 {
         self.rotation.mul_transpose_vec3(point - self.translation)
     }
 
-    /// A direction outside, as seen in its frame.
+    /// A direction of the outer frame in its frame.
     pub(crate) fn inverse_vector(&self, vector: DVec3) -> DVec3 {
         self.rotation.mul_transpose_vec3(vector)
     }

@@ -1,4 +1,4 @@
-//! Primitives: what a scene is made from.
+//! Primitives: the parts of a scene.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use crate::body::{Body, MeshBody, Solid};
 use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Rectangle};
 use crate::{Bounds, Error, Pose, Result, TriangleMesh};
 
-/// What a primitive looks like before it is scaled, turned and moved.
+/// The shape of a primitive before it is scaled, rotated and moved.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// The box [-1/2, 1/2]^3.
@@ -23,7 +23,7 @@ pub enum Shape {
     Mesh(TriangleMesh),
 }
 
-/// A shape scaled by `size`, turned by `yaw` about z and moved to `center`.
+/// A shape scaled by `size`, rotated by `yaw` about z and moved to `center`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Primitive {
     /// The unit shape.
@@ -32,7 +32,7 @@ pub struct Primitive {
     pub center: [f64; 3],
     /// Full extents [m]; greater than 0, but 0 in z for a plane, and not all 0 for a mesh.
     pub size: [f64; 3],
-    /// Its turn about z [rad].
+    /// Its rotation about z [rad].
     pub yaw: f64,
     /// Its class.
     pub label: u8,
@@ -46,7 +46,7 @@ pub struct Primitive {
 const FURTHEST: f64 = 1e9;
 
 impl Primitive {
-    /// Checks everything but the mesh itself; `primitive` is its index, for the message.
+    /// Checks everything except the mesh itself; `primitive` is its index, for the message.
     pub(crate) fn check(&self, primitive: usize) -> Result<()> {
         let limit = FURTHEST;
         if !self.center.iter().all(|x| x.abs() <= limit) {
@@ -101,7 +101,7 @@ impl Primitive {
         }
     }
 
-    /// Bounds of the primitive; exact only for what is not turned, which is enough to find a middle.
+    /// Bounds of the primitive; exact only without rotation, which is enough to find a middle.
     pub(crate) fn bounds(&self) -> Bounds {
         let center = DVec3::from(self.center);
         match &self.shape {

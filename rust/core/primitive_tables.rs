@@ -11,13 +11,13 @@ pub struct PrimitiveTables<'a> {
     pub centers: &'a [[f64; 3]],
     /// Full extents [m].
     pub sizes: &'a [[f64; 3]],
-    /// Turns about z [rad].
+    /// Rotations about z [rad].
     pub yaws: &'a [f64],
     /// Classes.
     pub labels: &'a [u8],
     /// Instances.
     pub instances: &'a [u32],
-    /// Extinctions [1/m], 0 for what is solid; or none at all if everything is.
+    /// Extinctions [1/m], 0 for solids; empty if all are solid.
     pub extinctions: &'a [f64],
 }
 

@@ -1,4 +1,4 @@
-//! The inverse of a sensor pattern: the pixel that a point belongs to.
+//! The inverse of a sensor pattern: the pixel of a point.
 
 use std::f64::consts::TAU;
 
@@ -19,16 +19,16 @@ pub struct Projection {
     pub distances: Vec<f32>,
 }
 
-/// How far beyond a range limit a projected point may lie, as a share of the maximum range.
+/// The largest excess of a projected point over a range limit, as a share of the maximum range.
 const ROUNDING: f64 = 1e-6;
-/// Points that a thread takes at once.
+/// Points in a thread's block.
 const BLOCK: usize = 4096;
 
-/// A beam that can be turned to a point, and how it meets it.
+/// A beam that can be turned to a point, and their relation.
 #[derive(Clone, Copy)]
 struct Candidate {
     row: usize,
-    /// How much higher than the beam the point is [rad].
+    /// The elevation of the point over the beam [rad].
     elevation_offset: f64,
     /// The azimuth at which the beam passes over or under the point [rad].
     azimuth: f64,
@@ -37,11 +37,11 @@ struct Candidate {
 }
 
 impl SensorPattern {
-    /// The pixel of each point: the beam whose elevation is nearest, the column whose cell it lies in.
+    /// The pixel of each point: the beam with the nearest elevation, and the column whose cell the point is in.
     ///
-    /// A point is outside if no beam can be turned to it, if it is beyond the azimuth span, further from the highest or
-    /// lowest beam than half the spacing there (of the columns, if there is one beam only), not within the range limits or
-    /// not finite.
+    /// A point is outside if no beam can be turned to it, if it is beyond the azimuth span, not within the range
+    /// limits, or not finite. It is also outside if it is further from the highest or lowest beam than half the spacing
+    /// there (of the columns for a single beam).
     pub fn project(&self, points: &[[f64; 3]]) -> Projection {
         let count = points.len();
         let mut found = Projection { rows: vec![-1; count], columns: vec![-1; count], distances: vec![0.0; count] };
@@ -64,7 +64,7 @@ impl SensorPattern {
         let Candidate { row, azimuth, distance, .. } = self.nearest_beam(point)?;
         let column = self.column(row, azimuth)?;
         let (min, max) = (self.spec().min_range, self.spec().max_range);
-        // A point of a range limit, in f32 coordinates, may lie a rounding beyond it.
+        // A point at a range limit, in f32 coordinates, may be a rounding beyond it.
         let within = distance.clamp(min, max);
         if (distance - within).abs() > ROUNDING * max {
             return None;
@@ -72,12 +72,12 @@ impl SensorPattern {
         Some((row as i32, column as i32, self.reported(within)?))
     }
 
-    /// The beam nearest in elevation, each seen from its own origin; of two equally near the higher one.
+    /// The beam nearest in elevation, each relative to its own origin; of two equally near the higher one.
     fn nearest_beam(&self, point: DVec3) -> Option<Candidate> {
         let elevations = &self.spec().elevations;
         let last = self.rows() - 1;
         let best = if self.one_origin {
-            // Every beam sees the point at the same elevation.
+            // The point has the same elevation for every beam.
             let beside = |met: Candidate| {
                 let elevation = elevations[0] + met.elevation_offset;
                 let below = elevations.partition_point(|&beam| beam >= elevation);
@@ -96,10 +96,11 @@ impl SensorPattern {
         (!too_high && !too_low).then_some(best)
     }
 
-    /// How a beam sees a point: seldom twice, and not at all if it passes beside it at every azimuth.
+    /// The points of a beam's turn at which it meets a point: seldom two, and none if it passes beside it at every
+    /// azimuth.
     ///
-    /// Seen from above, the beam at azimuth a passes R(a) (forward + t, left) at the distance t. So the point, r from the
-    /// axis, is met where forward + t is a root of r^2 - left^2.
+    /// From above, the beam at azimuth a passes R(a) (forward + t, left) at the distance t. So it meets the point, r
+    /// from the axis, if forward + t is a root of r^2 - left^2.
     fn candidates(&self, row: usize, point: DVec3) -> impl Iterator<Item = Candidate> {
         let [forward, left, up] = self.spec().origins[row];
         let (x, y, rise) = (point.x, point.y, point.z - up);

@@ -27,26 +27,26 @@ pub struct SceneHit {
 
 /// Primitives compiled for casting.
 ///
-/// A scene has two levels: a hierarchy over bodies, each of which stands in a frame of its own, and within a mesh a
-/// hierarchy over its triangles. Moving a body leaves the lower level as it is.
+/// A scene has two levels: a hierarchy over bodies, each in its own frame, and within a mesh a hierarchy over its
+/// triangles. Moving a body leaves the lower level unchanged.
 ///
-/// Everything is kept relative to `origin`, the middle of the scene, so that a scene in map coordinates of a million metres
+/// Everything is relative to `origin`, the middle of the scene, so that a scene in map coordinates of a million metres
 /// is as precise as one around 0.
 pub struct Scene {
     origin: DVec3,
     /// One for each primitive.
     bodies: Vec<Body>,
-    /// Where the middle of each primitive is in the world, without the rounding of `origin`.
+    /// The middle of each primitive in the world, without the rounding of `origin`.
     centers: Vec<DVec3>,
-    /// The bounds of each in the world, where it was made: they decide the origin of a scene.
+    /// The original bounds of each in the world: they decide the origin of a scene.
     made: Vec<Bounds>,
     /// Class and instance of each primitive.
     semantics: Vec<(u8, u32)>,
-    /// What decides the free paths within each primitive, where it is a medium.
+    /// The key of the free paths within each primitive, if it is a medium.
     media: Vec<u32>,
     bvh: Bvh,
     body_table: BodyTable,
-    /// Those of all surfaces, made when a scan first needs them.
+    /// The normals of all surfaces, made when a scan first needs them.
     normals: OnceLock<[Vec<f32>; 3]>,
 }
 
@@ -82,8 +82,8 @@ impl Scene {
         Scene { origin, bodies, centers, made, semantics, media, bvh, body_table, normals: OnceLock::new() }
     }
 
-    /// One scene of some primitives of others, in that order, as if it had been compiled of them: meshes are shared, and
-    /// bodies of scenes that have the same origin too. `origin` is by default the middle of where all were made.
+    /// One scene of some primitives of others, in that order, as if compiled from them: meshes are shared, and bodies
+    /// of scenes with the same origin too. `origin` is by default the middle of all original places.
     ///
     /// # Errors
     /// [`Error::MovedIndex`] on an index that its scene does not have.
@@ -112,8 +112,8 @@ impl Scene {
         Ok(Scene::of(origin, bodies, centers, made, semantics, media))
     }
 
-    /// The scene with a number for each primitive in place of its index, of which the free paths of rays in it are a pure
-    /// function where it is a medium: one that keeps its number keeps them when other primitives come and go.
+    /// The scene with a number for each primitive in place of its index. The free paths of rays in a medium are a pure
+    /// function of it: a medium that keeps its number keeps them when other primitives come and go.
     ///
     /// # Errors
     /// [`Error::PrimitiveTable`] if there is not one for each primitive.
@@ -125,8 +125,8 @@ impl Scene {
         Ok(Scene { media, ..self })
     }
 
-    /// The same scene with some primitives standing elsewhere: `world_from_primitive` says where the frame of each, its
-    /// middle and axes, is now. Meshes are shared with this scene; only the hierarchy over the bodies is made anew.
+    /// The same scene with some primitives moved: `world_from_primitive` is the new pose of the frame of each, its
+    /// middle and axes. Meshes are shared with this scene; only the hierarchy over the bodies is made again.
     ///
     /// # Errors
     /// [`Error::MovedCount`], [`Error::MovedIndex`] or [`Error::MovedTwice`].
@@ -136,7 +136,7 @@ impl Scene {
         for (&primitive, pose) in primitives.iter().zip(world_from_primitive) {
             let body = &mut bodies[primitive as usize];
             centers[primitive as usize] = pose.translation;
-            // What float32 texts lose is made good.
+            // Restores the digits lost in float32 texts.
             let pose = Pose { translation: pose.translation - self.origin, ..pose.orthonormal() };
             *body = Body::new(body.solid.clone(), pose, body.extinction);
         }
@@ -170,7 +170,7 @@ impl Scene {
         Some(self.scene_hit(primitive, hit))
     }
 
-    /// The same by asking every surface: the definition that the hierarchies are tested against.
+    /// The same by a test of every surface: the definition against which the hierarchies are tested.
     #[cfg(test)]
     pub(crate) fn closest_of_all(&self, origin: DVec3, direction: DVec3, key: FreePathKey) -> Option<SceneHit> {
         let ray = Ray { origin: origin - self.origin, direction };
@@ -191,18 +191,18 @@ impl Scene {
         SceneHit { distance: hit.distance, primitive, part: hit.part, label, instance }
     }
 
-    /// Whether a primitive is a medium: what a ray hits in it has no surface.
+    /// Whether a primitive is a medium: a hit in it has no surface.
     pub fn is_medium(&self, primitive: usize) -> bool {
         self.bodies[primitive].extinction.is_some()
     }
 
-    /// The unit normal of a primitive at a point of its surface; it may point to either side, and is 0 where the surface
+    /// The unit normal of a primitive at a point of its surface; it may point to either side, and is 0 if the surface
     /// has none. `part` is the triangle of a mesh, as in [`SceneHit`].
     pub fn normal(&self, primitive: usize, part: u32, point: DVec3) -> DVec3 {
         self.bodies[primitive].normal(point - self.origin, part)
     }
 
-    /// The point of the world that the poses of the bodies are relative to.
+    /// The point of the world to which the poses of the bodies are relative.
     pub fn origin(&self) -> DVec3 {
         self.origin
     }
@@ -218,7 +218,7 @@ impl Scene {
     }
 
     /// The unit normal of each surface in the frame of the scene, to either side, as columns that vectors gather. It is
-    /// NaN in a medium and infinite where a surface is not flat; one more, 0, is that of nothing.
+    /// NaN in a medium and infinite on a curved surface; one more entry, 0, is for no surface.
     pub(crate) fn normals(&self) -> &[Vec<f32>; 3] {
         self.normals.get_or_init(|| {
             let mut columns = [(); 3].map(|()| Vec::new());
@@ -228,7 +228,7 @@ impl Scene {
         })
     }
 
-    /// What decides the free paths within each primitive.
+    /// The keys of the free paths within each primitive.
     pub(crate) fn media(&self) -> &[u32] {
         &self.media
     }

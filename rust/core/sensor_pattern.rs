@@ -56,7 +56,7 @@ impl SensorPattern {
         self.spec.columns
     }
 
-    /// What the pattern was made from.
+    /// The parameters of the pattern.
     pub fn spec(&self) -> &SensorSpec {
         &self.spec
     }
@@ -105,7 +105,7 @@ impl SensorPattern {
         (0..self.rows() * self.columns()).map(pixel).collect()
     }
 
-    /// The points at these distances along the rays, row by row; the beam's origin where the distance is 0.
+    /// The points at these distances along the rays, row by row; the beam's origin for distance 0.
     ///
     /// # Errors
     /// [`Error::ImageShape`] or [`Error::Depth`].

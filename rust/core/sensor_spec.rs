@@ -1,16 +1,16 @@
-//! What sensor patterns are made from, checked.
+//! The parameters of sensor patterns, checked.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use crate::medium::RowKey;
 use crate::{Error, Result};
 
-/// What a pattern is made from; row 0 is the highest beam.
+/// The parameters of a pattern; row 0 is the highest beam.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SensorSpec {
     /// The elevation of each beam [rad], strictly decreasing, between -pi/2 and pi/2.
     pub elevations: Vec<f64>,
-    /// What each beam adds to the azimuth of its column [rad].
+    /// The offset of each beam from the azimuth of its column [rad].
     pub azimuth_offsets: Vec<f64>,
     /// Where each beam starts [m]: forward, to the left and up, seen along its own azimuth.
     pub origins: Vec<[f64; 3]>,
@@ -36,12 +36,12 @@ const FURTHEST: f64 = 1e9;
 pub(crate) const TURN_TOLERANCE: f64 = 1e-9;
 
 impl SensorSpec {
-    /// How far apart columns are [rad].
+    /// The distance of columns [rad].
     pub(crate) fn column_width(&self) -> f64 {
         self.azimuth_span / self.columns as f64
     }
 
-    /// What media need to know of a row.
+    /// The key of a row for media.
     pub(crate) fn row_key(&self, row: usize) -> RowKey {
         RowKey::new(row, self.elevations[row], self.azimuth_offsets[row], self.column_width())
     }

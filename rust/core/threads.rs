@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use rayon::ThreadPool;
 use rayon::prelude::*;
 
-/// Runs every job once, on this many threads; 0 is rayon's own number (`RAYON_NUM_THREADS`, or as many as there are cores).
+/// Runs every job once, on this many threads; 0 is rayon's own number (`RAYON_NUM_THREADS`, or the number of cores).
 ///
 /// One job, or one thread, is a plain loop here: no other thread is woken for it. So is all where the machine gives no more
 /// threads.
@@ -20,7 +20,7 @@ pub(crate) fn spread<J: Send>(threads: usize, jobs: Vec<J>, run: impl Fn(J) + Sy
     }
 }
 
-/// How many threads [`spread`] takes for a number of them, which may be 0.
+/// The number of threads that [`spread`] uses for a given number, which may be 0.
 pub(crate) fn thread_count(threads: usize) -> usize {
     if threads > 0 { threads } else { pool(0).map_or(1, |pool| pool.current_num_threads()) }
 }
@@ -28,12 +28,12 @@ pub(crate) fn thread_count(threads: usize) -> usize {
 /// Pools that are kept: a caller seldom asks for more than a few numbers of threads in turn.
 const KEPT: usize = 4;
 
-/// A pool, and what it is of: a process and a number of threads.
+/// A pool, and its owner: a process and a number of threads.
 type OwnedPool = ((u32, usize), Arc<ThreadPool>);
 
-/// The pool of so many threads, kept for next time; `None` where the machine gives no more threads.
+/// The pool of this many threads, kept for next time; `None` if the machine gives no more threads.
 ///
-/// A pool is one of this process: in a forked child its threads are gone, and who waits for them waits forever. That is why
+/// A pool belongs to one process: in a forked child its threads are gone, and waiting for them never ends. That is why
 /// rayon's own pool, of which there is one, is never used, and why a child never drops a pool of its parent.
 fn pool(threads: usize) -> Option<Arc<ThreadPool>> {
     // Those used last come last.

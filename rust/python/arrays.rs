@@ -1,4 +1,4 @@
-//! numpy arrays at the border: exact type and memory order, or an exception that says what came instead.
+//! numpy arrays at the border: exact type and memory order, or an exception that names the given ones.
 
 use lidardraft_core::Error;
 use numpy::ndarray::{Dimension, Ix1, Ix2};
@@ -54,12 +54,12 @@ fn borrow_error(name: &str, error: &BorrowError) -> PyErr {
     memory_error(name, reason)
 }
 
-/// The exception for an array whose elements do not lie where the machine can take them.
+/// The exception for an array with elements at addresses that the machine cannot use.
 pub(crate) fn misaligned(name: &str) -> PyErr {
     memory_error(name, "is not aligned to the size of its elements")
 }
 
-/// What an argument is, for a message.
+/// A description of an argument, for a message.
 fn describe(argument: &Bound<'_, PyAny>) -> PyResult<String> {
     let Ok(array) = argument.cast::<PyUntypedArray>() else {
         return Ok(format!("a {}", argument.get_type().name()?));

@@ -1,4 +1,4 @@
-//! Labelled points and what they become.
+//! Labelled points, and the shapes made from them.
 
 use lidardraft_core::cloud::{self as core, FittedBox};
 use lidardraft_core::{Error, Shape};

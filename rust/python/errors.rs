@@ -12,7 +12,7 @@ pyo3::import_exception!(lidardraft.errors, SensorError);
 /// An error of the core on its way to Python.
 pub(crate) struct CoreError(Error);
 
-/// What a function of the module returns.
+/// The result of a function of the module.
 pub(crate) type CoreResult<T> = Result<T, CoreError>;
 
 impl From<Error> for CoreError {
@@ -85,12 +85,12 @@ impl From<CoreError> for PyErr {
     }
 }
 
-/// The exception for an array that cannot be read or written where it lies.
+/// The exception for an array that cannot be read or written in place.
 pub(crate) fn memory_error(name: &str, reason: &str) -> PyErr {
     PyTypeError::new_err(format!("{name} {reason}"))
 }
 
-/// The exception for an array of another type or memory order than asked for.
+/// The exception for an array of another type or memory order than required.
 pub(crate) fn array_type_error(name: &str, expected: &str, given: &str) -> PyErr {
     PyTypeError::new_err(format!("{name} must be a C-contiguous array of {expected}; it is {given}"))
 }

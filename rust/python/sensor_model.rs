@@ -187,7 +187,7 @@ impl<'py> Surfaces<'py> {
     }
 }
 
-/// Range and response of what is in the air.
+/// Range and response of particles in the air.
 struct Backscatter<'py> {
     depth: PyReadonlyArray2<'py, f32>,
     response: PyReadonlyArray2<'py, f32>,

@@ -138,7 +138,7 @@ def test_scans_of_ours_tell_their_lasers_by_any_preset(tmp_path, name):
 def test_lasers_of_a_file_that_start_aside_of_one_another_are_not_guessed():
     truth = Sensor.preset("os1-128")
     points = raycast(ROOM, truth, truth.pose()).points()
-    with pytest.raises(FormatError, match="nothing says which laser took a point"):
+    with pytest.raises(FormatError, match="the lasers of the points are unknown"):
         recording_of("scan", points)
 
 

@@ -419,7 +419,7 @@ def test_a_set_that_does_not_fit_is_refused_and_keeps_its_shards(capsys: pytest.
 
 BAD = [
     ("scans = 20", "scans = 0", "scans is 0; it must be a whole number from 1"),
-    ("scans = 20", "scans = 20\nscan = 3", "scan is no key here; did you mean 'scans'?"),
+    ("scans = 20", "scans = 20\nscan = 3", "scan is not a key here; did you mean 'scans'?"),
     ("scans = 20", "", "scans is missing"),
     ("scans = 20", 'scans = 20\nformat = "kity"', "format is 'kity'; it must be one of kitti, "),
     ("scans = 20", "scans = ", "not TOML: "),
@@ -430,8 +430,8 @@ BAD = [
     ('street = ["urban", "country"]', "", "scene 2, one of text, text_file, layout and street is needed; there are 0"),
     ('"urban", ', '"urbn", ', "scene 2, street is ['urbn', 'country']; it must be one of "),
     ('["urban", "country"]', "[]", "scene 2, street is []; it must be a text, or a list of texts"),
-    ("traffic", "trafic", "scene 2, trafic is no key here; did you mean 'traffic'?"),
-    ("traffic = {", "speed = 3.0\ntraffic = {", "scene 2, speed is no key here"),
+    ("traffic", "trafic", "scene 2, trafic is not a key here; did you mean 'traffic'?"),
+    ("traffic = {", "speed = 3.0\ntraffic = {", "scene 2, speed is not a key here"),
     ("from = 0.5, to = 2.0", "from = 2.0, to = 0.5", "scene 2, traffic is {'from': 2.0, 'to': 0.5}; it must be a"),
     ("from = 0.5, to = 2.0", "from = 0.5", "scene 2, traffic is {'from': 0.5}; it must be a number"),
     ('"*.layout.json"', '"*.lay.json"', "scene 3, layout is '*.lay.json'; it must be files"),

@@ -62,14 +62,14 @@ def test_bad_exports_are_one_line(refused: Callable[..., str], capsys: pytest.Ca
         cli.main(["export", "empty", "--format", "kity", "-o", "out"])
     assert "'kity' is not one of kitti, " in capsys.readouterr().err
     said = refused("export", "empty", "--format", "kitti", "-o", "out")
-    assert "empty holds no scans of `simulate`, `generate` or `observe`: there is no .sensor.json" in said
+    assert "empty holds no scans of `simulate`, `generate` or `observe`: no .sensor.json found" in said
     assert "nowhere is not a folder of scans" in refused("export", "nowhere", "--format", "kitti", "-o", "out")
     Sensor.load("small.json").save("empty/000000.sensor.json")
     assert "000000.npz: No such file" in refused("export", "empty", "--format", "kitti", "-o", "out")
     Path("full").mkdir()
     Path("full/notes.txt").write_text("mine")
     said = refused("export", "empty", "--format", "kitti", "-o", "full")
-    assert "full is there already; write to a new or empty folder" in said
+    assert "full exists already; write to a new or empty folder" in said
     assert "small.json/out cannot be written" in refused("export", "empty", "--format", "kitti", "-o", "small.json/out")
 
 

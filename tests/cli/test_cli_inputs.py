@@ -259,7 +259,7 @@ def test_masks_and_the_camera_of_a_picture_are_read_from_files(photo: list[str])
         (["--intrinsics", "a,b,c,d"], "--intrinsics is 'a,b,c,d'; it must be FX,FY,CX,CY"),
         (["--intrinsics", "9,9,9000,9"], "the principal point (9000, 9) lies outside the picture"),
         (["--intrinsics", "none.json"], "none.json: No such file"),
-        (["--intrinsics", "700,700,320,200", "--hfov", "80"], "intrinsics and hfov say the same"),
+        (["--intrinsics", "700,700,320,200", "--hfov", "80"], "intrinsics and hfov both set the focal length"),
         (["--hfov", "80", "--masks", "none.npz"], "none.npz: No such file"),
         (["--hfov", "80", "--masks", "depth.npy"], "depth.npy: it holds float32 [400, 640]; masks are bool"),
     ],
@@ -272,7 +272,7 @@ def test_masks_and_intrinsics_that_cannot_be(
 
 def test_what_is_wrong_with_a_picture(photo: list[str], refused: Callable[..., str]) -> None:
     draft = ("draft", "-o", "layout.json", *photo)
-    assert "photo.png: the picture does not say its focal length; give hfov (--hfov)" in refused(*draft)
+    assert "photo.png: the picture has no focal length; give hfov (--hfov)" in refused(*draft)
     for degrees in ("0", "200"):
         assert f"hfov is {math.radians(float(degrees))} rad ({degrees} degrees)" in refused(*draft, "--hfov", degrees)
     np.save("depth.npy", np.ones((3, 3)))
@@ -327,7 +327,7 @@ def test_strict_refuses_a_sentence_whose_scene_is_another(
         "the sentence names 1 motorcycle; the scene has motorcycle: 2",
     )
     text = ("--text", "two people on a motorbike ahead")
-    assert f"{line}; say it otherwise; --llm-url takes free text" in refused(*draft, *text, "--strict")
+    assert f"{line}; rephrase it; --llm-url takes free text" in refused(*draft, *text, "--strict")
     assert cli.main([*draft, *text]) == 0
     assert capsys.readouterr().err == f"lidardraft: {line}\n"
     assert cli.main([*draft, "--text", "two cars ahead", "--strict"]) == 0
@@ -360,7 +360,7 @@ def test_a_scan_is_labelled_by_a_segmenter_and_drafted_for_hands(refused: Callab
     points, intensity = kitti.read_bin("scan.bin")
     labels = weight_file.load("segmenter.safetensors", Segmenter).label_points(points, intensity, 1.73, least=0.5)
     assert Layout.load("layout.json") == layout_from_cloud(points, labels, detail="objects")
-    assert "--labels and --segmenter both say the classes" in refused(*scan, "--labels", "scan.label")
+    assert "--labels and --segmenter both give the classes" in refused(*scan, "--labels", "scan.label")
 
 
 def test_a_scan_without_labels_is_labelled_by_the_packaged_segmenter(capsys: pytest.CaptureFixture[str]) -> None:

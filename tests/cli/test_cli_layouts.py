@@ -78,7 +78,7 @@ def test_each_ending_is_its_format(ending: str, begins: bytes) -> None:
 def test_the_ending_says_the_format_before_anything_is_made(refused: Callable[..., str]) -> None:
     for path in ("layout", "layout.txt", "layout.blend"):
         said = refused("draft", "--text", "a car ahead", "-o", path)
-        assert f"{path}: a layout is written as .json, .obj, .glb, .py; the ending says which" in said
+        assert f"{path}: a layout is written as .json, .obj, .glb, .py; the ending decides" in said
 
 
 def test_a_layout_that_cannot_be_simulated_replaces_nothing(refused: Callable[..., str]) -> None:

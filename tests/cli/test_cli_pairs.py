@@ -32,7 +32,7 @@ def test_pairs_on_disk_go_on_where_they_stopped(capsys: pytest.CaptureFixture[st
     first = PairFolder("pairs")
     assert cli.main([*argv, "--num", "5"]) == 0
     captured = capsys.readouterr()
-    assert captured.err == "lidardraft: pairs: goes on after the 2 pairs that are there\n"
+    assert captured.err == "lidardraft: pairs: continues after 2 pairs\n"
     assert captured.out == "pairs: 5 pairs, 3 of them new\n"
     pairs = PairFolder("pairs")
     assert [note["index"] for note in pairs.notes] == [0, 1, 2, 3, 4]
@@ -166,7 +166,7 @@ def test_an_interrupted_call_goes_on(monkeypatch: pytest.MonkeyPatch, capsys: py
     capsys.readouterr()
     assert cli.main(RECORDED) == 0
     captured = capsys.readouterr()
-    assert "out: goes on after the 2 pairs that are there" in captured.err
+    assert "out: continues after 2 pairs" in captured.err
     assert captured.out.startswith("out: 3 pairs, 1 of them new\n")
 
 
@@ -235,7 +235,7 @@ def test_a_sensor_that_did_not_record_is_told(capsys: pytest.CaptureFixture[str]
     elevations = tuple(np.deg2rad(np.linspace(2.5, -24, 21)).tolist())
     Path("finer.json").write_text(Sensor(name="finer", elevations=elevations, columns=128).to_json())
     assert cli.main(["pairs", "00", "--sensor", "finer.json", "-o", "other"]) == 0
-    told = "the points lie between the beams of finer as often as on them; `lidardraft fit` makes a sensor of the scans"
+    told = "the points are between the beams of finer as often as on them; `lidardraft fit` makes a sensor of the scans"
     assert capsys.readouterr().err.count(told) == 1
     assert cli.main(["pairs", "00", "--sensor", "vlp16", "-o", "none"]) == 2
     assert "none: none of 3 scans became a pair" in capsys.readouterr().err

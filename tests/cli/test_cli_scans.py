@@ -446,7 +446,7 @@ def test_a_sequence_in_which_nothing_moves_is_said_to_be_one(capsys: pytest.Capt
     )
     asked = ["simulate", "--layout", "land.json", *SMALL, "--frames", "2", "--no-picture", "-o", "out"]
     assert cli.main(asked) == 0
-    assert "nothing moves: the layout has no road whose lanes are known" in capsys.readouterr().err
+    assert "nothing moves: the layout has no road with known lanes" in capsys.readouterr().err
 
 
 def test_a_sequence_says_that_its_lanes_are_guessed(capsys: pytest.CaptureFixture[str]) -> None:
@@ -463,7 +463,7 @@ def test_a_sequence_says_that_its_lanes_are_guessed(capsys: pytest.CaptureFixtur
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        (["--hz", "5"], "--hz is of a sequence; say with --frames how long it is"),
+        (["--hz", "5"], "--hz is for a sequence; give its length with --frames"),
         (["--frames", "3", "--hz", "20"], "hz is 20; a sweep of small takes 0.1 s"),
         (["--frames", "3", "--scenario", "wrong.json"], "wrong.json: the layout has no object 'car_9'"),
         (["--frames", "3", "--scenario", "none.json"], "none.json: No such file"),

@@ -105,7 +105,7 @@ def test_what_goes_wrong_is_one_line(server: ReplayServer, model: tuple[str, ...
     assert "the time limit is 0.0" in refused(*DRAFT, *model, "--llm-timeout", "0")
     assert "the text has 0 characters" in refused("draft", "--text", "", *model, "-o", "layout.json")
     Path("file").write_text("")
-    assert "file: replies of language models cannot be kept" in refused(*DRAFT, *model, "--llm-cache", "file")
+    assert "file: cannot keep replies of language models" in refused(*DRAFT, *model, "--llm-cache", "file")
     assert len(server.requests) == 2
 
 

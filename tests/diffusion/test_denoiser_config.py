@@ -40,7 +40,7 @@ def test_a_condition_stands_beside_the_rays_unless_a_controlnet_sees_it() -> Non
         ({"condition": ("smell",)}, r"condition is \('smell',\); it must be some of depth, class, simulated, open"),
         ({"controlnet": True}, r"condition is \(\); a ControlNet sees depth, class or both"),
         ({"condition": ("simulated",), "controlnet": True}, "a ControlNet sees depth, class or both"),
-        ({"condition": ("open",)}, "completed in the simulated scan; the condition must have it"),
+        ({"condition": ("open",)}, "completes the simulated scan; the condition must have it"),
         ({"pools": 2.5}, "pools is 2.5; it must be 0 to 64"),
     ],
 )

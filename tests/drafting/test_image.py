@@ -203,7 +203,7 @@ def test_a_file_says_its_focal_length(tmp_path):
     layout = layout_from_image(tmp_path / "a.jpg", depth=PICTURE.depth, semantics=PICTURE.labels)
     assert math.degrees(layout.provenance["hfov"]) == pytest.approx(80, abs=2)
     Image.fromarray(PICTURE.pixels).save(tmp_path / "b.png")
-    with pytest.raises(LayoutError, match=r"b.png: the picture does not say its focal length; give hfov"):
+    with pytest.raises(LayoutError, match=r"b.png: the picture has no focal length; give hfov"):
         layout_from_image(tmp_path / "b.png", depth=PICTURE.depth, semantics=PICTURE.labels)
 
 
@@ -213,7 +213,7 @@ BROKEN = np.where(np.arange(640) == 7, np.nan, PICTURE.depth)
 @pytest.mark.parametrize(
     ("options", "said"),
     [
-        ({"depth": BROKEN}, "depth at row 0, column 7 is nan; it must be finite, and 0 where unknown"),
+        ({"depth": BROKEN}, "depth at row 0, column 7 is nan; it must be finite, and 0 if unknown"),
         ({"depth": -PICTURE.depth}, "depth at row .* is -"),
         ({"depth": PICTURE.depth[:-1]}, r"depth has shape \[399, 640\]; a picture of that size needs \[400, 640\]"),
         ({"depth": PICTURE.depth.astype(str)}, "depth holds <U"),
@@ -229,7 +229,7 @@ BROKEN = np.where(np.arange(640) == 7, np.nan, PICTURE.depth)
         ({"hfov": math.radians(200)}, r"hfov is 3.49.* rad \(200 degrees\)"),
         ({"intrinsics": np.eye(2)}, "give one of them"),
         ({"intrinsics": np.eye(2), "hfov": None}, r"intrinsics have shape \(2, 2\)"),
-        ({"hfov": None}, "does not say its focal length"),
+        ({"hfov": None}, "has no focal length"),
         ({"camera_height": 0}, "camera_height is 0 m; it must be 0.1 to 100"),
         ({"camera_height": math.nan}, "camera_height is nan"),
         ({"place": (1, 2)}, "place is"),

@@ -470,7 +470,7 @@ def test_names_of_groups_and_colours_say_the_class_where_the_shape_does_not() ->
     found = sketch(inner)
     assert [blob.label for blob in found.blobs] == ["vegetation", "car"]
     assert found.ignored == [
-        "circle 'odd': neither a name nor a colour says its class",
+        "circle 'odd': neither its name nor its colour gives a class",
         "line 'l1': markings are not read",
     ]
     assert not found.strokes

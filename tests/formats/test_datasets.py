@@ -300,7 +300,7 @@ def test_folders_that_are_no_data_set(tmp_path: Path) -> None:
         with pytest.raises(FormatError, match=message):
             dataset_files(name, tmp_path)
     tables(tmp_path, sweep="../a.pcd.bin")
-    with pytest.raises(FormatError, match=r"sample_data.json: row 0 names '../a.pcd.bin', which lies outside"):
+    with pytest.raises(FormatError, match=r"sample_data.json: row 0 names '../a.pcd.bin', which is outside"):
         labelled_sweeps(tmp_path)
     (tmp_path / "v1.0-mini" / "sample_data.json").write_text('[{"token": 3}]')
     with pytest.raises(FormatError, match=r"sample_data.json: row 0 has not all of token, filename"):

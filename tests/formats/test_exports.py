@@ -318,7 +318,7 @@ def test_a_data_set_is_there_whole_or_not_at_all(name: str, frames: list[Frame],
     with pytest.raises(FormatError, match="out cannot be written: Directory not empty"):
         write(tmp_path / "out", [overtaken()])
     before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
-    with pytest.raises(FormatError, match="out is there already; write to a new or empty folder"):
+    with pytest.raises(FormatError, match="out exists already; write to a new or empty folder"):
         write(tmp_path / "out", [frames])
     assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
     with pytest.raises(FormatError, match="there are no scans to write"):

@@ -120,7 +120,7 @@ def test_a_reference_far_back_uses_both_bytes() -> None:
         (header("ascii") + text().replace(b"65535", b"left"), "could not convert string 'left' to uint16"),
         (header("ascii") + text().replace(b"65535", b"65536"), "could not convert string '65536' to uint16"),
         (header("ascii") + text().replace(b"1.5", b"left"), "could not convert string 'left' to float32"),
-        (header("ascii", 4) + text(), "4 points are announced, and 3 lines of numbers are there"),
+        (header("ascii", 4) + text(), "4 points are announced, but 3 lines of numbers are there"),
         (header("ascii") + b"1" * (2**24 + 1), "bytes of points as text; up to 16777216 are read"),
         (header("binary_compressed") + b"\0" * 4, "truncated before its points"),
         (header("binary_compressed") + packed(columns())[:-5], "the file is truncated"),

@@ -123,8 +123,8 @@ def test_points_that_are_no_returns_are_left_out():
         (np.ones((9, 3)), {"ring": np.zeros(9), "intensity": np.full(9, np.nan)}, "an intensity is not finite or not"),
         (np.ones((9, 3)), {"label": np.full(9, 42)}, "label holds 42 to 42; classes are 0 to 20"),
         (np.ones((9, 3)), {"label": np.arange(9) - 1}, "label holds -1 to 7; classes are 0 to 20"),
-        (np.random.default_rng(0).normal(size=(999, 3)), {}, "nothing says which laser took a point: no field ring"),
-        (np.ones((3, 3)), {}, "nothing says which laser took a point"),
+        (np.random.default_rng(0).normal(size=(999, 3)), {}, "the lasers of the points are unknown: no field ring"),
+        (np.ones((3, 3)), {}, "the lasers of the points are unknown"),
     ],
 )
 def test_what_is_no_recording(points, fields, message):
@@ -140,7 +140,7 @@ def test_files_that_are_none(tmp_path, in_kitti_order):
         read_recording(tmp_path / "a.xyz")
     mixed = np.random.default_rng(0).permutation(points)
     write_bin(tmp_path / "a.bin", mixed, np.zeros(len(mixed), np.float32))
-    with pytest.raises(FormatError, match=r"a.bin: nothing says which laser took a point"):
+    with pytest.raises(FormatError, match=r"a.bin: the lasers of the points are unknown"):
         read_recording(tmp_path / "a.bin")
     (tmp_path / "a.bin").write_bytes(struct.pack("<4f", np.nan, 0, 0, 0))
     with pytest.raises(FormatError, match=r"a.bin: point 0 is \[nan"):

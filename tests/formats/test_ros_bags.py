@@ -148,7 +148,7 @@ def test_bags_that_do_not_say_their_points(bag: Path, tmp_path: Path) -> None:
     two = rewritten(
         bag, tmp_path / "two", lambda topic, m: [(topic, m), (f"{topic}2", m)], storage_plugin=StoragePlugin.MCAP
     )
-    with pytest.raises(FormatError, match=r"two: it has points on /lidar, /lidar2; say which by --topic"):
+    with pytest.raises(FormatError, match=r"two: it has points on /lidar, /lidar2; choose one with --topic"):
         read_points(two)
     assert len(read_points(two, topic="/lidar2")[0]) == len(read_points(bag)[0])
     with pytest.raises(FormatError, match=r"topic is '/lidr'; it must be one of /lidar, /lidar2; did you mean"):
@@ -199,7 +199,7 @@ def test_clouds_that_contradict_themselves() -> None:
         ({"width": 5}, "1 rows of 5 points of 20 bytes, 100 a row, has 80 bytes"),
         ({"width": 0}, "the cloud has no points"),
         ({"point_step": 8}, "the field y goes over the 8 bytes of a point"),
-        ({"fields": [good.fields[0]] * 2}, "the field x is there twice"),
+        ({"fields": [good.fields[0]] * 2}, "the field x occurs twice"),
         ({"fields": [SimpleNamespace(name="x", offset=0, datatype=9, count=1)]}, "datatype 9; it must be 1 to 8"),
     ):
         with pytest.raises(FormatError, match=said):

@@ -157,7 +157,7 @@ def test_metadata_of_ouster_is_a_sensor(tmp_path: Path, nested: bool) -> None:
     ("change", "message"),
     [
         ({"beam_azimuth_angles": [1.0]}, "must be lists of degrees, one for each beam"),
-        ({"lidar_mode": "fast"}, "say no mode such as 1024x10"),
+        ({"lidar_mode": "fast"}, "name no mode such as 1024x10"),
         ({"column_window": [9, 5000]}, "column_window is [9, 5000]; it must be two of 1024 columns"),
         ({"beam_altitude_angles": [1.0, 1.0, 0.0]}, "elevation"),
     ],

@@ -61,7 +61,7 @@ def test_what_is_not_ours_is_refused(tmp_path: Path) -> None:
         weight_file.load(tmp_path / "nothing.safetensors", Denoiser)
     text = tmp_path / "text.safetensors"
     text.write_text("not weights at all")
-    with pytest.raises(CheckpointError, match="is no whole safetensors file"):
+    with pytest.raises(CheckpointError, match="is not a complete safetensors file"):
         weight_file.load(text, Denoiser)
     with pytest.raises(CheckpointError, match="is a directory; it must be a regular file"):
         weight_file.load(tmp_path, Denoiser)
@@ -77,13 +77,13 @@ def test_what_is_not_ours_is_refused(tmp_path: Path) -> None:
 def test_truncated_files_are_refused(path: Path, share: float) -> None:
     whole = path.read_bytes()
     path.write_bytes(whole[: int(share * len(whole))])
-    with pytest.raises(CheckpointError, match="is no whole safetensors file"):
+    with pytest.raises(CheckpointError, match="is not a complete safetensors file"):
         weight_file.load(path, Denoiser)
 
 
 def test_pickles_are_refused(tmp_path: Path) -> None:
     torch.save({"weight": torch.zeros(3)}, tmp_path / "weights.pt")
-    with pytest.raises(CheckpointError, match="is no whole safetensors file"):
+    with pytest.raises(CheckpointError, match="is not a complete safetensors file"):
         weight_file.load(tmp_path / "weights.pt", Denoiser)
 
 
@@ -136,7 +136,7 @@ def test_what_is_no_weight_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(CheckpointError, match=r"a\.safetensors: No such file"):
         read_metadata(path)
     path.write_bytes(b"\xff" * 100)
-    with pytest.raises(CheckpointError, match=r"a\.safetensors is no whole safetensors file"):
+    with pytest.raises(CheckpointError, match=r"a\.safetensors is not a complete safetensors file"):
         read_metadata(path)
     with pytest.raises(CheckpointError, match="is a directory"):
         read_metadata(tmp_path)

@@ -139,7 +139,7 @@ def test_a_run_goes_on_with_its_config_and_is_no_other_file(pairs: PairFolder, t
     with pytest.raises(TrainingError, match=r"state\.safetensors .* with another config: its decay is 0\.3, not 0\.6"):
         list(run(dataclasses.replace(CONFIG, decay=0.6), pairs, tmp_path))
     (tmp_path / "state.safetensors").write_bytes(b"half a fi")
-    with pytest.raises(TrainingError, match="is no state of a run"):
+    with pytest.raises(TrainingError, match="is not the state of a run"):
         list(run(CONFIG, pairs, tmp_path))
 
 

@@ -1,4 +1,4 @@
-"""Options that several commands have, and what their values may be."""
+"""Options shared by several commands, and checks of their values."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from lidardraft.scene.weather import Weather
 if TYPE_CHECKING:
     from lidardraft.pipeline import Pipeline
 
-    Options = argparse.ArgumentParser | argparse._ArgumentGroup  # what options can be added to
+    Options = argparse.ArgumentParser | argparse._ArgumentGroup  # options can be added to these
 
 DEFAULT_SENSOR = "hdl64e"
 _MOST_PIXELS = 2**22  # of the images of a sensor in a file, eight times those of the largest sensors
-# What --weather calls each number of `Weather`, and the unit that may stand behind the amount.
+# The names of the numbers of `Weather` in --weather, and the unit that may follow the amount.
 _WEATHER = {"rain": ("rain", "mm"), "snow": ("snow", "mm"), "fog": ("visibility", "m"), "wet": ("wetness", "")}
 FRAME_HELP = "scan of a log, .mcap, .db3, .pcap or .osf, by its number, from 0 (default 0)"
 TOPIC_HELP = "topic of points in a ROS 2 bag that has several"
@@ -58,7 +58,7 @@ def number(text: str) -> float:
 
 
 def assignments(texts: list[str], option: str, form: str) -> dict[str, str]:
-    """The values of a repeatable option that reads as `form`, NAME=VALUE; raises `FormatError` for what does not."""
+    """The values of a repeatable option of the `form` NAME=VALUE; raises `FormatError` for any other form."""
     given = {}
     for text in texts:
         name, sign, value = text.rpartition("=")
@@ -82,7 +82,7 @@ def minutes(text: str) -> float:
 
 
 def in_folder(output: str, name: str) -> str:
-    """The file that --output means: itself, or `name` in it if it is a folder, which is made if it ends in a slash."""
+    """The file of --output: itself, or `name` in it if it is a folder, which is created if it ends in a slash."""
     folder = Path(output)
     if output.endswith("/"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -90,41 +90,41 @@ def in_folder(output: str, name: str) -> str:
 
 
 def add_sensor(parser: Options, *, default: str | None = DEFAULT_SENSOR, of: str = "") -> None:
-    """--sensor; `of` says which sensor is meant."""
+    """Add --sensor; `of` says which sensor it is."""
     text = f"sensor{of}: {', '.join(PRESETS)}, or a .json file, Ouster's metadata too"
     text += f" (default {default})" if default else ""
     parser.add_argument("--sensor", default=default, metavar="NAME", help=text)
 
 
 def add_reading(parser: Options) -> None:
-    """What says more about how a scan is read: --intensity-scale and --carla-tags, which `reading` reads."""
-    text = "number that stands for an intensity of 1 in the scan, as 255 (default: that of its format, or of whole "
+    """Add the options of how a scan is read, --intensity-scale and --carla-tags, for `reading`."""
+    text = "number for an intensity of 1 in the scan, such as 255 (default: that of its format, or of whole "
     text += "numbers by their type; else 1)"
     parser.add_argument("--intensity-scale", type=positive, metavar="X", help=text)
     add_carla_tags(parser)
 
 
 def add_log(parser: Options) -> None:
-    """Which scan of a log is read: --frame and --topic, which `reading` reads."""
+    """Add the choice of a scan in a log, --frame and --topic, for `reading`."""
     parser.add_argument("--frame", type=whole_number(0), metavar="N", help=FRAME_HELP)
     parser.add_argument("--topic", metavar="NAME", help=TOPIC_HELP)
 
 
 def add_carla_tags(parser: Options) -> None:
-    """--carla-tags."""
+    """Add --carla-tags."""
     text = "tags in a cloud of CARLA's semantic LiDAR: of 0.9.13 and before, or of 0.9.14 and later (default)"
     parser.add_argument("--carla-tags", choices=VERSIONS, help=text)
 
 
 def reading(arguments: argparse.Namespace) -> dict[str, Any]:
-    """The arguments of `read_points` that options of `add_reading` give."""
+    """The arguments of `read_points` from the options of `add_reading`."""
     said = {"intensity_scale": arguments.intensity_scale, "carla_tags": VERSIONS.get(arguments.carla_tags, TAGS)}
     return said | {name: getattr(arguments, name, None) for name in ("frame", "topic")}
 
 
 def read_sensor(name: str) -> Sensor:
-    """The sensor of a value of --sensor: that of a file, ours or Ouster's metadata, whose errors name it, or a preset;
-    else a `SensorError`."""
+    """The sensor of a value of --sensor: a file of lidardraft or Ouster's metadata, or a preset; else raises
+    `SensorError`. Errors name the file."""
     if Path(name).suffix == ".json":
         sensor = read_ouster_metadata(name) if is_ouster_metadata(read_text(name)) else Sensor.load(name)
         if math.prod(sensor.shape) > _MOST_PIXELS:
@@ -137,25 +137,25 @@ def read_sensor(name: str) -> Sensor:
 
 
 def add_seed(parser: Options, *, default: int = 0) -> None:
-    """--seed."""
+    """Add --seed."""
     text = f"seed of all random choices: the same seed gives the same result (default {default})"
     parser.add_argument("--seed", type=whole_number(0, 2**32 - 1), default=default, metavar="S", help=text)
 
 
 def add_minutes(parser: Options) -> None:
-    """--minutes of a training."""
+    """Add --minutes of a training."""
     text = "stop after so many minutes; the same call goes on (default: no limit)"
     parser.add_argument("--minutes", type=minutes, default=math.inf, metavar="M", help=text)
 
 
 def add_training_device(parser: Options) -> None:
-    """--device of a training."""
-    text = "where torch trains: cpu, cuda, ... (default: the GPU if there is one, else cpu)"
+    """Add --device of a training."""
+    text = "device for training: cpu, cuda, ... (default: the GPU if there is one, else cpu)"
     parser.add_argument("--device", help=text)
 
 
 def add_weights(parser: Options) -> None:
-    """What runs the diffusion model: --weights, --steps, --guidance, --device, which `read_pipeline` reads."""
+    """Add the options of the diffusion model, --weights, --steps, --guidance and --device, for `read_pipeline`."""
     parser.add_argument(
         "--weights",
         default="paper",
@@ -165,9 +165,9 @@ def add_weights(parser: Options) -> None:
     stored = "(default: as stored with the weights, else"
     text = f"steps of denoising, a call of the network each, two with `paper` {stored} {STEPS})"
     parser.add_argument("--steps", type=whole_number(1), metavar="N", help=text)
-    text = f"weight of what a ControlNet adds; 1 takes one call of the network a step {stored} {GUIDANCE:g})"
+    text = f"weight of the ControlNet; 1 takes one call of the network a step {stored} {GUIDANCE:g})"
     parser.add_argument("--guidance", type=positive, metavar="W", help=text)
-    parser.add_argument("--device", default="cpu", help="where torch runs the model: cpu, cuda, ... (default cpu)")
+    parser.add_argument("--device", default="cpu", help="device for the model: cpu, cuda, ... (default cpu)")
 
 
 def read_pipeline(arguments: argparse.Namespace) -> Pipeline:
@@ -180,22 +180,22 @@ def read_pipeline(arguments: argparse.Namespace) -> Pipeline:
 
 
 def add_speed(parser: Options, more: str = "") -> None:
-    """--speed."""
+    """Add --speed."""
     text = f"how fast the sensor moves ahead while it sweeps [m/s] (default 0{more})"
     parser.add_argument("--speed", type=number, metavar="V", help=text)
 
 
 def add_weather(parser: Options) -> None:
-    """--weather, which `read_weather` reads."""
+    """Add --weather, for `read_weather`."""
     text = "rain:10mm or snow:2mm (of water, an hour), fog:100m (visibility), wet:0.5 (of the ground); repeatable "
-    text += "(default: what --text says, or clear and dry)"
+    text += "(default: that of --text, or clear and dry)"
     parser.add_argument("--weather", action="append", default=[], metavar="KIND:AMOUNT", help=text)
 
 
 def read_weather(texts: Iterable[str]) -> Weather | None:
-    """The weather of the values of --weather, as in `rain:10mm`, None without any.
+    """The weather of the values of --weather, as in `rain:10mm`; None without any.
 
-    Raises `FormatError` on another text, `SensorError` on an amount that cannot be.
+    Raises `FormatError` on another text, `SensorError` on an invalid amount.
     """
     amounts = {}
     for text in texts:
@@ -212,9 +212,9 @@ def read_weather(texts: Iterable[str]) -> Weather | None:
 
 
 def check_empty(folder: Path, otherwise: str, *, but: str = "") -> None:
-    """Raises `FormatError` where the folder is a file or holds anything, but hidden files and what `but` matches.
+    """Raises `FormatError` if the folder is a file, or has contents other than hidden files and matches of `but`.
 
-    `otherwise` says what else the user can do.
+    `otherwise` is the user's alternative, for the message.
     """
     if folder.exists() and not folder.is_dir():
         raise FormatError(f"{folder} is a file; it must be a folder")

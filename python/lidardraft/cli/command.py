@@ -1,4 +1,4 @@
-"""How commands are declared, run, and end: exit status 0; 2 and one line on stderr where the input is wrong.
+"""How commands are declared, run, and end: exit status 0; 2 and one line on stderr if the input is invalid.
 
 Ctrl-C is one line and 130; SIGTERM ends a command as cleanly, with 143.
 """
@@ -28,8 +28,8 @@ _QUIET = ContextVar("quiet", default=False)
 
 
 class Command(NamedTuple):
-    """A command: its module, in which a function of the command's name runs it and NAME_options declares its options;
-    the text of its help; and an example of a call."""
+    """A command: its module, which has a function of the command's name to run it, and NAME_options to declare its
+    options; the text of its help; and an example of a call."""
 
     module: str
     text: str
@@ -42,11 +42,11 @@ class Parser(argparse.ArgumentParser):
     example = ""
 
     def format_help(self) -> str:
-        """As argparse's, with an example behind it."""
+        """As argparse's, followed by an example."""
         return super().format_help() + (f"\nexample:\n  {self.example}\n" if self.example else "")
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
-        """As argparse's, but what is left over is an error here: of the command, not of what is before it."""
+        """As argparse's, but arguments left over are an error of this command, not of those before it."""
         # first, as an option that is missing may be the one that is misspelt
         self._check_options(args if self._subparsers is None else itertools.takewhile(_is_option, args))
         found, left = super().parse_known_args(args, namespace)
@@ -77,7 +77,7 @@ def _is_option(word: str) -> bool:
 
 
 def add_commands(parser: Parser, commands: Mapping[str, Command], declared: Collection[str]) -> None:
-    """Add commands to a parser: all by name, and the options of those `declared`, whose modules are imported."""
+    """Add all commands to a parser by name, and the options of those `declared`, whose modules are imported."""
     added = parser.add_subparsers(required=True, metavar="COMMAND", title="commands")
     for name, (module, text, example) in commands.items():
         one = added.add_parser(name, help=text, description=text)
@@ -90,9 +90,9 @@ def add_commands(parser: Parser, commands: Mapping[str, Command], declared: Coll
 
 
 def run(parser: Parser, argv: Sequence[str] | None, *, needs: str = "") -> int:
-    """Run the command that the arguments name, and give its exit status.
+    """Run the command of the arguments, and return its exit status.
 
-    `needs` is the extra to name for a missing library that several extras bring.
+    `needs` is the extra to name for a missing library that several extras install.
     """
     words = sys.argv[1:] if argv is None else argv
     if not words:
@@ -109,7 +109,7 @@ def run(parser: Parser, argv: Sequence[str] | None, *, needs: str = "") -> int:
     except KeyboardInterrupt:
         say("interrupted", parser.prog)
         return 130
-    except BrokenPipeError:  # who read our output has gone, as in `lidardraft evaluate | head -1`
+    except BrokenPipeError:  # the reader of the output has ended, as in `lidardraft evaluate | head -1`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 141
     except LidarDraftError as error:
@@ -127,7 +127,7 @@ def run(parser: Parser, argv: Sequence[str] | None, *, needs: str = "") -> int:
 def _clean_end() -> Iterator[None]:
     """Ctrl-C and SIGTERM leave the block as exceptions do: worker processes end, and no half-written file stays.
 
-    After the first one further ones are ignored until the process has ended.
+    Further ones are ignored until the process has ended.
     """
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     # only the main thread may handle signals, and `nohup` and the like start a process with some ignored
@@ -154,7 +154,7 @@ def _clean_end() -> Iterator[None]:
 
 
 def progress(total: int, unit: str, text: str = "", *, initial: int = 0, leave: bool = True) -> Any:
-    """A progress bar with rate and time left: only on a terminal, and only of what takes longer than a second."""
+    """A progress bar with rate and time left, shown only on a terminal and after a second."""
     from tqdm import tqdm
 
     size = shutil.get_terminal_size()
@@ -166,13 +166,13 @@ def progress(total: int, unit: str, text: str = "", *, initial: int = 0, leave: 
         leave=leave,
         disable=_QUIET.get() or None,
         delay=_SHOWN_AFTER,
-        ncols=min(size.columns, _WIDEST),  # tqdm shows nothing on a terminal that says it has no columns or rows
+        ncols=min(size.columns, _WIDEST),  # tqdm shows nothing on a terminal that reports no columns or rows
         nrows=size.lines,
     )
 
 
 def report(arguments: argparse.Namespace, text: str, **facts: Any) -> None:
-    """Print what a command has done: a text; with --json its facts, as an object a line; with --quiet nothing."""
+    """Print the result of a command: a text; with --json its facts, as an object a line; with --quiet nothing."""
     if arguments.json:
         print(json.dumps(facts), flush=True)
     elif not arguments.quiet:
@@ -180,12 +180,12 @@ def report(arguments: argparse.Namespace, text: str, **facts: Any) -> None:
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:
-    """--json, of a command that reports."""
+    """Add --json to a command that reports."""
     parser.add_argument("--json", action="store_true", help="print results as JSON, an object a line")
 
 
 def say(message: object, prog: str = "lidardraft") -> None:
-    """One line on stderr; what a terminal would obey, such as in a name out of a broken file, is spelled out."""
-    from tqdm import tqdm  # which moves its bars out of the way
+    """Print one line on stderr; control characters, as from a name in a broken file, are spelled out."""
+    from tqdm import tqdm  # it moves its bars out of the way
 
     tqdm.write(f"{prog}: {printable(str(message))}", file=sys.stderr)

@@ -1,4 +1,4 @@
-"""`lidardraft dataset` and `export`: data sets, of scans that a recipe asks for, and of folders of scans."""
+"""`lidardraft dataset` and `export`: data sets from recipes, and from folders of scans."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def dataset(arguments: argparse.Namespace) -> None:
 
 
 def _workers(arguments: argparse.Namespace, num: int, run: int) -> Callable[..., Iterator[Any]]:
-    """What makes shards: the machines of a cluster, worker processes, or this process."""
+    """The function that makes shards: on the machines of a cluster, in worker processes, or in this process."""
     if arguments.ray is not None:
         from lidardraft.dataset.shards import on_cluster
 
@@ -55,17 +55,19 @@ def _workers(arguments: argparse.Namespace, num: int, run: int) -> Callable[...,
 def dataset_options(parser: argparse.ArgumentParser) -> None:
     """The options of `dataset`."""
     parser.epilog = (
-        "Keys of a recipe: docs/reference/recipe.md. Scan k depends on the seed of the recipe and on k alone. After an "
-        "interrupt or a crash the same call goes on where it stopped; with a larger -n the set grows."
+        "Keys of recipes: docs/reference/recipe.md. Scan k depends on the seed of the recipe and on k alone. After an "
+        "interrupt or a crash the same call continues; with a larger -n the set grows."
     )
-    parser.add_argument("recipe", metavar="RECIPE.toml", help="what the data set is made of")
-    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where shards go: new, empty or begun")
+    parser.add_argument("recipe", metavar="RECIPE.toml", help="recipe of the data set")
+    parser.add_argument(
+        "-o", "--output", required=True, metavar="FOLDER", help="folder for shards: new, empty or begun"
+    )
     text = "scans to make, in place of the recipe's `scans`"
     parser.add_argument("-n", "--num", type=whole_number(1), metavar="N", help=text)
     add_jobs(parser)
     text = "make every K-th shard from number I (0 to K - 1) on; others make the rest, as in an array of Slurm"
     parser.add_argument("--shard", type=_share, default=(0, 1), metavar="I/K", help=text)
-    text = "make shards on a Ray cluster, of this machine where no ADDRESS is given; all its machines see FOLDER"
+    text = "make shards on a Ray cluster, by default of this machine; all its machines must share FOLDER"
     parser.add_argument("--ray", nargs="?", const="auto", metavar="ADDRESS", help=text)
     add_json(parser)
 
@@ -94,14 +96,14 @@ def export_options(parser: argparse.ArgumentParser) -> None:
     """The options of `export`."""
     parser.epilog = (
         "Each folder is a drive, or holds folders of drives: its scans follow one another, at the times of a sequence "
-        "or a sweep time apart. Frames, boxes and class ids of each format: docs/reference/formats.md. The data set "
-        "is there whole or not at all."
+        "or a sweep time apart. Frames, boxes and class ids of each format: docs/reference/formats.md. The data set is "
+        "written whole or not at all."
     )
     parser.add_argument("folders", nargs="+", metavar="FOLDER", help="scans of `simulate`, `generate` or `observe`")
     text = "; ".join(f"{name}: {what}" for name, (_, _, what) in FORMATS.items())
     parser.add_argument("--format", required=True, choices=FORMATS, metavar="NAME", help=text)
-    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where it goes: new or empty")
-    text = "points as the sensor saw them while it moved, and their times where the format has any; always of "
+    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="folder for it: new or empty")
+    text = "points with the sensor's motion, and their times if the format has any; always for "
     text += "mcap and ros2"
     parser.add_argument("--as-seen", action="store_true", default=None, help=text)
     text = "make boxes larger by M metres on each side, against the noise of points (0.05 holds nearly all; default 0)"

@@ -1,4 +1,4 @@
-"""`lidardraft doctor`: what an installation can do, what it lacks, and how to get that."""
+"""`lidardraft doctor`: the capabilities of an installation, its missing parts, and how to get them."""
 
 from __future__ import annotations
 
@@ -39,31 +39,31 @@ def doctor(arguments: argparse.Namespace) -> None:
         found = _found(library)
         lacks = f"missing; pip install 'lidardraft[{extras[0]}]'"
         report(arguments, f"{library:15} {found or lacks}", library=library, found=found, extra=extras[0])
-    if found := _devices():
-        report(arguments, f"generate: on {', '.join(found)}", devices=found)
+    if devices := _devices():
+        report(arguments, f"generate: on {', '.join(devices)}", devices=devices)
 
 
 def _first_scan() -> float:
-    """The time [ms] of a sentence's first scan, which imports what it needs."""
+    """The time [ms] of a sentence's first scan, with its imports."""
     begun = time.perf_counter()
     lidardraft.simulate(_SENTENCE, lidardraft.Sensor.preset("hdl64e"))
     return 1e3 * (time.perf_counter() - begun)
 
 
 def _found(library: str) -> str | None:
-    """The version of a library, or what is wrong with it; None if it is not installed."""
+    """The version of a library, or the error of its import; None if it is not installed."""
     if find_spec(library) is None:
         return None
     try:
         import_module(library)
-    except Exception as error:  # of a library that is broken anything may come
+    except Exception as error:  # a broken library may raise anything
         return f"broken: {error}"
     names = metadata.packages_distributions().get(library, [library])
     return metadata.version(names[0])
 
 
 def _devices() -> list[str]:
-    """What torch may use; nothing without a torch that works, which its row has said."""
+    """The devices that torch may use; none without a working torch, which its own row reports."""
     try:
         from lidardraft.networks.layers import devices
     except Exception:

@@ -34,10 +34,10 @@ def edit(arguments: argparse.Namespace) -> None:
     edits = arguments.edits or []
     if not edits:
         if arguments.output is not None:
-            raise FormatError(f"{arguments.scan}: there is no edit; give --insert, --remove, --move or --replace")
+            raise FormatError(f"{arguments.scan}: no edit; give --insert, --remove, --move or --replace")
         return _list(arguments, scan)
     if arguments.output is None:
-        raise FormatError("--output says where the edited scan goes")
+        raise FormatError("--output is missing: the file of the edited scan")
     from lidardraft.formats.recording import SCAN_ENDINGS
     from lidardraft.simulation.recorded.recorded_scan import FILLED, INSERTED
     from lidardraft.simulation.recorded.scan_edits import edit_scan
@@ -65,7 +65,7 @@ def _read(arguments: argparse.Namespace) -> RecordedScan:
     path = arguments.scan
     points, fields = read_points(path, **reading(arguments))
     if arguments.edits and "intensity" not in fields:
-        say(f"{path}: there are no intensities{with_fields(path)}: recorded returns read 0")
+        say(f"{path}: it has no intensities{with_fields(path)}: recorded returns read 0")
     if arguments.labels is not None:
         fields |= read_labels(arguments.labels, len(points), of=path)
     sensor, boxes = sensor_of_scan(path, arguments.sensor), boxes_of_scan(path, arguments.boxes)
@@ -105,7 +105,7 @@ def _move(id: str, place: str) -> Edit:
 
 
 class _InOrder(argparse.Action):
-    """Collects the edits of all options in the order in which they stand."""
+    """Collects the edits of all options in their order on the command line."""
 
     def __call__(self, parser: Any, namespace: Any, values: Any, option_string: str | None = None) -> None:
         from lidardraft.simulation.recorded.scan_edits import Remove, Replace
@@ -124,7 +124,7 @@ def edit_options(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "Edits are done in the order in which they are given; without any, the objects are listed. x is ahead and y to "
         "the left of the sensor, in metres. Objects are those of --boxes, or of clusters of the labels. Made-up "
-        "returns are marked in the .npz (made_up: 1 of inserted objects, 2 where one was removed), the latter as "
+        "returns are marked in the .npz (made_up: 1 for inserted objects, 2 for removed ones), the latter as "
         "outliers in the .label."
     )
     text = "KITTI .bin, nuScenes .pcd.bin, .pcd, .ply, .npz, .npy, .las, PandaSet .pkl.gz, ROS 2 bag, Ouster .pcap/.osf"
@@ -140,7 +140,7 @@ def edit_options(parser: argparse.ArgumentParser) -> None:
     for option, names, text in (
         ("insert", ("TEXT",), "an object: 'car at 12,3 yaw 90', 'truck at 30,-2 size 8,2.5,3'; repeatable"),
         ("remove", ("ID",), "take an object away; repeatable"),
-        ("move", ("ID", "X,Y[,YAW]"), "let an object stand elsewhere; repeatable"),
+        ("move", ("ID", "X,Y[,YAW]"), "move an object; repeatable"),
         ("replace", ("ID", "KIND"), "put one of another kind in the place of an object; repeatable"),
     ):
         parser.add_argument(f"--{option}", dest="edits", action=_InOrder, nargs=len(names), metavar=names, help=text)

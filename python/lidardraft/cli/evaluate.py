@@ -35,12 +35,12 @@ if TYPE_CHECKING:
 
 _SEED = 1_000_000  # of streets that no training used
 _COLUMNS = ("objects", "other", "overall", "drop", "range", "height", "bev", "classes", "holes", "lone", "own")
-_CALLED = {"overall": "all", "bev": "BEV"}  # columns that are not called as the fields of `Scores` are
-_SMALL = 0.01  # scores below are printed x 1e-4, as tables have them
+_CALLED = {"overall": "all", "bev": "BEV"}  # columns with other names than the fields of `Scores`
+_SMALL = 0.01  # lower scores are printed x 1e-4, as in published tables
 
 
 def evaluate(arguments: argparse.Namespace) -> None:
-    """Score generated scans: those of weights on unseen streets, or folders of scans beside recordings by a published
+    """Score generated scans: of weights on unseen streets, or folders of scans against recordings by a published
     protocol."""
     folders = (arguments.real, arguments.generated)
     if arguments.table is not None:
@@ -76,7 +76,7 @@ def _by_class(values: dict[str, float]) -> str:
 
 
 def unseen_streets(num: int, sensor: Sensor, seed: int = _SEED) -> list[StreetPair]:
-    """Streets to score on, made behind a progress bar."""
+    """Streets for scores, made behind a progress bar."""
     from lidardraft import evaluation
 
     with progress(num, "street", "making streets", leave=False) as bar:
@@ -84,7 +84,7 @@ def unseen_streets(num: int, sensor: Sensor, seed: int = _SEED) -> list[StreetPa
 
 
 def scores(pipeline: Pipeline, pairs: list[StreetPair]) -> Iterator[Scores]:
-    """The rows of scores, under a progress bar that is out of the way while one is printed."""
+    """The rows of scores; the progress bar is cleared while a row is printed."""
     from lidardraft import evaluation
 
     with progress(2 * len(pairs), "scan", "generating", leave=False) as bar:
@@ -114,9 +114,9 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
     text = "recorded scans: files, or folders, of .bin, .pcd.bin, .pcd, .ply, .npz, .las, .pkl.gz or .pcap"
     folders.add_argument("--real", nargs="+", metavar="SCANS", help=text)
     folders.add_argument("--generated", nargs="+", metavar="SCANS", help="generated scans, likewise")
-    text = "number that stands for an intensity of 1 in the scans of --real, where their format does not say it"
+    text = "number for an intensity of 1 in the scans of --real, if their format does not define it"
     folders.add_argument("--intensity-scale", type=positive, metavar="X", help=text)
-    text = "folder of the public weights for FRD, FRID and FPD; without it, the command says where to get them"
+    text = "folder of the public weights for FRD, FRID and FPD; without it, the command names their source"
     folders.add_argument("--networks", metavar="FOLDER", help=text)
     text = "write values, floors and definitions as JSON too"
     folders.add_argument("-o", "--output", metavar="FILE", help=text)
@@ -128,7 +128,7 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _print_cards(arguments: argparse.Namespace) -> None:
-    """Print the metric cards of two sets of scans, and write them where asked."""
+    """Print the metric cards of two sets of scans, and write them to a file if one is named."""
     if arguments.output is not None:
         check_replaceable(Path(arguments.output))  # before hours of work
     recorded, generated = scan_files(arguments.real), scan_files(arguments.generated)
@@ -166,14 +166,14 @@ def _compared(
 
 
 def _shown(card: Score) -> str:
-    """A score and its floor, x 1e-4 where it is small."""
+    """A score and its floor, x 1e-4 if it is small."""
     scale, unit = (1e4, " x 1e-4") if abs(card.value) < _SMALL else (1.0, "")
     floor = f"   floor {scale * min(card.floor):.4g} to {scale * max(card.floor):.4g}" if card.floor else ""
     return f"{scale * card.value:10.4g}{floor}{unit}"
 
 
 def _print_tables(arguments: argparse.Namespace) -> None:
-    """Print both tables with a further row for each folder of generated scans that is given as NAME=FOLDER."""
+    """Print both tables, with a further row for each folder of generated scans given as NAME=FOLDER."""
     known = f"a row of the paper ({', '.join(NAMES)}) or a name of your own"
     given = assignments(arguments.generated, "--generated", f"NAME=FOLDER, NAME {known}")
     recorded = scan_files(arguments.real)

@@ -1,4 +1,4 @@
-"""`lidardraft fit`: a sensor file out of recordings of one's own."""
+"""`lidardraft fit`: a sensor file from a user's recordings."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ if TYPE_CHECKING:
     from lidardraft.calibration.fit import Fit
     from lidardraft.formats.recording import Recording
 
-_MOST_LOST = 0.1  # of the points; of right recordings less than 0.01 are
+_MOST_LOST = 0.1  # of the points; for suitable recordings less than 0.01
 _DARK, _NOISE_AT = 0.10, 30.0  # a reflectance, and a range [m], at which figures are printed
 _LOOKED_AT = 4  # scans, evenly spread, whose points are projected
 _MOST_JUDGED = 24  # scans of either side, evenly spread, and of streets
 _MOST_OF_LOG = 32  # scans, evenly spread
-_HELD_BACK = 0.25  # of the scans judge, the last ones, where no others are named
+_HELD_BACK = 0.25  # of the scans, the last ones, judge the fit if no others are named
 
 
 def fit(arguments: argparse.Namespace) -> None:
-    """Write the sensor file of recordings, and say what was found."""
+    """Write the sensor file of recordings, and report the findings."""
     from lidardraft.calibration.fit import fit_sensor
 
     output = Path(arguments.output)
@@ -54,7 +54,7 @@ def fit(arguments: argparse.Namespace) -> None:
 
 
 def _sound_recordings(arguments: argparse.Namespace, *paths: list[Path]) -> tuple[list[Recording], ...]:
-    """The scans of lists of files, without those that are odd; each of these is named."""
+    """The scans of lists of files without odd ones, each of which is reported."""
     from lidardraft.calibration.beam_table import FEWEST_POINTS
     from lidardraft.calibration.odd_scans import odd_scans, without_rare_lasers
     from lidardraft.formats.recording import Recording, read_recording, with_fields
@@ -77,7 +77,7 @@ def _sound_recordings(arguments: argparse.Namespace, *paths: list[Path]) -> tupl
     for error in refused:
         say(f"left out: {error}")
     if all(read[key].intensity is None for key in sound):
-        say(f"{sound[0][0]}: there are no intensities{with_fields(sound[0][0])}: none are fitted")
+        say(f"{sound[0][0]}: it has no intensities{with_fields(sound[0][0])}: none are fitted")
     kept, rare = without_rare_lasers([read[key] for key in sound])
     if rare:
         rings = ", ".join(map(str, rare))
@@ -94,7 +94,7 @@ def _scans_of(arguments: argparse.Namespace, paths: list[Path]) -> list[tuple[Pa
     for path in paths:
         numbers: list[int] | list[int | None] = [arguments.frame]
         if arguments.frame is None and is_log(path):
-            with suppress(LidarDraftError):  # which reading it raises again, and says
+            with suppress(LidarDraftError):  # reading raises it again, and reports it
                 count = frames_in(path, arguments.topic)
                 numbers = sorted({round(at) for at in np.linspace(0, count - 1, min(count, _MOST_OF_LOG))})
                 if count > _MOST_OF_LOG:
@@ -117,7 +117,7 @@ def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
             "laser, or the motion of the vehicle is taken out")  # fmt: skip
     print(f"ranges: {sensor.min_range:g} to {sensor.max_range:g} m; mounted {sensor.mount_height:.2f} m over the road")
     print(f"hidden by the vehicle: {sensor.blocked_pixels.mean():.1%} of the firings")
-    reach = math.sqrt(_DARK / model.detection_threshold)  # m; there the power is 1, and falls with the squared range
+    reach = math.sqrt(_DARK / model.detection_threshold)  # m; the power is 1 here, and falls with the squared range
     weak = math.hypot(sensor.range_sigma, model.jitter * _NOISE_AT / reach)
     print(f"range noise: {1e3 * sensor.range_sigma:.1f} mm of strong echoes, {1e3 * weak:.0f} mm of a surface "
           f"{_NOISE_AT:g} m away with a reflectance of {_DARK:.2f}")  # fmt: skip
@@ -133,8 +133,8 @@ def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
 
 
 def _lost(found: Fit, recordings: list[Recording]) -> tuple[float, float]:
-    """Of the points of some recordings, the share that the sensor has in another laser's row or in none, and the share
-    that lie in the pixel of another one."""
+    """The share of the points of some recordings that the sensor puts in another laser's row or in none, and the share
+    in the pixel of another point."""
     points = moved = shared = 0
     for one in recordings[:: max(1, len(recordings) // _LOOKED_AT)]:
         row, column, _ = found.sensor.pattern.project(one.points.astype(np.float64))
@@ -147,7 +147,7 @@ def _lost(found: Fit, recordings: list[Recording]) -> tuple[float, float]:
 def _print_rows(
     found: Fit, like: Sensor | None, recordings: list[Recording], held: list[Recording], num_streets: int
 ) -> None:
-    """What the fit moves, on scans that it has not seen."""
+    """Print the effect of the fit on scans that it has not used."""
     from lidardraft.calibration.fit import judged, sweeps_of
 
     usual = like or Sensor(name="typical", elevations=found.sensor.elevations, columns=1)
@@ -172,7 +172,7 @@ def fit_options(parser: argparse.ArgumentParser) -> None:
         ".pkl.gz, .pcd with rings or rows, .npz, ROS 2 bags, Ouster .pcap and .osf"
     )
     parser.add_argument("scans", nargs="+", metavar="SCAN", help=text)
-    parser.add_argument("-o", "--output", required=True, metavar="SENSOR.json", help="where the sensor goes")
+    parser.add_argument("-o", "--output", required=True, metavar="SENSOR.json", help="file of the sensor")
     text = "scans that the fit is judged on (default: a quarter of SCANs, the last ones, is kept back for that)"
     parser.add_argument("--judge", nargs="+", default=[], metavar="SCAN", help=text)
     text = "preset or sensor file for constants that no scan shows, such as the divergence (default: typical values)"

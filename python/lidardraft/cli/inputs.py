@@ -1,4 +1,4 @@
-"""What a layout is made of: a sentence, a picture, a scan, a sketch, boxes, a 3D model, a script, or a layout file."""
+"""The inputs of a layout: a sentence, a picture, a scan, a sketch, boxes, a 3D model, a script, or a layout file."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _MODELS = ("obj", "glb", "blender")
 _TEXTS = ("text", "text_file")
 _FILE, _METRES, _FLAG = {"metavar": "FILE"}, {"type": number, "metavar": "M"}, {"action": "store_true", "default": None}
 
-# The inputs by their options: what a value is called, the endings of its files, and what it is.
+# The inputs by their options: the name of a value, the endings of its files, and a description.
 _INPUTS: dict[str, tuple[str, tuple[str, ...], str]] = {
     "text": ("SENTENCE", (), 'what is on the road, in English: "two cars on the left"'),
     "image": ("PHOTO.jpg", _PICTURES, "a picture of a road: JPEG, PNG or WebP"),
@@ -56,7 +56,7 @@ _INPUTS: dict[str, tuple[str, tuple[str, ...], str]] = {
 
 ENDINGS = {name: endings for name, (_, endings, _) in _INPUTS.items() if endings}
 
-# Options that say more about inputs: the inputs, how a value is read, and what it says.
+# Options that say more about inputs: the inputs, the type of a value, and the help.
 _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
     "labels": (("points",), _FILE,
         "labels of --points: SemanticKITTI's .label, lidarseg or masks (default: those in it or beside it)"),
@@ -65,7 +65,7 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
     "detail": (("points",), {"choices": ("fine", "objects")},
         "fine: as near to --points as their cast can be (default); objects: few whole ones, to edit by hand"),
     "sensor_height": (("points", "boxes"), _METRES,
-        "height over the road of the sensor in whose frame --points or --boxes are (default that of its sensor)"),
+        "height over the road of the sensor of --points or --boxes (default that of its sensor)"),
     "metres_per_pixel": (("sketch",), _METRES, "length of a pixel of --sketch, in metres"),
     "scale_bar": (("sketch",), _METRES, "length of the black bar in a painted --sketch"),
     "class": (_MODELS, {"dest": "classes", "action": "append", "metavar": "NAME=CLASS"},
@@ -78,15 +78,15 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
     "scale": (_MODELS, _METRES,
         "length of a unit of --obj, --glb or --blender, in metres (default 1; 0.01 for centimetres)"),
     "recentre": (_MODELS, _FLAG,
-        "move --obj, --glb or --blender: the middle of its ground becomes the origin, where the sensor stands"),
+        "move --obj, --glb or --blender: the middle of its ground becomes the origin, the place of the sensor"),
     "as_is": ((*_MODELS, "boxes"), _FLAG,
         "read --obj, --glb, --blender or --boxes whatever the sizes of vehicles and people in it say of its unit"),
     "frame": (("boxes", "points"), {"type": int, "metavar": "N"},
         "frame of KITTI's tracking labels in --boxes, or of a log in --points, from 0 (default 0)"),
     "topic": (("points",), {"metavar": "NAME"}, TOPIC_HELP),
-    "explain": (_TEXTS, _FLAG, "say what each word of --text became, and which were not understood"),
+    "explain": (_TEXTS, _FLAG, "report the effect of each word of --text, and words not understood"),
     "depth": (("image",), {"metavar": "MODEL"},
-        "depth of --image: a metric depth network (id or folder), or an .npy file [m], 0 where unknown (default: Depth "
+        "depth of --image: a metric depth network (id or folder), or an .npy file [m], 0 if unknown (default: Depth "
         "Anything V2, outdoor, small)"),
     "semantics": (("image",), {"metavar": "MODEL"},
         "classes of --image: a segmentation network (id or folder), or an .npy or .png file of Cityscapes train ids "
@@ -95,9 +95,9 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
         "objects of --image: an .npz, .npy or .png file of masks, or a network for them such as SAM (id or folder) "
         "(default: points that touch)"),
     "intrinsics": (("image",), {"metavar": "FX,FY,CX,CY"},
-        "camera of --image in pixels, or a file that says it: .json, or a calibration of KITTI"),
+        "camera of --image in pixels, or a file: .json, or a calibration of KITTI"),
     "hfov": (("image",), {"type": number, "metavar": "DEGREES"},
-        "horizontal field of view of --image (default: what the file says of its focal length)"),
+        "horizontal field of view of --image (default: from the focal length in the file)"),
     "camera_height": (("image",), _METRES, "height of the camera over the road, which sets the scale (default 1.65)"),
     "metric_depth": (("image",), _FLAG,
         "take depth of --image as metres: it sets the scale, and the height of the camera"),
@@ -108,25 +108,25 @@ _OPTIONS: dict[str, tuple[tuple[str, ...], dict[str, Any], str]] = {
     "llm_blender": (_TEXTS, _FLAG,
         "have the model write a Blender script, which is read as data, instead of relations"),
     "llm_cache": (_TEXTS, {"metavar": "FOLDER"},
-        "where replies are kept; the same request is not sent again (default: the user's cache folder)"),
+        "folder for replies; the same request is not sent again (default: the user's cache folder)"),
     "llm_timeout": (_TEXTS, {"type": number, "metavar": "SECONDS"},
         "how long all replies together may take (default 120)"),
 }  # fmt: skip
-# Those of `add_reading` and of commands.
+# Options of `add_reading` and of commands.
 _OTHERS = {"intensity_scale": ("points",), "carla_tags": ("points",), "poses": ("street",)}
 
-# In folders, where an .npy may be anything.
+# Endings in folders; an .npy may be anything.
 _SCANS = (".bin", ".pcd", ".ply", ".npz", ".las", ".pkl.gz", ".pcap", ".osf", ".mcap", ".db3")
 
 _SENSORS = {".pcd.bin": "hdl32e", ".pkl.gz": "pandar64"}  # of nuScenes and PandaSet, by endings
-_STREET_AROUND = ("text", "sketch", "boxes", "image")  # inputs that get one unless --surroundings says otherwise
-_MOST_NOTES = 10  # that are printed
-_URL = "LIDARDRAFT_LLM_URL"  # as in chat_server.py, which loads HTTP
+_STREET_AROUND = ("text", "sketch", "boxes", "image")  # inputs with a street around them by default
+_MOST_NOTES = 10  # printed
+_URL = "LIDARDRAFT_LLM_URL"  # as in chat_server.py, which imports HTTP
 
 
-# Inputs of many layouts, which some commands take: their values and what they are.
+# Inputs of many layouts, for some commands: their values and descriptions.
 _MANY = {
-    "text-file": ("FILE.txt", "sentences, one a line: a scan of each, and again with other seeds where -n is more"),
+    "text-file": ("FILE.txt", "sentences, one a line: a scan of each, and again with other seeds if -n is larger"),
     "world": (
         "FILE.world.json",
         "the state of a World or of the studio: its scan, in which all moves as it does there",
@@ -134,13 +134,14 @@ _MANY = {
     "map": ("FILE", "a semantic map without ranges: .png or .npy of a class id for each ray, or a labelled scan"),
     "street": (
         "DISTRICT",
-        f"streets made up with all that stands and moves there: any, {', '.join(STREET_DISTRICTS)}, or a word for one",
+        f"invented streets with all their objects and traffic: any, {', '.join(STREET_DISTRICTS)}, or a word for one",
     ),
 }
 
 
 def add_inputs(parser: argparse.ArgumentParser, *many: str, required: bool = True) -> argparse._ArgumentGroup:
-    """The inputs, of which a command takes one, in a group of their own; `many` are those of `_MANY` that it takes."""
+    """Add the inputs, exactly one of which a command takes, in a group of their own; `many` are those of `_MANY` that
+    it takes."""
     names = ", ".join(f"--{name}" for name in (*_INPUTS, *many))
     group = parser.add_argument_group(f"input ({'exactly' if required else 'at most'} one of {names})")
     one = group.add_mutually_exclusive_group(required=required)
@@ -150,12 +151,12 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, required: bool = Tru
         value, text = _MANY[name]
         one.add_argument(f"--{name}", metavar=value, help=text)
     add_reading(group)
-    title = "language model (reads --text where its URL is given; else nothing is sent)"
+    title = "language model (reads --text if its URL is given; else nothing is sent)"
     model = parser.add_argument_group(title)
     for name, (_, how, text) in _OPTIONS.items():
         (model if name.startswith("llm_") else group).add_argument(f"--{name.replace('_', '-')}", help=text, **how)
     usual = f"street with {', '.join(f'--{name}' for name in _STREET_AROUND)}, else bare"
-    text = "street: buildings, plants, traffic and people around what is given, which stays as it is and in sight; "
+    text = "street: buildings, plants, traffic and people around the input, which stays unchanged and in sight; "
     text += f"their ids begin with {AROUND}; bare: nothing is added (default: {usual})"
     group.add_argument("--surroundings", choices=("street", "bare"), help=text)
     add_seed(group)
@@ -163,7 +164,7 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, required: bool = Tru
 
 
 def district_named(word: str) -> str:
-    """The district of streets of that name, or that a sentence knows by that word, as in "downtown"."""
+    """The street district of that name, or of a word in sentences, as in "downtown"."""
     from lidardraft.drafting.text.lexicon import lexicon
 
     if word in STREET_DISTRICTS:
@@ -176,7 +177,7 @@ def district_named(word: str) -> str:
 
 
 def check_inputs(arguments: argparse.Namespace) -> None:
-    """Raises `FormatError` where an option says more about an input that is not given."""
+    """Raises `FormatError` if an option says more about an input that is not given."""
     given = {name for name, value in vars(arguments).items() if value is not None}
     for name, inputs in ({name: inputs for name, (inputs, *_) in _OPTIONS.items()} | _OTHERS).items():
         if ("classes" if name == "class" else name) in given and not given & set(inputs):
@@ -185,16 +186,16 @@ def check_inputs(arguments: argparse.Namespace) -> None:
 
 
 def read_layout(arguments: argparse.Namespace) -> Layout:
-    """The layout that the arguments ask for; what of an input is not understood or left out is said on stderr."""
+    """The layout of the arguments; its notes on input left out or not understood are printed on stderr."""
     layout, name = layout_of_input(arguments), _name_of_input(arguments)
-    if name != "layout":  # whose notes were printed when it was made
+    if name != "layout":  # its notes were printed when it was made
         for note in notes_on(arguments, layout):
             say(note if name == "text" else f"{getattr(arguments, name)}: {note}")
     return layout
 
 
 def layout_of_input(arguments: argparse.Namespace) -> Layout:
-    """The layout that the arguments ask for, with its notes unsaid."""
+    """The layout of the arguments, without printing its notes."""
     check_inputs(arguments)
     name = _name_of_input(arguments)
     try:
@@ -207,7 +208,7 @@ def layout_of_input(arguments: argparse.Namespace) -> Layout:
 
 
 def _surrounded(arguments: argparse.Namespace, layout: Layout, seed: int, *, usual: bool) -> Layout:
-    """The layout with a street around it where --surroundings wants one, or nothing is said and that is `usual`."""
+    """The layout with a street around it if --surroundings asks for one, or by default if that is `usual`."""
     if (arguments.surroundings or ("street" if usual else "bare")) == "bare":
         return layout
     from lidardraft.simulation.around.surround import surround
@@ -216,27 +217,27 @@ def _surrounded(arguments: argparse.Namespace, layout: Layout, seed: int, *, usu
 
 
 def around_it(layout: Layout) -> str:
-    """What stands around a layout, as the end of a line; "" without surroundings."""
+    """The surroundings of a layout, as the end of a line; "" without any."""
     said = layout.provenance.get("surroundings", {})
     street = ", around it a street ({district}: {objects} objects; {in_sight:.0%} of the lines of sight are open)"
     return street.format(**said) if "district" in said else ""
 
 
 def input_of(arguments: argparse.Namespace) -> str:
-    """What messages call the input: its file, or --text."""
+    """The name of the input in messages: its file, or --text."""
     name = _name_of_input(arguments)
     return "--text" if name == "text" else getattr(arguments, name)
 
 
 def _other_option(name: str, file: str) -> str:
-    """What a message on an input ends in: the options that read files of its ending, where this one does not."""
+    """The end of a message on an input: the options that read files of its ending, if this one does not."""
     ending = Path(file).suffix.lower()
     others = [f"--{other}" for other, (_, endings, _) in _INPUTS.items() if ending in endings]
     return f"; {ending} is read by {' or '.join(others)}" if others and f"--{name}" not in ["--text", *others] else ""
 
 
 def gives_input(arguments: argparse.Namespace) -> bool:
-    """Whether the arguments give one that is a layout."""
+    """Whether the arguments give an input that is a layout."""
     return any(getattr(arguments, name) is not None for name in _READERS)
 
 
@@ -245,8 +246,8 @@ def _name_of_input(arguments: argparse.Namespace) -> str:
 
 
 def sensor_of_file(file: str | Path) -> Sensor | None:
-    """The sensor of a scan, where its file says it: by NAME.sensor.json beside NAME.bin and NAME.boxes.json, as
-    `generate` writes it, by the metadata of an Ouster's capture, or by an ending of its data set."""
+    """The sensor of a scan, if its files tell it: NAME.sensor.json beside NAME.bin and NAME.boxes.json, as `generate`
+    writes it, the metadata of an Ouster's capture, or an ending of its data set. Else None."""
     from lidardraft.formats.ouster import metadata_beside, sensor_of_osf
     from lidardraft.formats.rosbag import is_bag, sensor_of_bag
 
@@ -262,7 +263,7 @@ def sensor_of_file(file: str | Path) -> Sensor | None:
 
 
 def sensor_of_scan(path: str | Path, name: str | None) -> Sensor:
-    """The sensor that took a scan: that of `name`, or of its file, or the default, which is said."""
+    """The sensor of a scan: that of `name`, or of its file, or the default, which is reported."""
     if name is not None:
         return read_sensor(name)
     if sensor := sensor_of_file(path):
@@ -272,7 +273,7 @@ def sensor_of_scan(path: str | Path, name: str | None) -> Sensor:
 
 
 def boxes_of_scan(path: str | Path, given: str | None) -> list[Box] | None:
-    """The boxes of a file that is given, or of the .boxes.json beside a scan; None where there is none."""
+    """The boxes of a given file, or of the .boxes.json beside a scan; None if there is neither."""
     from lidardraft.formats.box_files import read_box_file
 
     beside = Path(path).with_suffix(".boxes.json")
@@ -281,16 +282,16 @@ def boxes_of_scan(path: str | Path, given: str | None) -> list[Box] | None:
 
 
 def scan_files(given: Sequence[str]) -> list[Path]:
-    """The scans of files and folders; of a folder without any, those in the folders below it, as data sets have them.
+    """The scans of files and folders; of a folder without any, those in the folders below it, as in data sets.
 
-    Raises `FormatError` for a folder with none, and for what is not there.
+    Raises `FormatError` for a folder without scans, and for a missing file or folder.
     """
     from lidardraft.formats.rosbag import is_bag
 
     files = list[Path]()
     for path in map(Path, given):
         if not path.exists():
-            raise FormatError(f"{path}: there is no such file or folder")
+            raise FormatError(f"{path}: no such file or folder")
         inside = (sorted(filter(_is_scan, path.glob(pattern))) for pattern in ("*", "**/*"))
         found = next(filter(None, inside), []) if path.is_dir() and not is_bag(path) else [path]
         if not found:
@@ -301,20 +302,21 @@ def scan_files(given: Sequence[str]) -> list[Path]:
 
 
 def _is_scan(file: Path) -> bool:
-    """Whether a file of a folder is a scan: no .npz beside a .bin, and of PandaSet's tables those in lidar/."""
+    """Whether a file of a folder is a scan: no .npz beside a .bin, and only those of PandaSet's tables that are in
+    lidar/."""
     is_another = file.with_suffix(".bin").exists() if file.suffix == ".npz" else file.parent.name != "lidar"
     return file.name.endswith(_SCANS) and not (file.suffix in (".npz", ".gz") and is_another)
 
 
 def _sensor_height(arguments: argparse.Namespace, file: str) -> float:
-    """How high over the road the sensor stood in whose frame the file is."""
+    """The height over the road of the sensor whose frame the file uses."""
     if arguments.sensor_height is not None:
         return float(arguments.sensor_height)
     return (sensor_of_file(file) or read_sensor(arguments.sensor)).mount_height
 
 
 def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> Layout:
-    """The layout of a sentence for a seed, with its surroundings; by the language model where one is named."""
+    """The layout of a sentence for a seed, with its surroundings; by the language model if one is named."""
     if _asks_language_model(arguments):
         from lidardraft.drafting.language_model.layout import layout_from_llm
 
@@ -340,7 +342,7 @@ def layout_of_text(arguments: argparse.Namespace, sentence: str, seed: int) -> L
 
 
 def notes_on(arguments: argparse.Namespace, layout: Layout) -> list[str]:
-    """The first of the layout's notes, and how many more there are."""
+    """The first of the layout's notes, and the number of further ones."""
     is_sentence = any(getattr(arguments, name, None) for name in _TEXTS) and not _asks_language_model(arguments)
     more = "; --llm-url takes free text" * is_sentence
     notes = [note + more if note.startswith("not understood: ") else note for note in layout.notes[:_MOST_NOTES]]
@@ -356,14 +358,14 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
     from lidardraft.formats.recording import read_returns
 
     if arguments.labels is not None and arguments.segmenter is not None:
-        raise FormatError("--labels and --segmenter both say the classes of --points; give one of them")
+        raise FormatError("--labels and --segmenter both give the classes of --points; use one of them")
     path = arguments.points
     points, fields = read_returns(path, arguments.labels, needs_intensity=False, **reading(arguments))
     height = _sensor_height(arguments, path)
     if arguments.segmenter is not None or "label" not in fields:
         fields = {"label": _predicted(path, arguments.segmenter, points, fields.get("intensity"), height)}
     classes = arguments.segmenter or arguments.labels
-    with named(f"{path} with {classes}" if classes else path):  # either of the two files may be the wrong one
+    with named(f"{path} with {classes}" if classes else path):  # either of the two files may be wrong
         layout = layout_from_cloud(
             points,
             fields["label"],
@@ -379,7 +381,7 @@ def _from_points(arguments: argparse.Namespace) -> Layout:
 
 
 def ego_of_points(arguments: argparse.Namespace) -> Scenario | None:
-    """The trajectory that a bag in --points says after its frame; None where there is none."""
+    """The trajectory in a bag of --points after its frame; None if there is none."""
     from lidardraft.formats.rosbag import ego_scenario, is_bag
 
     if arguments.points is None or not is_bag(arguments.points):
@@ -388,7 +390,7 @@ def ego_of_points(arguments: argparse.Namespace) -> Scenario | None:
 
 
 def recorded_points(arguments: argparse.Namespace) -> np.ndarray:
-    """The returns of --points over the road, float32 [N, 3]."""
+    """The returns of --points relative to the road, float32 [N, 3]."""
     from lidardraft.formats.recording import read_returns
 
     points, _ = read_returns(arguments.points, None, needs_intensity=False, **reading(arguments))
@@ -398,7 +400,7 @@ def recorded_points(arguments: argparse.Namespace) -> np.ndarray:
 def _predicted(
     path: str, weights: str | None, points: np.ndarray, intensity: np.ndarray | None, height: float
 ) -> np.ndarray:
-    """The classes of --points by the weights of --segmenter, or the packaged ones."""
+    """The classes of --points, predicted by the weights of --segmenter or the packaged ones."""
     if weights is not None:
         from lidardraft.networks.weight_header import read_metadata
 
@@ -433,7 +435,7 @@ def _from_boxes(arguments: argparse.Namespace) -> Layout:
 
 
 def _of_model(arguments: argparse.Namespace) -> dict[str, Any]:
-    """What the options say of the classes, the unit and the place of a model."""
+    """The classes, the unit and the place of a model, from the options."""
     classes = assignments(arguments.classes or [], "--class", "NAME=CLASS, as in Cube.001=car")
     scale = 1.0 if arguments.scale is None else arguments.scale
     return {"classes": classes, "scale": scale, "recentre": bool(arguments.recentre), "as_is": bool(arguments.as_is)}
@@ -462,7 +464,7 @@ def _from_layout(arguments: argparse.Namespace) -> Layout:
 
 
 def _from_image(arguments: argparse.Namespace) -> Layout:
-    """The layout of --image; what scale it got is said on stderr."""
+    """The layout of --image; its scale is reported on stderr."""
     from lidardraft.array_files import read_npy
     from lidardraft.drafting.picture.layout import CAMERA_HEIGHT, DEPTH, SEMANTICS, layout_from_image
     from lidardraft.formats.cityscapes import read_semantics
@@ -487,7 +489,7 @@ def _from_image(arguments: argparse.Namespace) -> Layout:
 
 @contextmanager
 def _naming_options(arguments: argparse.Namespace, *names: str) -> Iterator[None]:
-    """Errors about an argument that an option gives end with the option and its value, which may be a file."""
+    """Errors about an argument from an option end with the option and its value, which may be a file."""
     try:
         yield
     except LidarDraftError as error:
@@ -497,7 +499,7 @@ def _naming_options(arguments: argparse.Namespace, *names: str) -> Iterator[None
 
 
 def _intrinsics(given: str | None) -> object | None:
-    """fx, fy, cx and cy where the text is numbers with commas between them, else the file that it names."""
+    """fx, fy, cx and cy if the text is numbers with commas between them, else the file of that name."""
     if given is None or "," not in given:
         return given
     try:
@@ -515,7 +517,7 @@ def _asks_language_model(arguments: argparse.Namespace) -> bool:
     return bool(url or arguments.llm_model or arguments.llm_blender)
 
 
-# By the name of the option that gives the input.
+# By the name of the option of the input.
 _READERS = {
     "text": _from_text,
     "image": _from_image,

@@ -1,4 +1,4 @@
-"""`lidardraft draft` and `raycast`: the layout of an input, to look at and to edit, and its cast."""
+"""`lidardraft draft` and `raycast`: the layout of an input, to view and to edit, and its cast."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from lidardraft.scene.raycast import raycast as cast
 from lidardraft.scene.sensor import Sensor
 
 _ENDINGS = (".json", ".obj", ".glb", ".py")
-_MOST_SHAPES, _MOST_TRIANGLES = 2_000, 100_000  # of a layout whose preview takes no longer than it does
+_MOST_SHAPES, _MOST_TRIANGLES = 2_000, 100_000  # of a layout with a quick preview
 
 
 def draft(arguments: argparse.Namespace) -> None:
-    """Write the layout of an input, with a preview, and of a bag the way of the ego vehicle."""
+    """Write the layout of an input, with a preview, and for a bag the trajectory of the ego vehicle."""
     arguments.output = in_folder(arguments.output, "layout.json")
     ending = Path(arguments.output).suffix.lower()
     if ending not in _ENDINGS:
-        raise FormatError(f"{arguments.output}: a layout is written as {', '.join(_ENDINGS)}; the ending says which")
+        raise FormatError(f"{arguments.output}: a layout is written as {', '.join(_ENDINGS)}; the ending decides")
     check_other_file(arguments.output, input_of(arguments))
     sensor = read_sensor(arguments.sensor)
     layout, scenario = read_layout(arguments), ego_of_points(arguments)
-    # before anything is written: what cannot be simulated replaces no layout that is there
+    # before anything is written: a layout that cannot be simulated replaces no file
     with named(f"{input_of(arguments)}: no preview can be made (--no-preview leaves it out)"):
         picture = None if arguments.no_preview else _preview(layout, sensor, arguments.seed)
     _writer(ending)(arguments.output, layout)
@@ -43,7 +43,7 @@ def draft(arguments: argparse.Namespace) -> None:
         scenario.save(replay)
         text = f"{replay}: how the ego vehicle went on, for `simulate --scenario`"
         report(arguments, text, scenario=str(replay))
-    path = Path(arguments.output.removesuffix(".json") + ".preview.png")  # of x.glb, another than that of x.json
+    path = Path(arguments.output.removesuffix(".json") + ".preview.png")  # x.glb and x.json have different ones
     if picture is not None:
         from lidardraft.view import save_png
 
@@ -69,7 +69,7 @@ def _writer(ending: str) -> Callable[[str, Layout], None]:
 
 
 def _preview(layout: Layout, sensor: Sensor, seed: int) -> np.ndarray | None:
-    """The picture of a layout, uint8 [H, W, 3]; None of one that takes long."""
+    """The picture of a layout, uint8 [H, W, 3]; None if it would take long."""
     triangles = sum(len(primitive.mesh.faces) for primitive in layout if primitive.mesh is not None)
     if len(layout) > _MOST_SHAPES or triangles > _MOST_TRIANGLES:
         return None
@@ -77,7 +77,7 @@ def _preview(layout: Layout, sensor: Sensor, seed: int) -> np.ndarray | None:
     from lidardraft.view import render_preview
 
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # a layout without ground may be meant
+        warnings.simplefilter("ignore", UserWarning)  # a layout without ground may be intended
         scan = Simulator(layout, sensor, seed=seed).scan(seed=seed)
         return render_preview(layout, scan.image, scan.pose)
 
@@ -87,7 +87,7 @@ def draft_options(parser: argparse.ArgumentParser) -> None:
     inputs = add_inputs(parser)
     add_sensor(inputs, of=" that took --points or --boxes, for its height over the road, and of the preview's scan")
     output = parser.add_argument_group("output")
-    text = "where the layout goes, or a folder for layout.json; .obj, .glb and .py (a Blender script) are for 3D "
+    text = "file of the layout, or a folder for layout.json; .obj, .glb and .py (a Blender script) are for 3D "
     text += "modelling programs"
     output.add_argument("-o", "--output", required=True, metavar="LAYOUT.json", help=text)
     text = "leave out LAYOUT.preview.png, a picture of the layout from above and of a simulated scan"
@@ -121,6 +121,6 @@ def raycast_options(parser: argparse.ArgumentParser) -> None:
         "--output",
         required=True,
         metavar="IMAGE.npz",
-        help="where the range image goes, or a folder for cast.npz",
+        help="file of the range image, or a folder for cast.npz",
     )
     add_json(parser)

@@ -14,7 +14,7 @@ start here:
   lidardraft simulate --text "a bus ahead, trees along both sides" -o scans
   lidardraft view scans/000000.bin
 
-`lidardraft COMMAND --help` lists the options of a command; `lidardraft doctor` says what this installation can do;
+`lidardraft COMMAND --help` lists the options of a command; `lidardraft doctor` checks this installation;
 `lidardraft-train --help` trains weights of your own.
 """
 _CLI = "lidardraft.cli."
@@ -85,7 +85,7 @@ COMMANDS = {
     ),
     "fit": Command(
         _CLI + "fit",
-        "Get a sensor file fitted to your recorded scans: lasers, what the vehicle hides, noise, drop and intensity.",
+        "Get a sensor file fitted to your recorded scans: lasers, blocked pixels, noise, drop and intensity.",
         "lidardraft fit recordings/ --like os1-128 -o mine.json",
     ),
     "pairs": Command(
@@ -106,8 +106,7 @@ COMMANDS = {
     ),
     "doctor": Command(
         _CLI + "doctor",
-        "Report what this installation can do: version, caster, threads, torch and GPU, extras, and how to get what is "
-        "missing.",
+        "Check this installation: version, caster, threads, torch and GPU, extras, and how to get missing parts.",
         "lidardraft doctor --json",
     ),
     "completion": Command(

@@ -1,4 +1,4 @@
-"""`lidardraft streets` and `pairs`: training pairs on disk, of procedural streets or of your own recordings."""
+"""`lidardraft streets` and `pairs`: training pairs on disk, from procedural streets or from recordings."""
 
 from __future__ import annotations
 
@@ -31,9 +31,10 @@ if TYPE_CHECKING:
     from lidardraft.streets import StreetPair
     from lidardraft.training.recorded_pairs import LabelledCloud
 
-# A network learns more from another street than from another look at one; building it takes a third of the time then.
+# A network learns more from another street than from another view of one; with this many views, building the streets
+# takes a third of the time.
 _POSES = 4
-_UNRELATED = 0.2  # of the beams' spacing: points that are of other beams are 0.25 off in the median
+_UNRELATED = 0.2  # of the beams' spacing: points of another sensor are 0.25 off in the median
 
 
 def streets(arguments: argparse.Namespace) -> None:
@@ -49,7 +50,7 @@ def streets(arguments: argparse.Namespace) -> None:
         report(arguments, f"{folder}: {start} pairs are there already; nothing to do", output=str(folder), pairs=start)
         return
     if start:
-        say(f"{folder}: goes on after the {start} pairs that are there")
+        say(f"{folder}: continues after {start} pairs")
     workers = min(arguments.workers, -(-(num - start) // poses))
     pairs = pairs_of_streets(seed=seed, config=config, start=start, workers=workers)
     with progress(num, "pair", "streets", initial=start) as bar:
@@ -67,7 +68,7 @@ def streets(arguments: argparse.Namespace) -> None:
 
 
 def _check_begun(folder: Path) -> None:
-    """Raises `FormatError` where a folder holds anything but pairs, or what a run may leave that was killed early."""
+    """Raises `FormatError` if a folder holds anything but pairs, or the remains of a run that was killed early."""
     if not (folder / "index.json").exists():
         check_empty(folder, "", but=r"\d+\.npz|.*\.partial")
 
@@ -82,7 +83,7 @@ def streets_options(parser: argparse.ArgumentParser) -> None:
     add_seed(parser)
     text = f"processes that make streets (default {cores()}, one a core)"
     parser.add_argument("--jobs", "--workers", dest="workers", type=positive, default=cores(), metavar="N", help=text)
-    text = "where the pairs go, for lidardraft-train; a second call goes on"
+    text = "folder for the pairs, for lidardraft-train; a second call continues"
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help=text)
     add_json(parser)
 
@@ -103,12 +104,12 @@ def pairs(arguments: argparse.Namespace) -> None:
     notes = notes_on_disk(folder, sensor, source=source)
     done = {note.get("checksum") for note in notes}
     if notes:
-        say(f"{folder}: goes on after the {len(notes)} pairs that are there")
+        say(f"{folder}: continues after {len(notes)} pairs")
     share, skipped = ReturnShares(), 0
     with progress(len(files), "scan", "recordings") as bar:
 
         def new() -> Iterator[tuple[int, RecordedFile, int | LidarDraftError]]:
-            """Scans that are not among the pairs, with their checksums."""
+            """Scans that are not among the pairs yet, with their checksums."""
             for number, file in enumerate(files):
                 checksum = _checksum(file.scan)
                 if checksum in done:
@@ -150,12 +151,12 @@ def _checksum(path: Path) -> int | LidarDraftError:
 def _noted(
     arguments: argparse.Namespace, sensor: Sensor, item: tuple[int, RecordedFile, int | LidarDraftError]
 ) -> NotedPair | LidarDraftError:
-    """The pair of a scan, with its checksum, or what is wrong with it."""
+    """The pair of a scan, with its checksum, or its error."""
     number, file, checksum = item
     if isinstance(checksum, LidarDraftError):
         return checksum
     try:
-        with warnings.catch_warnings():  # in a process of its own, nobody has heard them
+        with warnings.catch_warnings():  # in a worker process they were not reported
             warnings.simplefilter("default", UserWarning)
             warnings.showwarning = lambda message, *_, **__: say(message)
             pair = _pair(arguments, file, sensor, arguments.seed + number, first=not number)
@@ -178,7 +179,7 @@ def _pair(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor, see
     scan = _read(arguments, file, sensor)
     with named(file.scan):
         if first and beside_beams(scan, sensor) > _UNRELATED:
-            say(f"{file.scan}: the points lie between the beams of {sensor.name} as often as on them; "
+            say(f"{file.scan}: the points are between the beams of {sensor.name} as often as on them; "
                 "`lidardraft fit` makes a sensor of the scans")  # fmt: skip
         return recorded_pair(scan, sensor, seed=seed)
 
@@ -196,7 +197,7 @@ def _recorded_by(arguments: argparse.Namespace, scan: Path) -> Sensor:
 
 @cache
 def _segmenter(weights: str | None) -> Segmenter:
-    """That of --segmenter, or the packaged one; it says once that labels are predicted."""
+    """The segmenter of --segmenter, or the packaged one; reports once that labels are predicted."""
     from lidardraft.perception.segmenter import Segmenter
 
     by = "the packaged segmenter" if weights is None else weights
@@ -206,7 +207,7 @@ def _segmenter(weights: str | None) -> Segmenter:
 
 def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> LabelledCloud:
     """A scan with its classes: those of --labels, of the file, of one beside it or of the data set, or those of the
-    segmenter; what is in boxes has theirs."""
+    segmenter; points in boxes get those of the boxes."""
     from lidardraft.formats.recording import read_returns, with_fields
     from lidardraft.training.recorded_pairs import LabelledCloud
 
@@ -216,7 +217,7 @@ def _read(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor) -> 
     points, fields = read_returns(scan, labels, **reading(arguments))
     with named(scan):
         if "intensity" not in fields:
-            raise FormatError(f"there are no intensities, which the generator learns too{with_fields(scan)}")
+            raise FormatError(f"it has no intensities, which the generator learns too{with_fields(scan)}")
         if "label" not in fields:
             from lidardraft.perception.segmenter import SURE
 
@@ -246,6 +247,6 @@ def pairs_options(parser: argparse.ArgumentParser) -> None:
     add_reading(parser)
     add_seed(parser)
     add_jobs(parser)
-    text = "where the pairs go; a second call goes on"
+    text = "folder for the pairs; a second call continues"
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help=text)
     add_json(parser)

@@ -1,4 +1,4 @@
-"""`lidardraft profile`: what each step from a sentence to a scan takes on this machine."""
+"""`lidardraft profile`: the time of each step from a sentence to a scan on this machine."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def profile(arguments: argparse.Namespace) -> None:
 
 
 def _timed(arguments: argparse.Namespace, text: str, step: Callable[[], T]) -> T:
-    """What a step gives, with its row: the first run, which imports and compiles, and the median of the others."""
+    """The result of a step; prints its row: the first run, which imports and compiles, and the median of the others."""
     times = []
     for _ in range(1 + arguments.runs):
         begun = time.perf_counter()
@@ -55,7 +55,7 @@ def _timed(arguments: argparse.Namespace, text: str, step: Callable[[], T]) -> T
 
 
 def _peak() -> float | None:
-    """The most memory [MB] that this process has had, where the system counts it."""
+    """The peak memory [MB] of this process, if the system counts it."""
     if sys.platform == "win32":
         return None
     import resource

@@ -19,13 +19,13 @@ if TYPE_CHECKING:
     from lidardraft.cli.arguments import Options
 T = TypeVar("T")
 
-_MANY = 16  # scans from which on each core has a process of its own, which takes a second to start
-_PICTURES = 8  # that are made by default: one takes longer than a scan
+_MANY = 16  # the least scans for a process on each core, which takes a second to start
+_PICTURES = 8  # made by default: one takes longer than a scan
 
 
 def add_folder(parser: Options) -> None:
-    """--output, --overwrite, --pictures and --no-picture."""
-    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="where scans go: new or empty")
+    """Add --output, --overwrite, --pictures and --no-picture."""
+    parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="folder for scans: new or empty")
     parser.add_argument("--overwrite", action="store_true", help="replace the scans that are in FOLDER already")
     text = f"make pictures of the first N scans (default {_PICTURES})"
     parser.add_argument("--pictures", type=whole_number(0), default=_PICTURES, metavar="N", help=text)
@@ -34,23 +34,23 @@ def add_folder(parser: Options) -> None:
 
 
 def add_jobs(parser: Options) -> None:
-    """--jobs, which `jobs_of` reads."""
+    """Add --jobs, for `jobs_of`."""
     text = f"processes that make scans (default 1 for fewer than {_MANY} scans, else {cores()}, one a core)"
     parser.add_argument("--jobs", type=whole_number(1), metavar="N", help=text)
 
 
 def jobs_of(arguments: argparse.Namespace, num: int, run: int = 1) -> int:
-    """How many processes make `num` scans, each of them `run` in a row."""
+    """The number of processes that make `num` scans, each of them `run` in a row."""
     return min(arguments.jobs or (cores() if num >= _MANY else 1), -(-num // run))
 
 
 def cores() -> int:
-    """How many cores this process may use."""
+    """The number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 def check_output(arguments: argparse.Namespace) -> None:
-    """Raises `FormatError` where the folder holds anything and --overwrite is not given."""
+    """Raises `FormatError` if the folder is not empty and --overwrite is not given."""
     otherwise = ", or --overwrite to replace its scans"
     check_empty(Path(arguments.output), otherwise, but=".*" if arguments.overwrite else "")
 
@@ -58,7 +58,7 @@ def check_output(arguments: argparse.Namespace) -> None:
 @dataclass(frozen=True, slots=True)
 class ScanFolder(Generic[T]):
     """Scan `number` is `make(number)`, written by `save` under its number, with a picture if it is one of the first
-    `pictures`; `notes` says in lines what a user may have to know of it. All can go to other processes."""
+    `pictures`; `notes` are lines about it for the user. All of these must be picklable."""
 
     path: Path
     pictures: int
@@ -67,9 +67,9 @@ class ScanFolder(Generic[T]):
     notes: Callable[[int, T], list[str]] | None = None
 
     def write(self, num: int, *, jobs: int = 1, run: int = 1) -> Iterator[int]:
-        """Write scans 0 to `num` - 1, by `jobs` processes, each of which makes `run` scans in a row; counts them as
-        they are there. Scans of an earlier call go when the first one is. Raises `FormatError` where another process
-        writes to the folder."""
+        """Write scans 0 to `num` - 1, by `jobs` processes, each of which makes `run` scans in a row; yields the count
+        of written scans. Scans of an earlier call are removed once the first one is written. Raises `FormatError` if
+        another process writes to the folder."""
         first = self.make(0)
         self.path.mkdir(parents=True, exist_ok=True)
         with locked_folder(self.path):
@@ -81,7 +81,7 @@ class ScanFolder(Generic[T]):
                 yield count
 
     def _rest(self, num: int, jobs: int, run: int) -> Iterator[list[str]]:
-        """The notes on each scan but the first, which are written in their order or, by several processes, in any."""
+        """The notes on each scan after the first, in order or, with several processes, in any order."""
         if jobs == 1:
             return map(self.written, range(1, num))
         from lidardraft.streets.worker_processes import in_processes
@@ -93,7 +93,7 @@ class ScanFolder(Generic[T]):
         return [self.written(number) for number in numbers]
 
     def written(self, number: int) -> list[str]:
-        """Make and write one scan; the notes on it."""
+        """Make and write one scan; returns the notes on it."""
         return self._saved(number, self.make(number))
 
     def _saved(self, number: int, scan: T) -> list[str]:
@@ -102,8 +102,8 @@ class ScanFolder(Generic[T]):
 
 
 def _clear(folder: Path) -> None:
-    """Remove the scans of an earlier call, numbers with a sensor beside them, their tracks, and numbered folders of
-    drives. The rest stays."""
+    """Remove the scans of an earlier call, which are numbers with a sensor beside them, their tracks, and numbered
+    folders of drives. The rest stays."""
     from lidardraft.scan import CASTS_FILE, SCAN_ENDINGS, TRACK_FILES
 
     names = [path.name.removesuffix(".sensor.json") for path in folder.glob("*.sensor.json")]

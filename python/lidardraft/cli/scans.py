@@ -62,8 +62,8 @@ _HZ = 10.0  # frames of a sequence
 
 @dataclass(frozen=True, slots=True)
 class Layouts:
-    """The layout of each scan: `first` for all, or the sentences in turn, each for another seed; with a sentence goes
-    what messages call it."""
+    """The layout of each scan: `first` for all, or the sentences in turn, each with another seed; a sentence comes with
+    its name in messages."""
 
     arguments: argparse.Namespace
     first: Layout
@@ -71,7 +71,7 @@ class Layouts:
 
     @classmethod
     def read(cls, arguments: argparse.Namespace) -> Layouts:
-        """Those that the arguments ask for."""
+        """The layouts of the arguments."""
         if arguments.text_file is None:
             sentences = [] if arguments.text is None else [("--text", arguments.text)]
             return cls(arguments, read_layout(arguments), sentences)
@@ -92,7 +92,7 @@ class Layouts:
             return layout_of_text(self.arguments, sentence, seed), seed
 
     def notes(self, number: int, scan: Scan | Drive) -> list[str]:
-        """What there is to say of a sentence of a file, the first time that it is read."""
+        """The notes on a sentence of a file, the first time that it is read."""
         if self.arguments.text_file is None or number >= len(self.sentences):
             return []
         return [f"{self.sentences[number][0]}: {note}" for note in notes_on(self.arguments, scan.layout)]
@@ -175,7 +175,7 @@ def _write_frames(arguments: argparse.Namespace, simulator: Drive, given: Layout
         say(note)
     asked = arguments.scenario is not None or arguments.speed is not None
     if not (asked or simulator.tracks.actors or simulator.tracks.ego.moves()):
-        say("nothing moves: the layout has no road whose lanes are known; --speed and --scenario say more")
+        say("nothing moves: the layout has no road with known lanes; give --speed or --scenario")
     num = arguments.frames
     folder = ScanFolder(Path(arguments.output), arguments.pictures, simulator.frame, Scan.save)
     with progress(num, "frame") as bar:
@@ -197,7 +197,7 @@ def simulate(arguments: argparse.Namespace) -> None:
         return
     for option in ("hz", "scenario"):
         if getattr(arguments, option) is not None:
-            raise FormatError(f"--{option} is of a sequence; say with --frames how long it is")
+            raise FormatError(f"--{option} is for a sequence; give its length with --frames")
     sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
     output, pictures, around = Path(arguments.output), arguments.pictures, ""
     if arguments.world is not None:
@@ -222,14 +222,14 @@ def simulate(arguments: argparse.Namespace) -> None:
 
 
 def _scan_of_world(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None) -> Callable[[int], Scan]:
-    """What makes the scan of --world, which has a seed, speeds and surroundings of its own."""
+    """The function that makes the scan of --world, which has its own seed, speeds and surroundings."""
     from lidardraft.world.state import WorldState
     from lidardraft.world.world import World
 
     check_inputs(arguments)
     for option in ("num", "speed", "surroundings"):
         if getattr(arguments, option) is not None:
-            raise FormatError(f"--{option} does not go with --world, whose state says all of its one scan")
+            raise FormatError(f"--{option} does not go with --world, whose state is complete")
     state = WorldState.load(arguments.world)
     with named(arguments.world):
         world = World(state, sensor, weather=weather)
@@ -240,7 +240,7 @@ def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weath
     check_inputs(arguments)
     for option in ("speed", "surroundings", "scenario"):
         if getattr(arguments, option):
-            raise FormatError(f"--{option} goes with a layout; --street decides what drives and stands there")
+            raise FormatError(f"--{option} goes with a layout; --street decides its own traffic and objects")
     mix = USUAL_MIX if arguments.street == "any" else StreetMix(**only(district_named(arguments.street)))
     config = StreetConfig(sensor=sensor, poses_per_street=poses, mix=mix, weather=weather or Weather())
     return config if arguments.frames is None else dataclasses.replace(config, half_length=HALF_LENGTH)
@@ -251,7 +251,7 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
     parser.epilog = (
         "The layout's shapes become objects with details, the sensor's beams are cast into them, and a model of its "
         "light and receiver makes returns, ranges and intensities of that. No weights are used; every label is that of "
-        "the surface that was hit. A sensor without a model of its own gets typical values."
+        "the surface that was hit. A sensor without its own model gets typical values."
     )
     inputs = add_inputs(parser, "text-file", "street", "world")
     text = f"scans of each --street in a row, from different places (default {_POSES})"
@@ -320,8 +320,8 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
         "The whole scan is made from noise, and a ControlNet holds it to the cast of the layout, as the paper does; "
         "of a semantic map too, with ranges that are guessed: flat ground, and all else where it stands on it. Labels "
         "are the layout's where ranges agree with it, the network's elsewhere. A GPU makes several scans at once. "
-        "Weights of your own that complete (the recipe `small`) keep the simulated scan of what the layout gives, and "
-        "make up what it leaves open: give them --surroundings bare. Weather and sequences are `simulate`'s alone."
+        "Weights of your own that complete (the recipe `small`) keep the simulated scan of the layout, and "
+        "invent only its open parts: give them --surroundings bare. Weather and sequences are `simulate`'s alone."
     )
     add_inputs(parser, "text-file", "map")
     add_speed(parser.add_argument_group("world"))
@@ -353,8 +353,8 @@ def observe(arguments: argparse.Namespace) -> None:
 
 
 def _with_its_scene(path: str, image: RangeImage, seed: int) -> Scan:
-    """The image of a cast, with what came with it: pose, motion and time in its .npz, and NAME.layout.json or
-    NAME.boxes.json beside it."""
+    """The image of a cast with its scene: pose, motion and time from its .npz, and NAME.layout.json or NAME.boxes.json
+    beside it."""
     from lidardraft.drafting.boxes import layout_from_boxes
     from lidardraft.formats.boxes import read_boxes
     from lidardraft.scan import Scan, read_motion
@@ -404,7 +404,7 @@ def observe_options(parser: argparse.ArgumentParser) -> None:
         "an .npz, and the objects of NAME.layout.json or, in the sensor's frame, NAME.boxes.json beside a cast."
     )
     parser.add_argument("casts", nargs="+", metavar="CAST", help="an .npz cast, or CARLA's .ply or .npy")
-    add_sensor(parser, default=None, of=" whose rays they are, where an .npz does not hold it")
+    add_sensor(parser, default=None, of=" of these rays, if an .npz does not hold it")
     text = "material of a class, in place of the usual one; repeatable"
     metavar = "CLASS=MATERIAL"
     parser.add_argument("--material", dest="materials", action="append", default=[], metavar=metavar, help=text)
@@ -416,7 +416,7 @@ def observe_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _add_scan_output(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup:
-    """--sensor, --num and what `add_folder` adds, in a group of their own."""
+    """Add --sensor, --num and the options of `add_folder`, in a group of their own."""
     output = parser.add_argument_group("output")
     add_sensor(output, of=" to make scans of")
     text = "scans to make, with seeds counting up (default 1, or one of each sentence of --text-file)"
@@ -426,7 +426,7 @@ def _add_scan_output(parser: argparse.ArgumentParser) -> argparse._ArgumentGroup
 
 
 def _report(arguments: argparse.Namespace, num: int, more: str = "") -> None:
-    """Say what is in the folder."""
+    """Report the contents of the folder."""
     names, pictures = [f"{number:06d}" for number in range(num)], min(arguments.pictures, num)
     beside = (".label", ".boxes.json", ".png")
     each = [ending for ending in beside if all(Path(arguments.output, f"{name}{ending}").exists() for name in names)]

@@ -41,14 +41,14 @@ def studio(arguments: argparse.Namespace) -> None:
     given = argparse.Namespace(**vars(arguments) | ({} if arguments.text else dict.fromkeys(model)))
     check_inputs(given)
     if arguments.world is not None and arguments.surroundings is not None:
-        raise FormatError("--surroundings does not go with --world, whose state says all of its scene")
+        raise FormatError("--surroundings does not go with --world, whose state is complete")
     if arguments.world is not None:
         state = WorldState.load(arguments.world)
         first: Layout | WorldState = state
         seed = state.seed
     else:
         first = read_layout(given if gives_input(given) else _asked(arguments.sensor, seed, f"--text={SENTENCE}"))
-    with named(arguments.world or "the scene"):  # what cannot be scanned ends the command, and no page
+    with named(arguments.world or "the scene"):  # a scene that cannot be scanned ends the command before the page
         ready = [Editor(first, (sensor,), seed=seed, weather=weather)]
 
     def begin() -> Editor:
@@ -65,8 +65,8 @@ def studio(arguments: argparse.Namespace) -> None:
 
 
 def inputs_of(sensor: str, folder: Path | None, model: Mapping[str, object] | None = None) -> Inputs:
-    """The readers of all inputs, as commands have them; files without a sensor of their own are of `sensor`, and
-    `model` are the options of a language model that reads sentences."""
+    """The readers of all inputs, as in commands; files without a sensor are of `sensor`, and `model` are the options of
+    a language model that reads sentences."""
     from lidardraft.studio.page import Inputs
     from lidardraft.studio.session import Draft
 
@@ -90,7 +90,7 @@ def inputs_of(sensor: str, folder: Path | None, model: Mapping[str, object] | No
 
 
 def _asked(sensor: str, seed: int, *given: str) -> argparse.Namespace:
-    """The arguments of an input alone, as the command line has them."""
+    """The arguments of an input alone, as from the command line."""
     parser = Parser(add_help=False)
     add_inputs(parser)
     add_sensor(parser)
@@ -109,5 +109,5 @@ def studio_options(parser: argparse.ArgumentParser) -> None:
     add_weather(parser)
     text = f"port of the page, or the next one that is free (default {_PORT})"
     parser.add_argument("--port", type=whole_number(1, 65535), default=_PORT, metavar="P", help=text)
-    text = "where files that visitors keep may go on this machine (default: they are downloads)"
+    text = "folder on this machine for files that visitors keep (default: they are downloads)"
     parser.add_argument("-o", "--output", metavar="FOLDER", help=text)

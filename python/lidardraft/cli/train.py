@@ -41,7 +41,7 @@ _RECIPES = ("small", "paper", "paper-small", "paper-large", "paper-map", "small-
 COMMANDS = {
     "segmenter": Command(
         __name__,
-        "Train a segmenter, which tells the class of each return, on the scans of pairs; a second call goes on.",
+        "Train a segmenter, which predicts the class of each return, on the scans of pairs; a second call continues.",
         "lidardraft-train segmenter --pairs pairs/ -o run/",
     ),
     "street": Command(
@@ -52,22 +52,22 @@ COMMANDS = {
     ),
     "ablation": Command(
         __name__,
-        "Train the paper's form and what it is compared with, each for as long, and score all; a second call goes on.",
+        "Train the paper's form and its alternatives, each for as long, and score all; a second call continues.",
         "lidardraft-train ablation --steps 500 -n 16",
     ),
 }
-_FURTHER_RATE = 0.3  # of the recipe's learning rate: weights that are good already would be lost with more
+_FURTHER_RATE = 0.3  # of the recipe's learning rate, which would spoil weights that are good already
 
 
 def street(arguments: argparse.Namespace) -> None:
-    """Train all stages of a recipe, or go on with them."""
+    """Train all stages of a recipe, or continue them."""
     from lidardraft.diffusion.denoiser import Denoiser
     from lidardraft.networks import weight_file
     from lidardraft.training.denoising import beginning, train_denoiser
     from lidardraft.training.loop import check_run_folder, device_for_training
     from lidardraft.training.processes import Processes
 
-    # what cannot be is refused before hours of work
+    # invalid input is refused before hours of work
     given = begin = _initial(arguments.init)
     stages = _stages(arguments, given)
     beginning(stages[0], given)
@@ -86,16 +86,16 @@ def street(arguments: argparse.Namespace) -> None:
     with source.running(processes, device):
         for config, run_folder in zip(stages, runs, strict=True):
             if given and begin and begin is not given and config.denoiser == given.config:
-                begin = begin.under(given)  # the ControlNet that was given, on its base, which has learned on
+                begin = begin.under(given)  # the given ControlNet, on its base, which has been trained further
             options = {"device": str(device), "max_minutes": (ends - time.monotonic()) / 60}
             reports = train_denoiser(config, source, run_folder, begin=begin, compiles=arguments.compile, **options)
             if _show(reports, config.steps, run_folder.name) not in (None, config.steps):
                 print(f"{run_folder}: stopped after {arguments.minutes:g} minutes; the same call goes on")
                 return
-            processes.wait()  # until the first one has saved what all have learned
+            processes.wait()  # until the first one has saved the weights
             begin = weight_file.load(run_folder / "weights.safetensors", Denoiser)
     if processes.rank == 0 and begin is not None:
-        kept = given is not None and given.config == begin.config  # which sample as those that they began as
+        kept = given is not None and given.config == begin.config  # these sample as the initial weights do
         _save_scored(arguments, begin, source, runs, str(device), arguments.init if kept else None)
 
 
@@ -107,7 +107,7 @@ def _save_scored(
     device: str,
     sampled_as: str | None,
 ) -> None:
-    """Score the weights as they ship, in float16, and write them with their card."""
+    """Score the weights in their final form, in float16, and write them with their card."""
     from lidardraft.diffusion.sensor_limits import SensorLimits
     from lidardraft.networks import weight_file
     from lidardraft.networks.weight_header import find
@@ -132,7 +132,7 @@ def _save_scored(
 
 
 def _stages(arguments: argparse.Namespace, begin: Denoiser | None) -> list[DenoisingConfig]:
-    """Those of the recipe; with weights to begin with its last one alone, or the base before it too (--base-steps)."""
+    """The stages of the recipe; with initial weights its last one alone, or the base before it too (--base-steps)."""
     from lidardraft.training import recipes
 
     stages = list(getattr(recipes, arguments.recipe.replace("-", "_"))())
@@ -156,7 +156,7 @@ def _initial(name: str | None) -> Denoiser | None:
 
 
 def _source(arguments: argparse.Namespace, workers: int = 0) -> PairSource:
-    """What --data names: streets, folders of pairs, or a mixture; or the streets that --workers make meanwhile."""
+    """The source of --data: streets, folders of pairs, or a mixture; or the streets that --workers make meanwhile."""
     from lidardraft.training.sources import MixedSource, PairFolder, StreetBank, StreetSource
 
     sensor = None if arguments.sensor is None else read_sensor(arguments.sensor)
@@ -172,7 +172,7 @@ def _source(arguments: argparse.Namespace, workers: int = 0) -> PairSource:
 
 
 def _weighted(option: str, given: Sequence[str]) -> tuple[list[str], tuple[float, ...]]:
-    """The names and the weights of NAME=WEIGHT, 1 where there is none."""
+    """The names and the weights of NAME=WEIGHT, by default 1."""
     parts = [each.partition("=") for each in given]
     try:
         return [name for name, _, _ in parts], tuple(float(weight or 1) for _, _, weight in parts)
@@ -199,16 +199,16 @@ def street_options(parser: argparse.ArgumentParser) -> None:
     add_minutes(parser)
     add_seed(parser)
     add_training_device(parser)
-    text = "processes that make the streets of --sensor meanwhile; each step learns from what is there by then, as a "
+    text = "processes that make the streets of --sensor meanwhile; each step learns from the pairs made so far, for a "
     text += "GPU needs it (default: each step makes its own)"
     parser.add_argument("--workers", type=whole_number(0), default=0, metavar="N", help=text)
     text = "compile the network first (torch.compile): a minute or more, worth it in long runs on a GPU"
     parser.add_argument("--compile", action="store_true", help=text)
     text = "unseen streets to score the weights on (default 50)"
     parser.add_argument("--evaluate", type=whole_number(1), default=50, metavar="N", help=text)
-    text = "where runs are kept (default out/street)"
+    text = "folder for runs (default out/street)"
     parser.add_argument("--work", default="out/street", metavar="FOLDER", help=text)
-    text = "where the weight file goes (default street.safetensors)"
+    text = "weight file (default street.safetensors)"
     parser.add_argument("-o", "--output", default="street.safetensors", metavar="WEIGHTS", help=text)
 
 
@@ -221,7 +221,7 @@ def _add_data(parser: argparse.ArgumentParser) -> None:
 
 
 def segmenter(arguments: argparse.Namespace) -> None:
-    """Train a segmenter, or go on with it."""
+    """Train a segmenter, or continue its training."""
     from lidardraft.perception.segmenter import Segmenter
     from lidardraft.training.loop import check_run_folder
     from lidardraft.training.segmentation import SegmentationConfig, train_segmenter
@@ -248,7 +248,7 @@ def segmenter_options(parser: argparse.ArgumentParser) -> None:
     text = "weights to begin with: `segmenter`, which is packaged, or a file"
     parser.add_argument("--init", metavar="NAME", help=text)
     add_minutes(parser)
-    text = "where the weights and the state of the run go; a second call goes on"
+    text = "folder for the weights and the state of the run; a second call continues"
     parser.add_argument("-o", "--output", dest="run", required=True, metavar="FOLDER", help=text)
     text = "steps of training (default 2000)"
     parser.add_argument("--steps", type=whole_number(1), default=2000, metavar="N", help=text)
@@ -258,7 +258,7 @@ def segmenter_options(parser: argparse.ArgumentParser) -> None:
 
 
 def ablation(arguments: argparse.Namespace) -> None:
-    """Train and score all arms, or go on with them."""
+    """Train and score all arms, or continue them."""
     from lidardraft.evaluation import OTHER_STREETS, loss_by_other_layouts, untrained_weights
     from lidardraft.training import recipes
     from lidardraft.training.loop import check_run_folder, device_for_training
@@ -270,7 +270,7 @@ def ablation(arguments: argparse.Namespace) -> None:
         dataclasses.replace(stage, steps=steps, seed=arguments.seed)
         for stage, steps in ((base, arguments.base_steps), (control, arguments.steps))
     )
-    # what is short has time to learn all of the ControlNet as well
+    # short trainings have time for the whole ControlNet as well
     control = dataclasses.replace(control, zero_conv_steps=min(control.zero_conv_steps, control.steps // 10))
     base.check([sensor])
     begin = _initial(arguments.base)
@@ -337,7 +337,7 @@ def _row(
     mmd = bev_mmd((pair.scan.points() for pair in pairs), (scan.points() for scan in scans))
     folder = Path(arguments.work, "scans", _slug(name))
     folder.mkdir(parents=True, exist_ok=True)
-    for earlier in folder.glob("*.bin"):  # of a call with more streets
+    for earlier in folder.glob("*.bin"):  # from a call with more streets
         earlier.unlink()
     for number, scan in enumerate(scans):
         intensity = np.zeros(scan.sensor.shape, np.float32) if scan.intensity is None else scan.intensity
@@ -366,13 +366,13 @@ def ablation_options(parser: argparse.ArgumentParser) -> None:
     text = "unseen streets to score on (default 50)"
     parser.add_argument("-n", "--num", type=whole_number(1), default=50, metavar="N", help=text)
     add_seed(parser)
-    text = "where runs are kept, and the scans of each row in scans/ROW (default out/ablation)"
+    text = "folder for runs, and for the scans of each row in scans/ROW (default out/ablation)"
     parser.add_argument("--work", default="out/ablation", metavar="FOLDER", help=text)
     add_training_device(parser)
 
 
 def _show(reports: Iterator[Report], steps: int, name: str) -> int | None:
-    """A progress bar of a training; its last step, or None where there was nothing to do."""
+    """Show a progress bar of a training; returns its last step, or None if there was nothing to do."""
     from tqdm import tqdm
 
     step = None

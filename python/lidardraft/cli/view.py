@@ -46,7 +46,7 @@ def view(arguments: argparse.Namespace) -> None:
 
 
 def _film(folder: Path, arguments: argparse.Namespace) -> None:
-    """A film of the scans of a folder, from above and from the driver's seat, as fast as they were taken."""
+    """Write a film of the scans of a folder, from above and from the driver's seat, at their recorded pace."""
     from lidardraft.exports import scans_in
     from lidardraft.scan import Scan
     from lidardraft.view import save_gif, save_mp4
@@ -90,7 +90,7 @@ def view_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--large", action="store_true", help="one large and smooth view of a scan alone")
     text = "boxes around the objects of a scan: .boxes.json, KITTI's label_2, ... (default: the .boxes.json beside it)"
     parser.add_argument("--boxes", metavar="FILE", help=text)
-    text = "where the picture goes (default FILE.view.png); .html makes a page of a scan; of a folder, a film: .gif "
+    text = "file of the picture (default FILE.view.png); .html makes a page of a scan; of a folder, a film: .gif "
     text += "(default view.gif in it) or .mp4"
     parser.add_argument("-o", "--output", metavar="PICTURE", help=text)
     add_json(parser)
@@ -118,14 +118,14 @@ def _pictured(path: Path, arguments: argparse.Namespace) -> np.ndarray:
 
 
 def _shown(path: Path, arguments: argparse.Namespace) -> dict[str, Any]:
-    """What `html_page` shows of a scan: every return, over the road."""
+    """The arguments of `html_page` for a scan: every return, relative to the road."""
     from lidardraft.formats.pairs import is_shard
     from lidardraft.view import fields_of
 
     if path.suffix == ".json" or (not _holds_points(path) and is_shard(path)):
         raise FormatError(f"{path} is not a scan; a page of HTML shows scans alone")
     points, fields, sensor, image = _read_scan(path, arguments)
-    beside = path.with_suffix(".npz")  # of a scan of ours, which a .bin holds in the same order
+    beside = path.with_suffix(".npz")  # of a scan of lidardraft, whose .bin has the same order
     if image is None and path.suffix == ".bin" and beside.exists() and "depth" in names_in(beside):
         image = RangeImage.load(beside)
     ranges = np.linalg.norm(points, axis=1)
@@ -161,7 +161,7 @@ def _title(path: Path) -> str:
 def _read_scan(
     path: Path, arguments: argparse.Namespace
 ) -> tuple[np.ndarray, dict[str, np.ndarray], Sensor, RangeImage | None]:
-    """The returns [N, 3] of a scan in any form that --points reads, or of a range image, which comes with them."""
+    """The returns [N, 3] of a scan in any form that --points reads, or of a range image, which is returned too."""
     from lidardraft.formats.recording import read_returns
 
     if _holds_points(path):

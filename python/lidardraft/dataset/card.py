@@ -1,4 +1,4 @@
-"""The card of a data set: its contents, for people who did not make it."""
+"""The card of a data set: its contents, for its readers."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ _TITLES = {"splits": "Splits", "sensors": "Sensors", "weather": "Weather", "scen
 
 
 def card(recipe: Recipe, total: dict[str, Any]) -> str:
-    """The text of README.md, of the counts of all shards."""
+    """The text of README.md, from the counts of all shards."""
     scans = total["scans"]
     made = f"{scans // recipe.frames} drives of {recipe.frames} scans at {recipe.hz:g} Hz" if recipe.frames else scans
     lines = [

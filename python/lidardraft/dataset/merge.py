@@ -1,4 +1,4 @@
-"""Shards of a format become one data set, of the same files and with one copy of what each of them lists."""
+"""Shards of a format become one data set with the same files, and one copy of each list."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ _ROWS = "data_list"  # of MMDetection3D's infos
 
 
 def merge(shards: Sequence[Path], output: Path) -> None:
-    """Link the files of the shards, or copy them where the disk has no links, into the new folder `output`.
+    """Link the files of the shards, or copy them on a disk without links, into the new folder `output`.
 
-    Of files of one name, lines of texts, rows of tables and names of splits follow one another, and rows that are the
-    same are there once. Raises `FormatError` where others differ, or `output` is there already or cannot be written.
+    Files of one name are joined: lines of texts, rows of tables and names of splits in order, and equal rows once.
+    Raises `FormatError` if other files of one name differ, or if `output` exists already or cannot be written.
     """
     with new_folder(output) as folder:
         shared = dict[Path, list[Path]]()
@@ -47,7 +47,7 @@ def merge(shards: Sequence[Path], output: Path) -> None:
 
 
 def _joined(sources: Sequence[Path]) -> bytes:
-    """A JSON object of lists, each with those of all sources."""
+    """A JSON object of lists, each with the items of all sources."""
     whole = dict[str, list[str]]()
     for source in sources:
         for name, rows in json.loads(source.read_bytes()).items():
@@ -56,7 +56,7 @@ def _joined(sources: Sequence[Path]) -> bytes:
 
 
 def _rows(sources: Sequence[Path]) -> Iterator[bytes]:
-    """A JSON list of all rows, or the first object with all rows in place of its own."""
+    """A JSON list of all rows, or the first object with all rows in place of its rows."""
     first, seen = json.loads(sources[0].read_bytes()), set[bytes]()
     head = "" if isinstance(first, list) else json.dumps(first | {_ROWS: []})[: -len("[]}")]
     yield f"{head}[\n".encode()

@@ -1,4 +1,4 @@
-"""A recipe: what a data set is made of, in shares and ranges. Scan k of it depends on its seed and on k alone."""
+"""A recipe: the contents of a data set, in shares and ranges. Scan k of it depends on its seed and on k alone."""
 
 from __future__ import annotations
 
@@ -51,13 +51,14 @@ SCANS = "scans"  # the format of `simulate`, beside those of `export`
 _DRAWS = 17  # random numbers of an item, apart from those of its layout and its scan
 _HZ = 10.0  # of drives
 _GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
-_TRIED = 16  # sentences of a scene that are read before anything is made
+_TRIED = 16  # sentences of a scene that are tried before any scan is made
 T = TypeVar("T")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Edit:
-    """An edit of every `chance`-th layout: `kind` is remove, move or replace, of what matches `pattern`."""
+    """An edit of a layout with probability `chance`: `kind` is remove, move or replace, applied to the matches of
+    `pattern`."""
 
     kind: str
     pattern: str
@@ -67,9 +68,9 @@ class Edit:
 
 @dataclass(frozen=True, kw_only=True)
 class Scene:
-    """What a scan is of: `source` is text, layout or street, and `values` its sentences, files or districts.
+    """The scene of a scan: `source` is text, layout or street, and `values` its sentences, files or districts.
 
-    `numbers` are the speed, or those of a `StreetMix`.
+    `numbers` are the speed, or the numbers of a `StreetMix`.
     """
 
     source: str
@@ -83,7 +84,7 @@ class Scene:
 
 @dataclass(frozen=True)
 class Choice(Generic[T]):
-    """One of several, taken as often as its share says."""
+    """One of several choices, drawn in proportion to its share."""
 
     share: float
     of: T
@@ -91,10 +92,10 @@ class Choice(Generic[T]):
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe:
-    """A data set of `scans` scans in shards of `shard_size`; `text` is what decides them, in a line of JSON.
+    """A data set of `scans` scans in shards of `shard_size`; `text` is everything that decides them, in a line of JSON.
 
-    `frames` scans in a row, `hz` a second, are of one drive; `poses` in a row are of one street, where nothing moves.
-    The scans of such a run are all in one of the `splits`.
+    `frames` consecutive scans, `hz` a second, are of one drive; `poses` consecutive scans are of one static street. The
+    scans of such a run are all in one of the `splits`.
     """
 
     name: str
@@ -113,8 +114,8 @@ class Recipe:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], num: int | None = None) -> Recipe:
-        """The recipe of a TOML file, of which `num` scans, or drives, are made where that is given; files in it are
-        named from its folder. Raises `LidarDraftError` naming the file and the invalid key."""
+        """The recipe of a TOML file, with `num` scans, or drives, if that is given. Files in it are relative to its
+        folder. Raises `LidarDraftError` naming the file and the invalid key."""
         text = read_text(path)
         with named(path):
             with expecting("TOML"):
@@ -125,9 +126,9 @@ class Recipe:
         return recipe
 
     def scan(self, number: int) -> Scan:
-        """Scan `number`, made in one thread; its layout's provenance says under `recipe` what was drawn for it.
+        """Scan `number`, made in one thread; its layout's provenance lists the values drawn for it under `recipe`.
 
-        Raises `LidarDraftError` naming the scene that cannot be.
+        Raises `LidarDraftError` naming the invalid scene.
         """
         if self.frames:
             return self._frame(number, self.drive(number // self.frames).frame(number % self.frames))
@@ -139,7 +140,7 @@ class Recipe:
         return _told(scan, {"scan": number, "scene": place, "weather": air, "speed": scan.speed})
 
     def made(self, numbers: range) -> Iterator[Iterator[tuple[int, Scan]]]:
-        """Scans of these numbers, drive by drive."""
+        """The scans of these numbers, drive by drive."""
         if not self.frames:
             yield ((k, self.scan(k)) for k in numbers)
             return
@@ -167,21 +168,21 @@ class Recipe:
             return SequenceSimulator(layout, sensor, seed=seed, weather=weather, **how, **more)
 
     def split(self, number: int) -> str:
-        """What scan `number` is for, as the other scans of its run are; "" where the recipe does not say."""
+        """The split of scan `number`, the same for all scans of its run; "" if the recipe has none."""
         if not self.splits:
             return ""
         run = number // (self.frames or self.poses)
-        place = (run + 0.5) * _GOLDEN % 1.0  # the first ones of any number come near the shares
+        place = (run + 0.5) * _GOLDEN % 1.0  # the first runs, however many, are near the shares
         ends = np.cumsum([choice.share for choice in self.splits])
         return self.splits[min(int(np.searchsorted(ends, place, side="right")), len(ends) - 1)].of
 
     def drawn(self, number: int) -> tuple[int, dict[str, Any]]:
-        """Which of the scenes, from 1 on, scan `number` is of, and the numbers of its weather."""
+        """The number of the scene, from 1 on, of scan `number`, and the numbers of its weather."""
         place, _, air, _ = self._draws(number)
         return place, air
 
     def _draws(self, number: int) -> tuple[int, Sensor, dict[str, Any], np.random.Generator]:
-        """What is drawn for a scan, which all scans of a street have in common, and what draws the rest."""
+        """The values drawn for a scan, shared by all scans of a street, and the generator for further ones."""
         first = number - number % (self.frames or self.poses)
         choice = _chosen(self.scenes, np.random.default_rng([self.seed, first, _DRAWS]))
         shared = self.frames or choice.of.source == "street"
@@ -210,7 +211,7 @@ class Recipe:
         return simulate(layout, sensor, seed=seed, weather=weather, threads=1, **more)
 
     def try_sentences(self) -> None:
-        """Raise `LidarDraftError` where one of the first sentences of a scene, with any of its words, cannot be."""
+        """Raise `LidarDraftError` if one of the first sentences of a scene, with any of its words, is invalid."""
         from lidardraft.drafting.text.layout import layout_from_text, spec_from_text
 
         for place, scene in enumerate((choice.of for choice in self.scenes), 1):
@@ -251,7 +252,7 @@ def _layout(scene: Scene, seed: int, rng: np.random.Generator) -> Layout:
 
 
 def _filled(sentence: str, words: dict[str, Any]) -> str:
-    """The sentence with a word for each {name}; numbers have three digits."""
+    """The sentence with a word in place of each {name}; numbers have three digits."""
     texts = {name: f"{word:.3g}" if isinstance(word, float) else str(word) for name, word in words.items()}
     return _NAMES.sub(lambda found: texts[found[1]], sentence)
 
@@ -260,7 +261,7 @@ _NAMES = re.compile(r"\{(\w+)\}")
 
 
 def _edited(layout: Layout, change: Edit, rng: np.random.Generator) -> Layout:
-    """The edited layout, or the layout itself where chance has it or nothing matches."""
+    """The edited layout, or the layout itself if chance decides so or nothing matches."""
     values = all_drawn(change.values, rng)
     if rng.random() >= change.chance or not edit.select(layout, change.pattern):
         return layout
@@ -324,7 +325,7 @@ def _recipe(path: Path, fields: dict[str, Any]) -> Recipe:
 
 
 def _text(fields: dict[str, Any], scenes: list[Scene], sensors: list[Sensor]) -> str:
-    """What decides each scan, in a line: the recipe but for their number, with checksums of the files in it and of the
+    """All that decides each scan, in a line: the recipe without the number of scans, with checksums of its files and
     weights, and the version of lidardraft."""
     files = [read_bytes(file) for scene in scenes if scene.source == "layout" for file in scene.values]
     files += ["\n".join(every(scene.values)).encode() for scene in scenes if scene.source == "text"]
@@ -373,7 +374,7 @@ def _numbers(
 
 
 def _files(table: Table, folder: Path) -> list[str]:
-    """The layouts that the paths and patterns name, in order."""
+    """The layouts named by the paths and patterns, in order."""
     found = list[Path]()
     for text in every(table.texts("layout")):
         found += sorted(map(folder.joinpath, glob(text, root_dir=folder, recursive=True)))
@@ -418,7 +419,7 @@ def _rate(table: Table) -> float:
 
 
 def _splits(table: Table) -> tuple[Choice[str], ...]:
-    """The shares of the splits, of all."""
+    """The shares of the splits, which add up to 1."""
     found = tuple(Choice(float(table.numbers(name, 0.0, 0.0, 1.0)), name) for name in SPLITS if name in table)
     table.end()
     total = sum(choice.share for choice in found)

@@ -1,8 +1,8 @@
-"""A data set on disk: shards that are there whole or not at all, with what they hold counted beside each.
+"""A data set on disk: shards that are written whole or not at all, with the counts of their contents beside each.
 
-Shard NNNNNN is NNNNNN.tar or a folder of that name, and is done when NNNNNN.json is there. So whatever a crash left
-behind is known, and made again, to the same bytes. When all are done, they are merged into a folder named as the
-format; it is whole when summary.json, which is written after it, is there.
+Shard NNNNNN is NNNNNN.tar or a folder of that name; NNNNNN.json marks it as done. So remains of a crash are recognised,
+and made again, to the same bytes. Once all are done, they are merged into a folder named as the format; summary.json,
+written last, marks that as whole.
 """
 
 from __future__ import annotations
@@ -34,11 +34,11 @@ from lidardraft.json_fields import parse_object
 from lidardraft.scan import Scan
 from lidardraft.semantics import CLASSES
 
-_RING, _RINGS = 10, 8  # m, of the ranges in which boxes are counted, and the last of them, which has no end
-_LOOKS = 8  # at a lock, while others look at it too
-_UNMERGED = ("webdataset", SCANS)  # formats whose shards are parts of one data set as they are
-_SPARE = 2**30  # bytes of the disk that stay free
-Tally = dict[str, Any]  # numbers, or such by name
+_RING, _RINGS = 10, 8  # m, the width of the ranges in which boxes are counted; their number, the last without end
+_LOOKS = 8  # tries for a lock while other processes try it too
+_UNMERGED = ("webdataset", SCANS)  # formats whose shards need no merge
+_SPARE = 2**30  # bytes of the disk to keep free
+Tally = dict[str, Any]  # numbers, or tallies, by name
 Item = TypeVar("Item")
 T = TypeVar("T")
 
@@ -51,11 +51,11 @@ class DataSet:
     folder: Path
 
     def write(self, share: tuple[int, int], by: Callable[..., Iterator[Tally]]) -> Iterator[int]:
-        """Make the shards of share (i, n), every n-th from the i-th on, that are not done; gives how many scans of them
-        are there, at first and after each. When all shards of all shares are done, summary.json is written.
+        """Make the shards of share (i, n), every n-th from the i-th on, that are not done; yields the number of their
+        scans made so far, at first and after each. Once all shards of all shares are done, summary.json is written.
 
-        `by(make, numbers)` gives `make(number)` of each number, in any order, as `map` does. Raises `FormatError` where
-        the folder holds another recipe's shards, another process writes the same ones, or the disk would be full.
+        `by(make, numbers)` yields `make(number)` for each number, in any order, as `map` does. Raises `FormatError` if
+        the folder holds another recipe's shards, if another process writes the same ones, or if the disk is too small.
         """
         with self._locked(share):
             self._check_recipe()
@@ -69,12 +69,12 @@ class DataSet:
             self._summarise()
 
     def scans_of(self, share: tuple[int, int]) -> int:
-        """How many scans a share has."""
+        """The number of scans of a share."""
         mine = self._of(share)
         return sum(len(self._items(number)) for number in mine[-1:]) + len(mine[:-1]) * self.recipe.shard_size
 
     def make(self, number: int) -> Tally:
-        """Make a shard, unless it is done, and count what it holds."""
+        """Make a shard, unless it is done, and count its contents."""
         if done := self.done(number):
             return done
         self._remove(number)
@@ -100,7 +100,7 @@ class DataSet:
         return f"{number:06d}{'.tar' * (self.recipe.format == 'webdataset')}"
 
     def done(self, number: int) -> Tally | None:
-        """What a shard holds; None where it is not done, or has fewer scans than it is to have now."""
+        """The counts of a shard; None if it is not done, or has fewer scans than it now needs."""
         tally = self._held(number)
         return tally if tally and tally.get("scans") == len(self._items(number)) else None
 
@@ -115,7 +115,7 @@ class DataSet:
         return -(-self.recipe.scans // self.recipe.shard_size)
 
     def _begun(self) -> list[int]:
-        """The shards that are done, or were for another number of scans."""
+        """The shards that are done, or were done for another number of scans."""
         return [int(path.stem) for path in self.folder.glob("*.json") if path.stem.isdigit()]
 
     def _items(self, number: int) -> range:
@@ -138,7 +138,7 @@ class DataSet:
         return dataclasses.replace(scan.frame(as_seen=seen), split=self.recipe.split(number))
 
     def _remove(self, number: int) -> None:
-        """Remove what a crash, or a shorter run, left of a shard: its count first, so that it is not done."""
+        """Remove the remains of a crash, or of a shorter run, of a shard: its count first, so that it is not done."""
         (self.folder / f"{number:06d}.json").unlink(missing_ok=True)
         self._remove_all(self.name(number), f"{number:06d}")
 
@@ -152,7 +152,7 @@ class DataSet:
 
     @contextmanager
     def _locked(self, share: tuple[int, int]) -> Iterator[None]:
-        """Hold the lock of a share. Shares of one size write side by side, others one after the other."""
+        """Hold the lock of a share. Shares of one size write at the same time, others one after the other."""
         self.folder.mkdir(parents=True, exist_ok=True)
         mine, size = f".lock-{share[0]}-of-{share[1]}", f"-of-{share[1]}"
         with locked_folder(self.folder, mine):
@@ -162,7 +162,8 @@ class DataSet:
             yield
 
     def _check_recipe(self) -> None:
-        """Keep the recipe in the folder; raises `FormatError` where there is another, or more scans than it has."""
+        """Keep the recipe in the folder; raises `FormatError` if the folder has another recipe, or more scans than this
+        one."""
         path = self.folder / "recipe.json"
         if not path.exists():
             self._remove_all(path.name, path.name)
@@ -179,7 +180,8 @@ class DataSet:
             raise FormatError(f"{self.folder} holds {held} scans; ask for as many or more, or use another folder")
 
     def _has_room(self, held: Tally) -> bool:
-        """True; raises `FormatError` where all that is left would not fit on the disk, as large as the scans `held`."""
+        """True; raises `FormatError` if the disk is too small for the remaining scans, at the mean size of the `held`
+        ones."""
         left = max(self.recipe.scans - self.recipe.shard_size * len(self._begun()), 0)
         needed, free = left * held["bytes"] // max(held["scans"], 1), shutil.disk_usage(self.folder).free
         if needed + _SPARE > free:
@@ -188,7 +190,7 @@ class DataSet:
         return True
 
     def _summarise(self) -> None:
-        """Write summary.json, the sum of all shards, where all are done; before it, all of them as one data set."""
+        """Write summary.json, the sum of all shards, if all are done; first merge them into one data set."""
         total: Tally = {}
         if not all(_add(total, self.done(number)) for number in range(self._shards())):
             return
@@ -197,7 +199,7 @@ class DataSet:
         with ExitStack() as held:
             try:
                 held.enter_context(locked_folder(self.folder, ".merging"))
-            except FormatError:  # another share is at it
+            except FormatError:  # another share does it
                 return
             if path.exists() and read_text(path) == text and whole.exists() == merged:
                 return
@@ -213,7 +215,7 @@ class DataSet:
 
 
 def _difference(begun: Tally, asked: Tally) -> str:
-    """How the recipe that a folder was begun with differs from the one asked for, and what goes on with it."""
+    """The difference between the recipe of a folder and the given one, and how to go on."""
     version, here = begun.get("version"), asked["version"]
     if version is None:
         said = f"an earlier lidardraft wrote it without a version, so scans of {here} may differ; go on with that one"
@@ -227,7 +229,7 @@ def _difference(begun: Tally, asked: Tally) -> str:
 
 
 def _check_free(folder: Path, lock: str) -> None:
-    """Raise `FormatError` where somebody holds a lock, and not only while looking at it, as this function does."""
+    """Raise `FormatError` if another process holds a lock for longer than a try, as in this function, takes."""
     for _ in range(_LOOKS):
         with suppress(FormatError), locked_folder(folder, lock):
             return
@@ -253,7 +255,7 @@ def _count(scan: Scan, scene: int, weather: dict[str, Any], split: str) -> Tally
 
 
 def _add(total: Tally, tally: Tally | None) -> bool:
-    """Add numbers, and those of each name, to a total; whether there were any."""
+    """Add numbers, and those of each name, to a total; returns whether there were any."""
     for what, counted in (tally or {}).items():
         if isinstance(counted, dict):
             _add(total.setdefault(what, {}), counted)
@@ -263,10 +265,10 @@ def _add(total: Tally, tally: Tally | None) -> bool:
 
 
 def on_cluster(make: Callable[[Item], T], items: Iterable[Item], address: str) -> Iterator[T]:
-    """`make(item)` of each item as it is done, on the cores of a cluster ("auto": of this machine's).
+    """`make(item)` of each item, in the order of completion, on the cores of a cluster ("auto": those of this machine).
 
-    What was at work on a machine that is lost is made again on another. Raises as `make` does, and `FormatError` where
-    there is no such cluster.
+    Items in work on a lost machine are made again on another. Raises as `make` does, and `FormatError` if there is no
+    such cluster.
     """
     import ray
 

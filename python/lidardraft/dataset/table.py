@@ -1,4 +1,4 @@
-"""Tables of a recipe in TOML: their keys are checked one by one, and messages lead to the key."""
+"""Tables of a recipe in TOML: each key is checked, and messages name its place."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import numpy as np
 from lidardraft.errors import FormatError, did_you_mean, one_of
 from lidardraft.json_fields import is_number
 
-# What an item draws from: a value, a list of which each is as likely, or {from, to}: any number between, whole where
-# both ends are.
+# The values of a key: one value, a list of equally likely ones, or {from, to}: any number between, whole if both ends
+# are.
 Values = Any
 
 
 def drawn(values: Values, rng: np.random.Generator) -> Any:
-    """One of the values."""
+    """One of the values, drawn at random."""
     if isinstance(values, list):
         return drawn(values[int(rng.integers(len(values)))], rng)
     if not isinstance(values, dict):
@@ -30,12 +30,12 @@ def drawn(values: Values, rng: np.random.Generator) -> Any:
 
 
 def all_drawn(values: dict[str, Values], rng: np.random.Generator) -> dict[str, Any]:
-    """One of the values of each name."""
+    """One of the values of each name, drawn at random."""
     return {name: drawn(each, rng) for name, each in values.items()}
 
 
 def every(values: Values) -> list[Any]:
-    """All that can be drawn, of a range its ends."""
+    """All values that can be drawn; of a range, its ends."""
     if isinstance(values, list):
         return [each for value in values for each in every(value)]
     return [values["from"], values["to"]] if isinstance(values, dict) else [values]
@@ -43,7 +43,7 @@ def every(values: Values) -> list[Any]:
 
 @dataclass
 class Table:
-    """A table and where it stands, as in "scene 2, "; a key that is asked for is known."""
+    """A table and its place, as in "scene 2, "; `known` are the keys that were read."""
 
     fields: dict[str, Any]
     place: str = ""
@@ -70,7 +70,7 @@ class Table:
         return value
 
     def share(self) -> float:
-        """How often, against the others; 1 where nothing is said."""
+        """The share of a choice, relative to the others; 1 by default."""
         value = self.get("share", 1.0)
         if not is_number(value) or value < 0:
             self.refuse("share", "a number of 0 or more")
@@ -84,7 +84,7 @@ class Table:
         return str(value)
 
     def names(self, key: str, names: list[str]) -> Values:
-        """One of the names, or a list of such."""
+        """One of the names, or a list of them."""
         values = self.texts(key)
         for value in every(values):
             if value not in names:
@@ -99,7 +99,7 @@ class Table:
         return value
 
     def texts(self, key: str) -> Values:
-        """A text, or a list of such."""
+        """A text, or a list of texts."""
         values = self.get(key)
         texts = values if isinstance(values, list) else [values]
         if not texts or not all(isinstance(text, str) and text.strip() for text in texts):
@@ -123,14 +123,14 @@ class Table:
         return given.fields
 
     def table(self, key: str) -> Table:
-        """A table of this one; an empty one where there is none."""
+        """A nested table; an empty one if there is none."""
         value = self.get(key, {})
         if not isinstance(value, dict):
             self.refuse(key, "a table")
         return Table(value, f"{self.place}{key}, ")
 
     def tables(self, key: str) -> Iterator[Table]:
-        """The tables [[key]], which count from 1; each ends when the next one is asked for."""
+        """The tables [[key]], numbered from 1; each is ended when the next one is requested."""
         value = self.get(key, [])
         if not isinstance(value, list) or not all(isinstance(each, dict) for each in value):
             self.refuse(key, f"tables, each begun by [[{key}]]")
@@ -140,10 +140,10 @@ class Table:
             table.end()
 
     def end(self) -> None:
-        """Raise `FormatError` on a key that nobody has asked for."""
+        """Raise `FormatError` on a key that was never read."""
         for key in sorted(self.fields.keys() - set(self.known)):
             near = did_you_mean(self.known, key) or f"; known are {', '.join(sorted(set(self.known)))}"
-            raise FormatError(f"{self.place}{key} is no key here{near}")
+            raise FormatError(f"{self.place}{key} is not a key here{near}")
 
 
 def _list(values: Values) -> list[Any]:
@@ -151,7 +151,7 @@ def _list(values: Values) -> list[Any]:
 
 
 def _are_numbers(values: Values, least: float = -math.inf, most: float = math.inf) -> bool:
-    """Whether all that can be drawn is a number within the limits."""
+    """Whether all values that can be drawn are numbers within the limits."""
     if isinstance(values, list):
         return bool(values) and all(_are_numbers(value, least, most) for value in values)
     if isinstance(values, dict):

@@ -3,8 +3,8 @@
 DEPTH, INTENSITY, VALIDITY = range(3)  # channels of the state
 CLASS = slice(3, 8)  # those of the bits of a class id, the lowest first (Chen et al., Analog Bits, ICLR 2023)
 STATE_CHANNELS = 8
-# What a condition is made of, and its channels: range and validity of the layout's cast, its class, the state of its
-# simulated scan, and where the layout leaves open what there is.
+# The parts of a condition, and their channels: range and validity of the layout's cast, its class, the state of its
+# simulated scan, and the pixels that the layout leaves open.
 CONDITION_PARTS = {
     "depth": [DEPTH, VALIDITY],
     "class": list(range(CLASS.start, CLASS.stop)),
@@ -13,4 +13,4 @@ CONDITION_PARTS = {
 }
 CONDITION_CHANNELS = 2 * STATE_CHANNELS + 1
 RAY_CHANNELS = 5
-HIDDEN = 4  # the channel of the rays that says what the vehicle hides
+HIDDEN = 4  # the channel of the rays for pixels that the vehicle hides

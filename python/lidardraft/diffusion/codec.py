@@ -1,7 +1,7 @@
-"""Between metres and the network's numbers, which spread by about 1/2: this file is the only place that knows both.
+"""Conversion between metres and the network's numbers, which spread by about 1/2: only this file knows both.
 
-A range is told by how it compares with that of flat ground along the same ray, on a logarithmic scale: 0 is the ground
-of any sensor at any mount, and an error of 5 % is the same number everywhere.
+A range is encoded relative to that of flat ground along the same ray, on a logarithmic scale: 0 is the ground of any
+sensor at any mount, and an error of 5 % is the same number everywhere.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
 
-MAX_DEPTH = 120.0  # m, what is farther is as far
+MAX_DEPTH = 120.0  # m, the limit of encoded ranges
 
-_GROUND_WITHIN = 20.0  # m, and what looks over it: farther off, walls and trees are likelier than ground
-# Means and spreads of streets' returns, by which each channel spreads by about 1/2.
+_GROUND_WITHIN = 20.0  # m, also for beams above it: farther away, walls and trees are likelier than ground
+# Means and spreads of streets' returns; they make each channel spread by about 1/2.
 _DEPTH_SCALE = 1.2  # of log2 of the range over the ground's
 _INTENSITY_SCALE, _INTENSITY_SHIFT = 2.9, 1.65  # of the root of the intensity, which spreads dark readings
 _BITS = 1 << np.arange(CLASS.stop - CLASS.start, dtype=np.uint8)
@@ -31,9 +31,9 @@ _BIT = 0.5  # a bit is this or its negative
 def encode_scans(depth: Tensor, label: Tensor, intensity: Tensor | None, sensor: Sensor) -> Tensor:
     """The states of scans, f32 [B, 8, H, W]: range, intensity, validity +-1, and the bits of the class.
 
-    `depth` f32 [B, H, W] in metres, 0 without a return; `label` u8; `intensity` f32 in 0 to 1, of which None is the
-    mean one. A pixel without a return has the depth of the next return to its left, around the ring if the sensor
-    wraps; left of a sector's first return, that one's; in an empty row, 120 m.
+    `depth` f32 [B, H, W] in metres, 0 without a return; `label` u8; `intensity` f32 in 0 to 1; None stands for the
+    mean. A pixel without a return has the depth of the next return to its left, around the ring if the sensor wraps; to
+    the left of a sector's first return, that of this return; in an empty row, 120 m.
     """
     valid = depth > 0
     log_depth = torch.log2(_filled_from_left(depth, valid, sensor.wraps).clamp(max=MAX_DEPTH) + 1)
@@ -45,16 +45,16 @@ def encode_scans(depth: Tensor, label: Tensor, intensity: Tensor | None, sensor:
 
 
 def encode_scan(image: RangeImage) -> np.ndarray:
-    """The state f32 [8, H, W] of one scan, as `encode_scans` has it."""
+    """The state f32 [8, H, W] of one scan, as in `encode_scans`."""
     intensity = None if image.intensity is None else _tensor(image.intensity)
     return encode_scans(_tensor(image.depth), _tensor(image.label), intensity, image.sensor)[0].numpy()
 
 
 def decode_scan(state: np.ndarray, sensor: Sensor) -> RangeImage:
-    """The scan of a state f32 [8, H, W], with labels: a return where validity is positive, depth within the sensor's
-    range, and the vehicle not in the way.
+    """The scan of a state f32 [8, H, W], with labels. A pixel has a return if validity is positive, the depth is in the
+    sensor's range, and the vehicle is not in the way.
 
-    The state knows no instances: they are 0. Raises `SensorError` on a state of another sensor.
+    A state has no instances: they are 0. Raises `SensorError` on a state of another sensor.
     """
     if state.shape != (STATE_CHANNELS, *sensor.shape):
         raise SensorError(f"state is {state.shape}; {sensor.name} needs {(STATE_CHANNELS, *sensor.shape)}")
@@ -82,11 +82,11 @@ def encode_conditions(
     sensor: Sensor,
 ) -> Tensor:
     """The conditions of layouts, f32 [B, 17, H, W]: the states (`encode_scans`) of their casts and of their simulated
-    scans, and 1 where `is_open`, bool [B, H, W]; there both states are 0. The classes of both are the cast's: pairs on
-    disk keep no others.
+    scans, and 1 where `is_open`, bool [B, H, W]; both states are 0 in open pixels. Both have the classes of the cast:
+    pairs on disk keep no others.
     """
     given = ~is_open
-    # before they are encoded: a pixel without a return would have the depth of an open one to its left
+    # before encoding: a pixel without a return would get the depth of an open one to its left
     intensity = None if simulated_intensity is None else simulated_intensity * given
     cast = encode_scans(depth * given, label * given, None, sensor)
     simulated = encode_scans(simulated_depth * given, label * given, intensity, sensor)
@@ -96,8 +96,7 @@ def encode_conditions(
 def encode_condition(
     condition_image: RangeImage, simulated: RangeImage, open_pixels: np.ndarray | None = None
 ) -> np.ndarray:
-    """The condition f32 [17, H, W] of one layout, as `encode_conditions` has it, open where `open_pixels`, bool
-    [H, W]."""
+    """The condition f32 [17, H, W] of one layout, as in `encode_conditions`, open where `open_pixels`, bool [H, W]."""
     is_open = np.zeros(simulated.sensor.shape, dtype=bool) if open_pixels is None else open_pixels
     condition = encode_conditions(
         _tensor(condition_image.depth),
@@ -111,10 +110,10 @@ def encode_condition(
 
 
 def encode_rays(sensor: Sensor) -> np.ndarray:
-    """What the network is told of the rays, f32 [5, H, W], each of the order of 1.
+    """The network's input on the rays, f32 [5, H, W], each of the order of 1.
 
-    Elevation, log spacing of the beams, log spacing of the columns, log range of flat ground, and whether the vehicle
-    hides the pixel.
+    Channels: elevation, log spacing of the beams, log spacing of the columns, log range of flat ground, and whether the
+    vehicle hides the pixel.
     """
     elevation = np.array(sensor.elevations)
     spacing = -np.gradient(elevation) if len(elevation) > 1 else np.ones(1)
@@ -128,7 +127,7 @@ def encode_rays(sensor: Sensor) -> np.ndarray:
 
 
 def _log_ground(sensor: Sensor) -> np.ndarray:
-    """log2(range + 1) of flat ground along each beam, f32 [H, 1]; of what sees none nearby, that of 20 m."""
+    """log2(range + 1) of flat ground along each beam, f32 [H, 1]; that of 20 m for beams that see none nearby."""
     down = np.sin(-np.array(sensor.elevations))
     height = max(sensor.mount_height, 0.5)
     ground = np.where(down * _GROUND_WITHIN > height, height / np.maximum(down, 1e-6), _GROUND_WITHIN)

@@ -12,15 +12,15 @@ from lidardraft.diffusion.channels import STATE_CHANNELS
 from lidardraft.diffusion.score_network import EMBEDDING, Encoder
 from lidardraft.networks.layers import fold, zero_conv
 
-_LEVEL = math.log(0.05) / 4  # what the copy is told of the noise in a cast, which has none
+_LEVEL = math.log(0.05) / 4  # the noise level given to the copy for a cast, which has no noise
 
 
 class ControlNet(nn.Module):
-    """A copy of the encoder that sees the layout's cast in the place of the noisy scan, and adds to all that the
-    decoder sees of the noisy scan, through zero convolutions: the outputs of the stages, and the pixels at the head.
+    """A copy of the encoder that gets the layout's cast in place of the noisy scan. Through zero convolutions, it adds
+    to all inputs of the decoder: the outputs of the stages, and the pixels at the head.
 
-    A cast is a range image as a scan is, in the same numbers, so what the copy says of it is in the words that the
-    decoder knows from the first step on. It does not depend on the noise; how much of it counts at which level does.
+    A cast is a range image like a scan, in the same numbers, so the decoder knows the copy's features from the first
+    step on. The features do not depend on the noise; their gain at each level does.
     """
 
     def __init__(self, encoder: Encoder) -> None:
@@ -36,13 +36,13 @@ class ControlNet(nn.Module):
         self.gain = nn.ModuleList(gains)
 
     def read(self, cast: Tensor, context: Tensor, wraps: bool) -> list[Tensor]:
-        """What the copy says of the state of a cast [B, 8, H, W], whatever the noise: each stage's output, and the
-        folded cast itself."""
+        """The copy's features for the state of a cast [B, 8, H, W], at any noise: each stage's output, and the folded
+        cast itself."""
         outputs = self.encoder(cast, cast.new_full((len(cast),), _LEVEL), context, wraps)
         return [*outputs, fold(cast, self.encoder.cell)]
 
     def forward(self, outputs: list[Tensor], level: Tensor) -> list[Tensor]:
-        """What to add to the decoder's inputs and to the head's at the noise `level` [B], for what `read` gives."""
+        """The terms for the decoder's inputs and the head's at the noise `level` [B], from the features of `read`."""
         embedding = self.encoder.embedding(level)
         return [
             leave(h) * gain(embedding)[:, :, None, None]
@@ -50,7 +50,7 @@ class ControlNet(nn.Module):
         ]
 
     def learn(self, *, everything: bool) -> None:
-        """Let all layers learn, or the zero convolutions alone, as at first in the paper."""
+        """Make all layers trainable, or the zero convolutions alone, as at first in the paper."""
         self.requires_grad_(everything)
         for _, conv in self.zero_convs():
             conv.requires_grad_(True)

@@ -17,20 +17,20 @@ from lidardraft.errors import CheckpointError
 from lidardraft.networks.weight_file import Network
 
 SIGMA_DATA = 0.5  # standard deviation of a state
-# The noise level over which the network says what the scan is, and below which what the noise is. Karras et al. have
-# SIGMA_DATA here; but pixels that are folded leave no room for their noise, while a scan is smooth (Li and He, Back to
-# Basics, 2025), and a decoder that renders scans can be told what to render. 0.02 is 1.7 % of the range.
+# The noise level above which the network predicts the scan, and below which it predicts the noise. Karras et al. have
+# SIGMA_DATA here; but folded pixels leave no room for their noise, while a scan is smooth (Li and He, Back to Basics,
+# 2025), and a decoder that renders scans can be conditioned. 0.02 is 1.7 % of the range.
 SIGMA_TURN = 0.02
 _DEPTH_WEIGHT, _CLASS_WEIGHT = 40.0, 0.2  # in the loss; validity and intensity count 1
-# The error of a range, 9 % of it, from which the loss grows in proportion to it. By their squares the errors at edges,
-# which nobody can foresee to the pixel, would outweigh all precision elsewhere.
+# The error of a range, 9 % of it, above which the loss grows linearly. Squared, the errors at edges, which nobody can
+# predict to the pixel, would outweigh all precision elsewhere.
 _DEPTH_BEND = 0.1
 
 
 class Denoiser(Network):
-    """D(x, sigma): the clean state expected behind x = clean + sigma * noise, with or without a condition.
+    """D(x, sigma): the expected clean state for x = clean + sigma * noise, with or without a condition.
 
-    What is under a ControlNet does not learn.
+    The network under a ControlNet is frozen.
     """
 
     SCHEMA = "lidardraft.denoiser/2"
@@ -54,7 +54,7 @@ class Denoiser(Network):
 
     @property
     def cell(self) -> tuple[int, int]:
-        """The (rows, columns) that images must be multiples of."""
+        """The (rows, columns) of a cell: images must be multiples of it."""
         return self.config.cell
 
     def base(self) -> Denoiser:
@@ -72,7 +72,7 @@ class Denoiser(Network):
         return Denoiser(other.config, self.network, other.controlnet)
 
     def with_condition(self, config: DenoiserConfig) -> Denoiser:
-        """A network of `config`, which sees a condition beside the state, that begins as one that ignores it."""
+        """A network of `config`, with a condition beside the state, which at first ignores the condition."""
         denoiser = Denoiser.from_config(config)
         weights = self.state_dict()
         stem = denoiser.network.encoder.stem.weight.detach().zero_()
@@ -81,8 +81,8 @@ class Denoiser(Network):
         return denoiser
 
     def read(self, condition: Tensor, rays: Tensor, *, wraps: bool) -> list[Tensor] | None:
-        """What a ControlNet says of a condition [B, 17, H, W] whatever the noise, once for all calls of a sample; None
-        without a ControlNet."""
+        """The ControlNet's features for a condition [B, 17, H, W] at any noise, for all calls of a sample; None without
+        a ControlNet."""
         if self.controlnet is None:
             return None
         cast = torch.zeros_like(condition[:, :STATE_CHANNELS])
@@ -101,11 +101,10 @@ class Denoiser(Network):
     ) -> Tensor:
         """D(x, sigma) for x f32 [B, 8, H, W], sigma [B], rays f32 [5, H, W] (`encode_rays`).
 
-        `wraps` says whether the last column is the first one's neighbour (`Sensor.wraps`). `condition` is f32
-        [B, 17, H, W] (`encode_condition`), `reading` what `read` gives of it, where that is known; without a
-        condition the ControlNet is not called. Weights that see what is open leave the simulated scan as it is
-        everywhere else. Raises `CheckpointError` on a condition that these weights have no place for, and without one
-        that they need.
+        `wraps` is whether the last column is next to the first (`Sensor.wraps`). `condition` is f32 [B, 17, H, W]
+        (`encode_condition`), `reading` the result of `read` for it, if known; without a condition the ControlNet is not
+        called. Weights with the open pixels in their condition keep the simulated scan everywhere else. Raises
+        `CheckpointError` on a condition that these weights do not take, and without one that they need.
         """
         level, sigma = sigma.log() / 4, sigma.reshape(-1, 1, 1, 1)
         inputs = x / (sigma**2 + SIGMA_DATA**2).sqrt()
@@ -138,8 +137,8 @@ class Denoiser(Network):
     ) -> Tensor:
         """The loss of each sample [B]: the `error` of D over the pixels that count, as `weight` weights it.
 
-        With D - x = sigma^2 S this is about the paper's `sigma^2 |S - target|^2` if the noise is low. Range, intensity
-        and class count only where the scan has a return; of weights that see what is open, nothing counts elsewhere.
+        With D - x = sigma^2 S this is about the paper's sigma^2 |S - target|^2 at low noise. Range, intensity and class
+        count only in pixels with a return; for weights with the open pixels in their condition, only those count.
         """
         counts = what_counts(clean)
         if condition is not None and self.config.completes:
@@ -151,37 +150,37 @@ class Denoiser(Network):
 
 
 def spread(sigma: Tensor) -> Tensor:
-    """How far clean states are spread around SIGMA_TURN's share of the noisy one, at each noise level."""
+    """The spread of clean states around SIGMA_TURN's share of the noisy one, at each noise level."""
     skip = SIGMA_TURN**2 / (sigma**2 + SIGMA_TURN**2)
     return (((1 - skip) * SIGMA_DATA) ** 2 + (skip * sigma) ** 2).sqrt()
 
 
 def weight(sigma: Tensor) -> Tensor:
-    """How much an error counts at each noise level: 1 / sigma^2 + 1 / SIGMA_DATA^2 (Karras et al.), below SIGMA_TURN
-    as there."""
+    """The weight of an error at each noise level: 1 / sigma^2 + 1 / SIGMA_DATA^2 (Karras et al.), constant below
+    SIGMA_TURN."""
     return 1 / (sigma**2 + SIGMA_TURN**2) + 1 / SIGMA_DATA**2
 
 
 def error(denoised: Tensor, clean: Tensor) -> Tensor:
-    """The error of each number of states [B, 8, H, W]: its square; of a large error of a range, the pseudo-Huber loss
-    (Charbonnier et al., 1997), which for diffusion Song and Dhariwal (ICLR 2024) have."""
+    """The error of each number of states [B, 8, H, W]: its square; for large errors of ranges, the pseudo-Huber loss
+    (Charbonnier et al., 1997), as in Song and Dhariwal (ICLR 2024) for diffusion."""
     square = (denoised - clean) ** 2
     ranges = 2 * _DEPTH_BEND * ((square[:, DEPTH : DEPTH + 1] + _DEPTH_BEND**2).sqrt() - _DEPTH_BEND)
     return torch.cat([square[:, :DEPTH], ranges, square[:, DEPTH + 1 :]], dim=1)
 
 
 def has_return(clean: Tensor) -> Tensor:
-    """Where a clean state [B, 8, H, W] has a return, bool [B, 1, H, W]."""
+    """bool [B, 1, H, W]: True for the pixels of a clean state [B, 8, H, W] with a return."""
     return clean[:, VALIDITY : VALIDITY + 1] > 0
 
 
 def is_open(condition: Tensor) -> Tensor:
-    """Where a condition [B, 17, H, W] leaves open what there is, bool [B, 1, H, W]."""
+    """bool [B, 1, H, W]: True for the pixels that a condition [B, 17, H, W] leaves open."""
     return condition[:, CONDITION_PARTS["open"]] > 0
 
 
 def what_counts(clean: Tensor) -> Tensor:
-    """How much of a clean state is to be learned, f32 [B, 8, H, W]: all validity, and the rest of returns."""
+    """The weights of a clean state in the loss, f32 [B, 8, H, W]: all of validity, and the rest for returns."""
     counts = has_return(clean).expand_as(clean).float()
     counts[:, DEPTH] *= _DEPTH_WEIGHT
     counts[:, CLASS] *= _CLASS_WEIGHT

@@ -1,4 +1,4 @@
-"""What decides the shape of a denoiser, and how it samples unless told otherwise; all without torch."""
+"""The shape of a denoiser, and its defaults for sampling; all without torch."""
 
 from __future__ import annotations
 
@@ -10,22 +10,23 @@ from typing import Any
 from lidardraft.diffusion.channels import CONDITION_PARTS, RAY_CHANNELS
 from lidardraft.errors import LidarDraftError
 
-# How weights sample if their file stores nothing else.
-STEPS = 20  # calls of the network, two each where a ControlNet is guided
-GUIDANCE = 2.0  # how many times what a ControlNet changes of its base counts
+# Defaults of sampling for weight files that store none.
+STEPS = 20  # calls of the network, two each with guidance of a ControlNet
+GUIDANCE = 2.0  # the factor of a ControlNet's change of its base
 LAST_NOISE = 1.0  # the noise level of the last call
 
 
 @dataclass(frozen=True, kw_only=True)
 class DenoiserConfig:
-    """All that decides the shape of the network.
+    """All parameters of the shape of the network.
 
     `cell` is the (rows, columns) of pixels that the stem folds into channels; `widths`, `strides` and `dilations` hold
-    one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block;
-    `groups` of channels are normalised apart: of 16 channels or a multiple each, or the gradient in bfloat16 is slow.
-    `condition` names the parts of the condition that the network sees (`CONDITION_PARTS`; none: it makes scans of
-    nothing), beside the state, or with `controlnet` through a ControlNet as in the paper. With "open" among them it
-    completes simulated scans: it makes what is open, and leaves the rest. Defaults are of `recipes.paper_small`.
+    one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block.
+    `groups` of channels are normalised apart: each should have 16 channels or a multiple, else the gradient in bfloat16
+    is slow. `condition` names the parts of the condition that the network gets (`CONDITION_PARTS`; none for
+    unconditional scans), beside the state, or with `controlnet` through a ControlNet as in the paper. With "open" among
+    them it completes simulated scans: it makes the open pixels, and keeps the rest. Defaults are of
+    `recipes.paper_small`.
     """
 
     cell: tuple[int, int]
@@ -59,21 +60,21 @@ class DenoiserConfig:
         if self.controlnet and not (self.condition and set(self.condition) <= {"depth", "class"}):
             raise LidarDraftError(f"condition is {self.condition}; a ControlNet sees depth, class or both")
         if self.completes and "simulated" not in self.condition:
-            raise LidarDraftError("what is open is completed in the simulated scan; the condition must have it")
+            raise LidarDraftError("the part open completes the simulated scan; the condition must have it")
 
     @property
     def context(self) -> int:
-        """How many channels the network sees beside the state: the rays, and the condition but for a ControlNet's."""
+        """The number of input channels beside the state: the rays, and the condition unless a ControlNet takes it."""
         return RAY_CHANNELS + (0 if self.controlnet else len(self.condition_channels))
 
     @property
     def condition_channels(self) -> list[int]:
-        """The channels of the condition that the network sees."""
+        """The channels of the condition that the network gets."""
         return [channel for part in self.condition for channel in CONDITION_PARTS[part]]
 
     @property
     def completes(self) -> bool:
-        """Whether the network makes what is open, and leaves the rest of the simulated scan as it is."""
+        """Whether the network makes the open pixels, and keeps the rest of the simulated scan."""
         return "open" in self.condition
 
     def to_dict(self) -> dict[str, Any]:

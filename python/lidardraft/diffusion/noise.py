@@ -1,4 +1,4 @@
-"""Noise: which levels, and how it is added."""
+"""Noise: its levels, and how it is added."""
 
 from __future__ import annotations
 
@@ -14,8 +14,8 @@ def karras_levels(
 ) -> list[float]:
     """The `steps` falling noise levels of a sampler and a last 0 (Karras et al., NeurIPS 2022, Eq. 5).
 
-    `rho` is theirs (Table 1). Their `sigma_max` is 80, but states lie within -1 and 1, so noise of 20 hides them. Their
-    `sigma_min` is 0.002; small networks keep to layouts better from a noise of 1, large ones are smoother from 0.1.
+    `rho` is theirs (Table 1). Their `sigma_max` is 80, but states are within -1 and 1, so noise of 20 hides them. Their
+    `sigma_min` is 0.002; small networks follow layouts better with 1, large ones are smoother with 0.1.
     """
     if steps < 1:
         raise LidarDraftError(f"steps is {steps}; it must be at least 1")
@@ -35,5 +35,5 @@ def training_levels(count: int, generator: torch.Generator, *, mean: float, std:
 
 
 def add_noise(x: Tensor, sigma: Tensor, noise: Tensor) -> Tensor:
-    """x + sigma * noise, `sigma` one a sample [B]."""
+    """x + sigma * noise, with one `sigma` a sample [B]."""
     return x + sigma.to(x).reshape(-1, *[1] * (x.dim() - 1)) * noise

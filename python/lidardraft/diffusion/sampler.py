@@ -33,10 +33,11 @@ def sample(
 ) -> Iterator[Tensor]:
     """The states [B, 8, H, W] after each step of `sample_multistep`, one sample a seed; the last one is the result.
 
-    `condition` [B, 17, H, W], or one for all [1, 17, H, W]; without it the samples are unconditional. What a ControlNet
-    changes of its base is multiplied by `guidance`, which takes a second call of the network where it is not 1
-    (classifier-free guidance, Ho and Salimans, 2022). They begin as pure noise; the last call is made at `last_noise`.
-    Works on the device of the weights. Raises `SensorError` if the image cannot be cut into the network's cells.
+    `condition` is [B, 17, H, W], or one for all [1, 17, H, W]; without it the samples are unconditional. `guidance`
+    multiplies the ControlNet's change of its base, which takes a second call of the network unless it is 1
+    (classifier-free guidance, Ho and Salimans, 2022). Samples begin as pure noise; the last call is made at
+    `last_noise`. Works on the device of the weights. Raises `SensorError` if the image cannot be cut into the network's
+    cells.
     """
     rows, columns = denoiser.cell
     if sensor.shape[0] % rows or sensor.shape[1] % columns:
@@ -64,8 +65,8 @@ def sample(
 def sample_multistep(denoise: Denoise, x: Tensor, sigmas: Sequence[float]) -> Iterator[Tensor]:
     """The state after each step along `sigmas`, from x at the level sigmas[0] to 0; one call a step.
 
-    DPM-Solver++(2M), Lu et al., 2022, Algorithm 2: the step before gives the second order; the first step and a step to
-    0 have the first.
+    DPM-Solver++(2M), Lu et al., 2022, Algorithm 2: the previous step gives the second order; the first step and a step
+    to 0 have the first.
     """
     before: tuple[Tensor, float] | None = None
     for sigma, below in itertools.pairwise(sigmas):
@@ -73,7 +74,7 @@ def sample_multistep(denoise: Denoise, x: Tensor, sigmas: Sequence[float]) -> It
         estimate = clean
         if before is not None and below > 0:
             earlier, above = before
-            # r = h_before / h in the half log signal-to-noise ratio -ln(sigma), where the method is a multistep one.
+            # r = h_before / h in the half log signal-to-noise ratio -ln(sigma), in which the method is a multistep one.
             r = math.log(above / sigma) / math.log(sigma / below)
             estimate = clean + (clean - earlier) / (2 * r)
         x = below / sigma * x + (1 - below / sigma) * estimate

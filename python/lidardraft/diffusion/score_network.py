@@ -1,8 +1,7 @@
 """The score network: four residual stages down, four refine stages up, after the paper's and LiDARGen's NCSNv2.
 
-RefineNet's blocks (Lin et al., CVPR 2017) bring the stages of the encoder back together. What enters a SiLU is
-normalised, as in NCSNv2: without it the sums of the deep stages drift to where its slope is zero, and nothing reaches
-them any more.
+RefineNet's blocks (Lin et al., CVPR 2017) combine the stages of the encoder. The inputs of SiLUs are normalised, as in
+NCSNv2: without it the sums of the deep stages drift to a region of zero slope, and no gradient reaches them any more.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ class ResidualUnit(nn.Module):
 
 
 class ChainedPooling(nn.Module):
-    """RefineNet's chained residual pooling: what stands out in the surroundings, from a chain of max pools."""
+    """RefineNet's chained residual pooling: salient features of the surroundings, from a chain of max pools."""
 
     def __init__(self, width: int, pools: int) -> None:
         super().__init__()
@@ -124,7 +123,7 @@ class Encoder(nn.Module):
     def forward(self, x: Tensor, level: Tensor, context: Tensor, wraps: bool) -> list[Tensor]:
         """Each stage's output for x [B, channels, H, W] and its context [B, channels, H, W]."""
         embedding = self.embedding(level)
-        # In bfloat16 the state would lose all noise below about 0.01: the stem sees it in float32, whatever follows.
+        # In bfloat16 the state would lose all noise below about 0.01: the stem gets it in float32 in any case.
         with torch.autocast(x.device.type, enabled=False):
             h = self.stem(fold(torch.cat([x, context], dim=1), self.cell))
         outputs = []
@@ -136,7 +135,8 @@ class Encoder(nn.Module):
 
 
 class ScoreNetwork(nn.Module):
-    """What the preconditioned state and its noise level say about the clean state; no condition, no loss."""
+    """The network's estimate of the clean state from the preconditioned state and its noise level; no condition, no
+    loss."""
 
     def __init__(self, config: DenoiserConfig) -> None:
         super().__init__()
@@ -158,7 +158,7 @@ class ScoreNetwork(nn.Module):
         self, x: Tensor, level: Tensor, context: Tensor, wraps: bool, control: Sequence[Tensor] | None = None
     ) -> Tensor:
         """The output [B, 8, H, W] for x [B, 8, H, W] at the noise `level` [B] and its context [B, channels, H, W];
-        `control` is added to the decoder's skips, stage by stage, and its last to what the head sees."""
+        `control` is added to the decoder's skips, stage by stage, and its last to the input of the head."""
         skips = self.encoder(x, level, context, wraps)
         if control is not None:
             skips = [skip + residual for skip, residual in zip(skips, control[:-1], strict=True)]
@@ -169,7 +169,7 @@ class ScoreNetwork(nn.Module):
         features = functional.silu(modulated(self.norm(h), self.modulation(embedding)))
         if control is not None:
             features = features + control[-1]
-        # For the finest detail, the head sees the input again, in float32 as the stem does.
+        # For the finest detail, the head gets the input again, in float32 as the stem does.
         with torch.autocast(x.device.type, enabled=False):
             seen = fold(x, cell) * self.gain(embedding.float())[:, :, None, None]
             return unfold(self.head(torch.cat([features.float(), seen], dim=1)), cell)

@@ -1,4 +1,4 @@
-"""Limits of sensors: what a network was trained on, and what it was not."""
+"""Limits of sensors: the range of sensors that a network was trained on."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ class SensorLimits:
 
     @classmethod
     def from_sensor(cls, sensor: Sensor) -> SensorLimits:
-        """The limits that hold one sensor alone."""
+        """The limits of one sensor alone."""
         found = _measured(sensor)
         return cls(**{name: (min(values), max(values)) for name, values in found.items()})  # type: ignore[arg-type]
 
@@ -34,7 +34,7 @@ class SensorLimits:
         return {name: list(values) for name, values in asdict(self).items()}
 
     def difference(self, sensor: Sensor) -> str | None:
-        """In words what of a sensor is outside, and what the limits are; None where nothing is."""
+        """A text on the properties of a sensor outside the limits, with the limits; None if all are inside."""
         for name, values in _measured(sensor).items():
             low, high = getattr(self, name)
             if min(values) < low - 1e-3 or max(values) > high + 1e-3:

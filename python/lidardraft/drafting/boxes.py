@@ -1,4 +1,4 @@
-"""Boxes of objects, as annotators and detectors give them, become a layout on flat ground."""
+"""Boxes of objects, from annotators or detectors, become a layout on flat ground."""
 
 from __future__ import annotations
 
@@ -16,12 +16,11 @@ _MOST_BOXES = 65_535  # as many as there are instances
 
 
 def layout_from_boxes(boxes: Sequence[Box], *, sensor_height: float = 0.0, as_is: bool = False) -> Layout:
-    """A box of the layout for each, and a road under all of them, as boxes say nothing of the ground.
+    """The layout of the boxes, one shape each, on a road under all of them: boxes do not describe the ground.
 
-    The boxes are in the frame of a sensor `sensor_height` [m] over the road, or in the layout's frame where that is 0.
-    Things without an instance, or with one that another thing has, get a free one. Raises `LayoutError` naming a box
-    that has no extent or no class, or a size of another unit than the metre, unless that is meant `as_is`, and where
-    there is none.
+    The boxes are in the frame of a sensor `sensor_height` [m] over the road; 0 is the layout's frame. Things without an
+    instance, or with that of another thing, get a free one. Raises `LayoutError` naming a box without extent or class,
+    and one whose size is in another unit than the metre, unless `as_is`; also if there are no boxes.
     """
     check_type("boxes", boxes, Sequence)
     if not is_number(sensor_height):
@@ -50,7 +49,7 @@ def layout_from_boxes(boxes: Sequence[Box], *, sensor_height: float = 0.0, as_is
 
 
 def _instances(boxes: Sequence[Box]) -> list[int]:
-    """The instance of each box: its own if no box before it has that, or a free one; 0 for stuff."""
+    """The instance of each box: its own, unless an earlier box has it, then a free one; 0 for stuff."""
     used = {box.instance for box in boxes}
     free = (number for number in range(1, _MOST_BOXES + 1) if number not in used)
     instances, taken = [], {0}

@@ -1,4 +1,4 @@
-"""A 3D model, as a file of glTF or Wavefront OBJ, becomes a layout: the names in it say the classes."""
+"""A 3D model in a file of glTF or Wavefront OBJ becomes a layout; its names give the classes."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.placed_mesh import MOST_RECOGNISED, placed_mesh, recognised_shape
 
-# layout_from_model by the axis that points up. With y up as glTF has it, and as Blender's exporters and importers turn
-# its frame, x, y, z becomes x, -z, y.
+# layout_from_model by the axis that points up. With y up, as in glTF and in Blender's exporters and importers, x, y, z
+# becomes x, -z, y.
 _FRAMES = {"y": np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]]), "z": np.eye(4)}
-_LEAN = 1e-5  # the tangent of the angle by which an axis may lean that points up
+_LEAN = 1e-5  # the tangent of the largest lean of an upright axis
 
 
 def layout_from_glb(
@@ -38,16 +38,17 @@ def layout_from_glb(
     recentre: bool = False,
     as_is: bool = False,
 ) -> Layout:
-    """The layout of a glTF file, binary or with its buffers in the text; its axis `up`, y by the format's own rule,
-    points up, and its unit, by that rule the metre, is `scale` metres.
+    """The layout of a glTF file, binary or with its buffers in the text. Its axis `up`, y in the format, points up; its
+    unit, the metre in the format, is `scale` metres.
 
-    The class of an object is its property (in `extras`) "class" or that of its mesh, or else what `classes` says of its
-    name or of those of its material, parents and mesh, or else what these names say by themselves. All that is below a
-    node whose name says that class of one thing ("Truck_2", and not "Trucks") is that thing. Meshes that are boxes,
-    ellipsoids, cylinders or planes and stand upright become those shapes, to the rounding of float32; others stay
-    meshes; those with a skin are in its bind pose. `recentre` moves the middle of the ground to the origin. Raises
-    `FormatError` where the file is broken, compressed or needs another file, `LayoutError` listing the names that say
-    no class, and for a thing whose size says that it is in another unit, unless it is meant `as_is`.
+    The class of an object is the property "class" (in `extras`) of it or of its mesh. Else `classes` decides, by its
+    name or by those of its material, parents and mesh; else these names themselves. All nodes below one whose name
+    gives one thing of that class ("Truck_2", not "Trucks") are that thing. Upright boxes, ellipsoids, cylinders and
+    planes become those shapes, within the rounding of float32. Others stay meshes; those with a skin are in its bind
+    pose. `recentre` moves the middle of the ground to the origin.
+
+    Raises `FormatError` if the file is broken, compressed or needs another file. Raises `LayoutError` listing the names
+    without a class, and for a thing whose size is in another unit, unless `as_is`.
     """
     classes = _checked(path, classes, up)
     file = open_glb(path)
@@ -79,10 +80,10 @@ def layout_from_obj(
 ) -> Layout:
     """The layout of an OBJ file whose axis `up` points up and whose unit is `scale` metres.
 
-    The class of an object is what `classes` says of its name or of its material's, or else what these names say:
+    The class of an object comes from `classes`, by its name or its material's, or else from these names themselves:
     "car", "Car.001" and "ParkedCar_left" are cars. Things are numbered; an object's materials are parts of one thing,
     and so are "car_1.body" and "car_1.roof". `recentre` and `as_is` are as in `layout_from_glb`. Raises `LayoutError`
-    as that does, and `FormatError` where the file is broken.
+    as that does, and `FormatError` if the file is broken.
     """
     classes = _checked(path, classes, up)
     check_scale(scale)
@@ -114,7 +115,7 @@ def _checked(path: object, classes: Mapping[str, str] | None, up: object) -> Map
 
 
 def _labels(found: Iterable[tuple[str, str | None]]) -> list[str]:
-    """The class of each piece, of its name and class; raises `LayoutError` listing the names that say none."""
+    """The classes of pieces, from their names and classes; raises `LayoutError` listing the names without one."""
     rows = list(found)
     if nameless := sorted({name for name, label in rows if not label}):
         raise LayoutError(f"no class for {', '.join(nameless)}; say which by --class NAME=CLASS (`classes` in Python)")
@@ -125,7 +126,7 @@ def _class_of(piece: Piece, classes: Mapping[str, str]) -> str | None:
     if isinstance(given := piece.extras.get("class"), str):
         return given
     own, *parents, mesh = piece.names
-    # The mesh comes last: most are called after what made them, as "Cube" or "Plane".
+    # The mesh comes last: most have the name of their origin, such as "Cube" or "Plane".
     return class_of([own, piece.material, *parents], classes) or class_of([mesh], classes)
 
 
@@ -135,10 +136,10 @@ def _glb_primitives(
     nodes = _nodes_of(pieces, labels)
     given = (piece.extras.get("instance") for piece in pieces)
     things = Things([nodes[piece.indices[0]] for piece in pieces], classes, given)
-    shapes: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray, str]] = {}  # a mesh may be that of many nodes
+    shapes: dict[tuple[str, bool], tuple[np.ndarray, np.ndarray, str]] = {}  # many nodes may share a mesh
     spent = 0
     for piece, label in zip(pieces, labels, strict=True):
-        is_y_up = _is_upright(piece.matrix[:3, 1])  # the axis of the mesh that points up becomes its z
+        is_y_up = _is_upright(piece.matrix[:3, 1])  # the upright axis of the mesh becomes its z
         matrix = piece.matrix @ _FRAMES["y"].T if is_y_up else piece.matrix
         parts = [piece.part.get(name) for name in ("attributes", "indices", "mode")]
         key = repr((parts, piece.skin)), is_y_up
@@ -156,7 +157,7 @@ def _glb_primitives(
 
 
 def _nodes_of(pieces: list[Piece], labels: list[str]) -> dict[int, Node]:
-    """The nodes of pieces and those above them, by their indices."""
+    """The nodes of pieces and all nodes above them, by their indices."""
     nodes: dict[int, Node] = {}
     for piece, label in zip(pieces, labels, strict=True):
         parent: Node | None = None
@@ -184,10 +185,10 @@ def _is_upright(axis: np.ndarray) -> bool:
 
 
 def _shape(mesh: TriangleMesh, is_y_up: bool) -> tuple[np.ndarray, np.ndarray, str]:
-    """Vertices [V, 3] with z up, triangles [F, 3] and the shape that they are."""
+    """Vertices [V, 3] with z up, triangles [F, 3] and their shape."""
     vertices, faces = mesh.vertices, mesh.faces
     if len(vertices) <= MOST_RECOGNISED:
-        # Exporters part the faces at sharp edges; vertices at one place are one vertex again.
+        # Exporters split faces at sharp edges; vertices in one place are merged again.
         vertices, place = np.unique(vertices, axis=0, return_inverse=True)
         faces = place.reshape(-1)[faces]
     if is_y_up:
@@ -198,14 +199,14 @@ def _shape(mesh: TriangleMesh, is_y_up: bool) -> tuple[np.ndarray, np.ndarray, s
 def _obj_primitives(
     meshes: list[TriangleMesh], transform: np.ndarray, fields: list[dict[str, Any]]
 ) -> Iterator[Primitive]:
-    """What `Primitive.from_mesh` makes of each mesh under a linear map [3, 3]; of small ones many times as fast."""
+    """`Primitive.from_mesh` of each mesh under a linear map [3, 3], but many times as fast for small ones."""
     if not meshes:
         return
     ends = np.cumsum([len(one.vertices) for one in meshes])
     starts = np.concatenate([[0], ends[:-1]])
     with np.errstate(over="ignore", invalid="ignore"):
         vertices = np.concatenate([one.vertices for one in meshes]) @ transform
-    if not (np.abs(vertices) <= FURTHEST).all():  # which of them, and why, is said there
+    if not (np.abs(vertices) <= FURTHEST).all():  # `from_mesh` reports which one, and why
         for start, end, one, more in zip(starts, ends, meshes, fields, strict=True):
             yield Primitive.from_mesh(vertices[start:end], one.faces, **more)
         return

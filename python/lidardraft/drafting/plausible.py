@@ -15,8 +15,8 @@ from lidardraft.scene.layout import Layout, corners_around
 from lidardraft.semantics import BY_NAME, GROUND
 
 _METRES = {"centimetres": 0.01, "millimetres": 0.001, "inches": 0.0254, "feet": 0.3048}
-_TOY = 3.0  # times the extents of a class that nothing of it has
-_STEP = 1.0  # m that the ground may lie over or under the road at the origin
+_TOY = 3.0  # times the extents of a class: a size beyond any of its objects
+_STEP = 1.0  # m, the largest height of the ground over or under the road at the origin
 
 
 def check_scale(scale: float) -> None:
@@ -26,10 +26,11 @@ def check_scale(scale: float) -> None:
 
 
 def check_sizes(layout: Layout, scales: str = "--scale {:g} (`scale` in Python) makes metres of them; ") -> None:
-    """Raise `LayoutError` where a thing is so large or so small that it is in another unit than the metre.
+    """Raise `LayoutError` if the size of a thing shows that it is in another unit than the metre.
 
-    All three extents have to be out, as many cars in one mesh are as high as one: too large where another unit makes
-    all of them usual, or by a factor of 3, and not called "Cars"; too small by that, as the largest of its class.
+    All three extents have to be out, as many cars in one mesh are as high as one. A thing is too large by a factor of
+    3, or if another unit makes all of its extents usual; plurals such as "Cars" are never too large. It is too small by
+    a factor of 3, if it is the largest of its class.
     """
     boxes = sorted(layout.boxes(), key=lambda box: max(box.size))
     largest = {box.label: box for box in boxes}
@@ -52,15 +53,15 @@ def check_sizes(layout: Layout, scales: str = "--scale {:g} (`scale` in Python) 
 
 
 def _too_high(layout: Layout) -> list[str]:
-    """A line where something that `check_sizes` does not judge, such as a house, is higher than sensors see."""
+    """A line if an object that `check_sizes` does not judge, such as a house, is higher than the range of sensors."""
     height, id = max(((one.size[2], one.id) for one in layout if one.label not in GROUND), default=(0.0, ""))
     said = f"{id} is {height:,.0f} m high; --scale (`scale` in Python) is for units other than the metre"
     return [said] if height > MAX_RANGE else []
 
 
 def out_of_reach(layout: Layout, remedy: str = "--recentre (`recentre` in Python) moves its ground there") -> list[str]:
-    """A line, with its remedy, where all that stands in it is further away than sensors see, its ground is not near the
-    level of the road, or what should stand on it does not."""
+    """A line, with its remedy, if all objects are out of the range of sensors, the ground is not near the level of the
+    road, or the objects do not stand on it."""
     shapes = [one for one in layout if not one.open]
     if not shapes:
         return []
@@ -69,7 +70,7 @@ def out_of_reach(layout: Layout, remedy: str = "--recentre (`recentre` in Python
     gaps = np.maximum(np.abs(from_it) - np.array([one.size for one in shapes]) / 2, 0.0)
     away = float(np.linalg.norm(gaps, axis=1).min())
     if away > MAX_RANGE:
-        said = f"all of it is {away:,.0f} m or more from the origin, where the sensor stands"
+        said = f"all of it is {away:,.0f} m or more from the origin, the place of the sensor"
         return [f"{said}; sensors reach {MAX_RANGE:.0f} m; {remedy}"]
     low, high = corners_around([one for one in shapes if one.label in GROUND], 0.0)
     if _STEP < low[2] < math.inf or -math.inf < high[2] < -_STEP:
@@ -83,8 +84,8 @@ def out_of_reach(layout: Layout, remedy: str = "--recentre (`recentre` in Python
 
 
 def recentred(layout: Layout) -> Layout:
-    """The layout moved so that the middle of its roads, or else of its ground, or else of all, is the origin, with a
-    note that says by how much."""
+    """The layout moved so that the middle of its roads, or else of its ground, or else of everything, is the origin,
+    with a note of the move."""
     choices = ([one for one in layout if one.label in labels] for labels in (("road",), GROUND, tuple(BY_NAME)))
     ground = next(filter(None, choices))
     low, high = corners_around(ground, 0.0)
@@ -96,7 +97,7 @@ def recentred(layout: Layout) -> Layout:
 
 
 def _mapped(layout: Layout, scale: float, move: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Layout:
-    """The layout with all places and extents times `scale`, moved."""
+    """The layout with all places and extents multiplied by `scale`, then moved."""
     centers = (np.array([one.center for one in layout]) * scale + move).tolist()
     sizes = (np.array([one.size for one in layout]) * scale).tolist()
     shapes = zip(layout, centers, sizes, strict=True)
@@ -106,8 +107,8 @@ def _mapped(layout: Layout, scale: float, move: tuple[float, float, float] = (0.
 def settled(
     layout: Layout, *, scale: float = 1.0, recentre: bool = False, as_is: bool = False, is_ours: bool = False
 ) -> Layout:
-    """The layout of a model in its place, with what is said of that; of one that was written as a model, which
-    `is_ours`, nothing is. Raises `LayoutError` for a thing of another unit than the metre that is not meant `as_is`."""
+    """The layout of a model in its place, with notes on that; none for a model that lidardraft wrote, `is_ours`. Raises
+    `LayoutError` for a thing in another unit than the metre, unless `as_is`."""
     check_scale(scale)
     if scale != 1:
         layout = _mapped(layout, scale)

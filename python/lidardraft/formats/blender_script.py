@@ -1,4 +1,5 @@
-"""A layout as a Blender Python script, a row a shape: Blender runs it, `layout_from_blender` reads the same layout."""
+"""A layout as a Blender Python script, one row a shape. Blender runs it; `layout_from_blender` reads the same
+layout."""
 
 from __future__ import annotations
 
@@ -106,7 +107,7 @@ def write_blender_script(path: str | os.PathLike[str], layout: Layout) -> None:
 
 
 def _bar_between(names: list[str]) -> str:
-    """The character between the cells of a row, which is in no name."""
+    """A separator for the cells of a row: a character that occurs in no name."""
     taken = set().union(*names)
     return next(bar for bar in ("|", *map(chr, range(0x2502, 0x110000))) if bar not in taken)
 
@@ -119,7 +120,7 @@ def _row(kind: str, primitive: Primitive, bar: str) -> str:
 
 
 def _in_quotes(text: str) -> str:
-    """A text as it stands between triple quotes."""
+    """A text escaped for triple quotes."""
     return "".join(
         letter if letter == "\n" or (letter.isprintable() and letter not in '\\"') else f"\\U{ord(letter):08x}"
         for letter in text
@@ -135,4 +136,4 @@ def _own_mesh(kind: str, primitive: Primitive) -> str:
 
 def _properties(primitive: Primitive) -> dict[str, object]:
     found = primitive.more()
-    return found | {"unit_box": True} if primitive.mesh is not None else found  # read back in the box that `size` is of
+    return found | {"unit_box": True} if primitive.mesh is not None else found  # read back in the box of `size`

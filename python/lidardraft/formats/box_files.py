@@ -1,4 +1,4 @@
-"""Boxes around the objects of one scan, out of the files that data sets have for them."""
+"""Boxes around the objects of one scan, read from the files of data sets."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from lidardraft.scene.box import Box
 
 def read_box_file(path: str | os.PathLike[str], *, frame: int | None = None) -> list[Box]:
     """The sensor-frame boxes of a file: .boxes.json or the .json of WebDataset, KITTI's label_2 or a `frame` (0) of its
-    tracking labels, lines of OpenPCDet or MMDetection3D (.txt), PandaSet's cuboids (.pkl.gz), or those of nuScenes'
-    tables for a sweep (.pcd.bin).
+    tracking labels, lines of OpenPCDet or MMDetection3D (.txt), PandaSet's cuboids (.pkl.gz), or, for a sweep
+    (.pcd.bin), those of nuScenes' tables.
 
-    Raises `FormatError` naming the file, and `LayoutError` for a box that cannot be."""
+    Raises `FormatError` naming the file, and `LayoutError` for an invalid box."""
     words = read_text(path).split(maxsplit=3) if Path(path).suffix == ".txt" else []
     is_tracking = len(words) > 2 and words[0][0].isdigit() and words[2][0].isalpha()
     if frame is not None and not is_tracking:
@@ -38,8 +38,8 @@ def read_box_file(path: str | os.PathLike[str], *, frame: int | None = None) -> 
 
 
 def read_custom_labels(path: str | os.PathLike[str]) -> list[Box]:
-    """Boxes of lines `x y z length width height yaw class`: of their centres, as OpenPCDet has them, or, in labels/
-    beside a folder semantic_mask/, of their bottoms, as MMDetection3D has them. Raises as `read_box_file`."""
+    """Boxes of lines `x y z length width height yaw class`. The place is the centre, as in OpenPCDet, or, in labels/
+    beside a folder semantic_mask/, the middle of the bottom, as in MMDetection3D. Raises as `read_box_file`."""
     text, is_bottom = read_text(path), (Path(path).absolute().parent.parent / "semantic_mask").is_dir()
 
     def box(number: int, words: list[str]) -> Box:

@@ -16,7 +16,7 @@ from lidardraft.json_fields import check_fields, check_object, parse_object
 from lidardraft.scene.box import Box
 
 _MOST_BOXES = 65_535  # as many as there are instances
-# What stands in the files of other tools.
+# Keys that reveal files of other tools.
 _TOOLS = {"<tracklets": "KITTI tracklets", '"figures"': "Supervisely", '"centroid"': "labelCloud", '"psr"': "SUSTech"}
 _OF_WEBDATASET = ("pose", "sensor", "provenance", "intent", "notes")
 _OPTIONAL = ("velocity",)
@@ -38,7 +38,7 @@ def write_boxes(path: str | os.PathLike[str], boxes: Sequence[Box], num_points: 
 def read_boxes(path: str | os.PathLike[str]) -> tuple[list[Box], list[int]]:
     """The sensor-frame boxes and the number of points on each.
 
-    Raises `FormatError` where the file is not such a file, `LayoutError` for a box that cannot be; both name it.
+    Raises `FormatError` if the file is of another form, `LayoutError` for an invalid box; both name it.
     """
     text = read_text(path)
     boxes, counts = [], []

@@ -1,7 +1,7 @@
 """Clouds of CARLA's semantic LiDAR (`sensor.lidar.ray_cast_semantic`): x y z CosAngle ObjIdx ObjTag, as .ply or .npy.
 
 CARLA's frame is left-handed, with y to the right. Tags are those of CARLA 0.9.14 and later (`CityObjectLabel` in
-LibCarla/source/carla/rpc/ObjectLabel.h); earlier ones count otherwise, and are those of `TAGS_BEFORE_0_9_14`.
+LibCarla/source/carla/rpc/ObjectLabel.h). Earlier versions number them as in `TAGS_BEFORE_0_9_14`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, GROUND
 
 Tags = Mapping[int, tuple[str, str | None]]
-# Class of each tag and, where it is not that of the class, its material.
+# Class of each tag and, if it differs from the class's, its material.
 TAGS: Tags = {
     0: ("none", None),
     1: ("road", None),
@@ -50,26 +50,26 @@ TAGS: Tags = {
     22: ("other", None),
     23: ("none", None),  # water
     24: ("road", "road-paint"),
-    25: ("terrain", "concrete"),  # ground: what is level and nothing else
+    25: ("terrain", "concrete"),  # ground: level, and of no other tag
     26: ("other", "concrete"),  # bridge
     27: ("terrain", "gravel"),  # rail track
     28: ("fence", "metal"),  # guard rail
 }
-# What the tags from 0 on were before, by those of today; 10 were all vehicles, 4 people with or without one.
+# Earlier tags from 0 on, by those of today; 10 were all vehicles, 4 people with or without one.
 _BEFORE = (0, 3, 5, 22, 12, 6, 24, 1, 2, 9, 14, 4, 8, 11, 25, 26, 27, 28, 7, 20, 21, 23, 10)
 TAGS_BEFORE_0_9_14: Tags = {before: TAGS[tag] for before, tag in enumerate(_BEFORE)}
-VERSIONS = {"0.9.13": TAGS_BEFORE_0_9_14, "0.9.14": TAGS}  # of CARLA, by which tags changed
+VERSIONS = {"0.9.13": TAGS_BEFORE_0_9_14, "0.9.14": TAGS}  # of CARLA, at which tags changed
 FIELDS = ("x", "y", "z", "CosAngle", "ObjIdx", "ObjTag")
-_LOW = -0.5  # m from the sensor; what is lower is mostly ground
-_RAISED = ("pole", "traffic-light", "traffic-sign")  # by tags that were those of ground
+_LOW = -0.5  # m from the sensor; lower hits are mostly ground
+_RAISED = ("pole", "traffic-light", "traffic-sign")  # classes with tags that were those of ground
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class CarlaCloud:
-    """N hits in the sensor frame: `points` f32 [N, 3] [m], `incidence` f32 [N], `label` u8 [N] of `CLASSES`,
-    `instance` u32 [N], the actor's id of things and 0 for stuff, `materials` i64 [N] of `MATERIALS`, -1 for that of the
-    class. These are the arguments of `observe_points`."""
+    """N hits in the sensor frame, as the arguments of `observe_points`: `points` f32 [N, 3] [m], `incidence` f32 [N],
+    `label` u8 [N] of `CLASSES`, `instance` u32 [N], the actor's id for things and 0 for stuff, `materials` i64 [N] of
+    `MATERIALS`, -1 for that of the class."""
 
     points: np.ndarray
     incidence: np.ndarray
@@ -79,9 +79,9 @@ class CarlaCloud:
 
 
 def read_carla(path: str | os.PathLike[str], tags: Tags = TAGS) -> CarlaCloud:
-    """A cloud as `save_to_disk` writes it (.ply), or as an .npy file of the records of `raw_data`.
+    """A cloud as written by `save_to_disk` (.ply), or an .npy file of the records of `raw_data`.
 
-    Raises `FormatError` naming the file where it is neither, is truncated, or has a tag that `tags` does not have.
+    Raises `FormatError` naming the file if it is neither, is truncated, or has a tag that is not in `tags`.
     """
     data = read_bytes(path)
     with named(path):
@@ -94,15 +94,15 @@ def read_carla(path: str | os.PathLike[str], tags: Tags = TAGS) -> CarlaCloud:
 
 
 def carla_cloud(hits: Mapping[str, np.ndarray], tags: Tags, *, of: str | os.PathLike[str]) -> CarlaCloud:
-    """The cloud of the columns [N] of `FIELDS`. A `UserWarning` says if poles, lights and signs lie where the ground
-    should: the tags are older ones. `of` is what messages call the file; raises as `read_carla`."""
+    """The cloud of the columns [N] of `FIELDS`. A `UserWarning` reports poles, lights and signs at the height of the
+    ground: the tags are of an older version. `of` is the name of the file in messages; raises as `read_carla`."""
     for name in FIELDS:
         if name not in hits or hits[name].ndim != 1 or hits[name].dtype.kind not in "fiu":
             raise FormatError(f"it has no {name} of one number a hit; CARLA's semantic LiDAR has {' '.join(FIELDS)}")
     table = np.full((max(tags) + 2, 2), -1)
     for tag, (name, material) in tags.items():
         table[tag] = BY_NAME[name].id, -1 if material is None else _INDEX[material]
-    with np.errstate(invalid="ignore"):  # other tools write numbers with a point
+    with np.errstate(invalid="ignore"):  # other tools write floats
         held = hits["ObjTag"].astype(np.int64)
     label, materials = table[np.where((held >= 0) & (held < len(table)), held, -1)].T
     unknown = np.flatnonzero(label < 0)
@@ -139,8 +139,8 @@ def carla_sensor(
 ) -> Sensor:
     """The sensor of these attributes of the blueprint, in CARLA's units [degrees, m, Hz] and with its defaults.
 
-    Its simulation must take one step a rotation, so that a cloud is a full turn. Raises `SensorError` on an attribute
-    that cannot be.
+    Its simulation must take one step a rotation, so that a cloud is a full turn. Raises `SensorError` on an invalid
+    attribute.
     """
     if channels < 1 or not rotation_frequency > 0.0:
         raise SensorError(f"channels is {channels} and rotation_frequency {rotation_frequency}; they must be over 0")
@@ -149,7 +149,7 @@ def carla_sensor(
         name="carla",
         elevations=tuple(np.deg2rad(np.linspace(upper_fov, lower_fov, channels)).tolist()),
         columns=columns,
-        azimuth_start=math.pi + math.pi / max(columns, 1),  # the first ray of a turn looks straight back
+        azimuth_start=math.pi + math.pi / max(columns, 1),  # the first ray of a turn points straight back
         min_range=0.0,
         max_range=max_range,
         mount_height=mount_height,

@@ -1,7 +1,7 @@
-"""Casts of other renderers: an .npz file of images [H, W], and the sensor whose rays they are.
+"""Casts of other renderers: an .npz file of images [H, W], and the sensor of its rays.
 
-`depth` f32 or f64 [m], `label` of whole numbers; where they are known `instance`, `incidence`, `materials`, and
-`sensor`, its JSON. A range image that `RangeImage.save` wrote is one.
+`depth` f32 or f64 [m], `label` of whole numbers; optional are `instance`, `incidence`, `materials`, and `sensor`, its
+JSON. A file that `RangeImage.save` wrote is one.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ _OPTIONAL = ("instance", "incidence", "materials")
 
 
 def read_cast(path: str | os.PathLike[str], sensor: Sensor | None = None) -> tuple[Sensor, dict[str, np.ndarray]]:
-    """The sensor, that of the file or else the one given, and the images: arguments of `observe_cast`.
+    """The sensor, from the file or else the given one, and the images: arguments of `observe_cast`.
 
-    Raises `FormatError` naming the file where it is broken, or its images are not of that sensor.
+    Raises `FormatError` naming the file if it is broken, or if its images do not fit the sensor.
     """
     with array_files.opened(path) as archive:
         if array_files.holds(archive, "sensor"):

@@ -15,7 +15,7 @@ from lidardraft.semantics import CLASSES
 _SKY = 10
 _VOID = 255
 _SKY_COLOUR = (70, 130, 180)
-# Our ids 1 to 10 are train ids plus one, 11 to 18 are train ids; sky (10) and void (255) return no ray.
+# Class ids 1 to 10 are train ids plus one, 11 to 18 are train ids; sky (10) and void (255) return no ray.
 CLASS_FROM_TRAIN_ID = np.zeros(256, dtype=np.uint8)
 CLASS_FROM_TRAIN_ID[:_SKY] = np.arange(1, 11)
 CLASS_FROM_TRAIN_ID[11:19] = np.arange(11, 19)
@@ -49,7 +49,7 @@ def _from_ids(values: np.ndarray) -> np.ndarray:
         row, column = np.argwhere(wrong)[0].tolist()
         raise FormatError(
             f"{values[row, column]} at row {row}, column {column} is not a train id of Cityscapes; they are 0 to 18, "
-            f"and {_VOID} for what has none"
+            f"and {_VOID} for pixels without one"
         )
     return CLASS_FROM_TRAIN_ID[values]
 

@@ -1,4 +1,4 @@
-"""Recorded data sets, as they lie on disk: their scans, with the files that say what the points are.
+"""Recorded data sets in their folders: their scans, with the files of labels and boxes.
 
 SemanticKITTI: sequences/NN/velodyne and labels. KITTI's 3D object benchmark: training/velodyne, label_2 and calib.
 nuScenes: the tables v1.0-..., samples/LIDAR_TOP and lidarseg. KITTI-360: data_3d_raw, data_3d_bboxes, data_poses and
@@ -31,19 +31,19 @@ SENSORS = {  # presets
 }
 _SEMANTICKITTI = {"train": ("00", "01", "02", "03", "04", "05", "06", "07", "09", "10"), "val": ("08",)}
 _SEMANTICKITTI["all"] = tuple(sorted((*_SEMANTICKITTI["train"], *_SEMANTICKITTI["val"])))
-_GROUND = 0.1  # m over the bottom of a box: what lies lower is road
+_GROUND = 0.1  # m over the bottom of a box: lower points are road
 _SPLITS = {"semantickitti": _SEMANTICKITTI, "kitti360": kitti360.SPLITS}  # of the others: all
 
 
 @dataclass(frozen=True)
 class RecordedFile:
-    """A scan, whose labels `read_points` finds, and a function that reads its boxes, where there are any."""
+    """A scan, whose labels `read_points` finds, and a function that reads its boxes, if it has any."""
 
     scan: Path
     boxes: Callable[[], list[Box]] | None = None
 
     def mark_boxes(self, points: np.ndarray, label: np.ndarray, instance: np.ndarray) -> None:
-        """Give the points [N, 3] in boxes, but those of the ground, the class and the instance of the box."""
+        """Give the points [N, 3] in boxes, except those on the ground, the class and the instance of the box."""
         for box in self.boxes() if self.boxes else ():
             inside = box.contains(points) & (points[:, 2] > box.center[2] - box.size[2] / 2 + _GROUND)
             label[inside], instance[inside] = BY_NAME[box.label].id, box.instance
@@ -52,7 +52,7 @@ class RecordedFile:
 def dataset_files(name: str, root: str | os.PathLike[str], split: str = "all") -> list[RecordedFile]:
     """The scans of a split of a data set, in its order.
 
-    Raises `FormatError` for an unknown split and where the folder holds none of its scans."""
+    Raises `FormatError` for an unknown split, and if the folder holds none of its scans."""
     splits = tuple(_SPLITS.get(name, ("all",)))
     if split not in splits:
         raise FormatError(f"split is {split!r}; of {name} it must be {one_of(splits, split)}")

@@ -1,4 +1,4 @@
-"""What the formats of other people's data sets are written from: frames, in drives."""
+"""Frames, in drives: the values from which the formats of other data sets are written."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from lidardraft.scene.box import Box
 from lidardraft.scene.pose import in_upright_frame, inverse, upright
 from lidardraft.scene.sensor import Sensor
 
-# The module of `formats`, its function that writes drives into an empty folder, and what the format is.
+# The module of `formats`, its function that writes drives into an empty folder, and a description of the format.
 FORMATS = {
     "kitti": ("kitti_object", "write_kitti_object", "KITTI's 3D object benchmark"),
     "semantickitti": ("semantickitti", "write_sequences", "SemanticKITTI, a sequence a folder"),
@@ -34,10 +34,10 @@ FORMATS = {
     "ros2": ("ros2", "write_ros2", "ROS 2 bags (MCAP), one a folder"),
     "webdataset": ("webdataset", "write_webdataset", "WebDataset shards"),
 }
-AS_SEEN = ("mcap", "ros2")  # formats whose points are as the sensor saw them, for consumers that take its motion out
+AS_SEEN = ("mcap", "ros2")  # formats with points distorted by the sensor's motion, which consumers take out
 BY_DRIVE = ("semantickitti", "nuscenes", "mcap", "ros2")  # formats that number drives, and not frames
-UNBOXED = ("semantickitti", "pcd", "ply", "las")  # formats that have no place for boxes
-MOVING = 0.3  # m/s from which on what stands in one place is thought to move; estimate
+UNBOXED = ("semantickitti", "pcd", "ply", "las")  # formats without boxes
+MOVING = 0.3  # m/s, the least speed of a moving object; an estimate
 VALIDATION_SHARE = 0.2  # of a data set's frames, its last ones
 _RECORD = [(name, "<f4") for name in ("x", "y", "z", "intensity")]
 _RECORD += [("ring", "<u2"), ("time", "<f4"), ("label", "u1"), ("instance", "<u4")]
@@ -47,10 +47,10 @@ T = TypeVar("T")
 
 @dataclass(frozen=True, slots=True)
 class Annotation:
-    """A sensor-frame box, the number of points on its object, and the share of it that stands behind other things.
+    """A sensor-frame box, the number of points on its object, and the share of the object that others hide.
 
-    A rider and what is ridden are one object with the label rider; `ridden` is bicycle or motorcycle then, and
-    `ridden_instance` its number. The box is larger by `margin` [m] on each side than the object's own.
+    A rider and its vehicle are one object with the label rider; `ridden` is then bicycle or motorcycle, and
+    `ridden_instance` its number. The box is larger than the object's own by `margin` [m] on each side.
     """
 
     box: Box
@@ -61,7 +61,7 @@ class Annotation:
     margin: float = 0.0
 
     def holds(self, instance: np.ndarray) -> np.ndarray:
-        """Which of the points of `instance` [N] are on the object, bool [N]."""
+        """Whether each of the points of `instance` [N] is on the object, bool [N]."""
         return np.isin(instance, [each for each in (self.box.instance, self.ridden_instance) if each is not None])
 
     def moves(self) -> bool:
@@ -75,7 +75,7 @@ class Annotation:
 
 
 def with_riders_merged(annotations: Sequence[Annotation]) -> tuple[Annotation, ...]:
-    """The annotations with one for each rider and what is ridden, as data sets count them: the parts ID.rider and
+    """The annotations with each rider and its vehicle merged, as data sets count them: the parts ID.rider and
     ID.bicycle of a layout become ID."""
     vehicles = {a.box.id.partition(".")[0]: a for a in annotations if a.box.label in _RIDDEN and "." in a.box.id}
     riders = {a.box.id.partition(".")[0]: a for a in annotations if a.box.label == "rider" and "." in a.box.id}
@@ -104,13 +104,15 @@ def _merged(name: str, rider: Annotation, vehicle: Annotation) -> Annotation:
 class Frame:
     """One labelled scan, taken at `pose` (world_from_sensor [4, 4]) in the middle of its sweep.
 
-    Of each of N points, in the sensor frame: `points` f32 [N, 3] [m], `intensity` f32 [N] in 0 to 1, `ring` u16 [N]
-    (0 is the highest beam), `label` u8 [N] of `semantics.CLASSES`, `instance` u32 [N]. `time` f32 [N] after the first
-    column [s] belongs to points as the sensor saw them, in the frame of their own column; it is None of points without
-    the sensor's own motion, which nobody is to take out once more. Frames of one `world`, the JSON of the
-    provenance, intent and notes of a layout, show the same objects under the same ids. `start` is the time of the first
-    column since the start of the drive [s]; None where nobody knows it (`timed`). `mount` is that of `Scan`, `channel`
-    the name of the sensor among several of one vehicle. `split` says what the frame is for: "train", "val" or "test".
+    Of each of N points, in the sensor frame: `points` f32 [N, 3] [m], `intensity` f32 [N] in 0 to 1, `ring` u16 [N] (0
+    is the highest beam), `label` u8 [N] of `semantics.CLASSES`, `instance` u32 [N]. `time` f32 [N] [s] after the first
+    column goes with raw points, in the frame of their own column. It is None for points without the sensor's own
+    motion, which must not be taken out again.
+
+    Frames of one `world`, the JSON of the provenance, intent and notes of a layout, show the same objects under the
+    same ids. `start` is the time of the first column since the start of the drive [s]; None if unknown (`timed`).
+    `mount` is that of `Scan`, `channel` the name of the sensor among several of one vehicle. `split` is the use of the
+    frame: "train", "val" or "test".
     """
 
     sensor: Sensor
@@ -142,16 +144,16 @@ class Frame:
         return self.pose @ inverse(self.ego_from_sensor())
 
     def fields(self) -> dict[str, np.ndarray]:
-        """What there is of each point beside its place and intensity, by name."""
+        """The values of each point other than place and intensity, by name; absent ones are left out."""
         named = {name: getattr(self, name) for name in ("ring", "time", "label", "instance")}
         return {name: values for name, values in named.items() if values is not None}
 
 
-Drives = Iterable[Iterable[Frame]]  # a drive's frames follow one another
+Drives = Iterable[Iterable[Frame]]  # the frames of a drive are in order of time
 
 
 def timed(drive: Iterable[Frame]) -> Iterator[tuple[float, Frame]]:
-    """Frames with the time since the first one [s]: what they say, or a sweep time apart."""
+    """Frames with their time since the first one [s]: their own start times, or a sweep time apart."""
     first = None
     for number, frame in enumerate(drive):
         start = frame.start if frame.start is not None else number * max(frame.sensor.sweep_time, 1e-6)
@@ -160,11 +162,11 @@ def timed(drive: Iterable[Frame]) -> Iterator[tuple[float, Frame]]:
 
 
 def writer_of(format: str) -> Callable[..., None]:
-    """What writes drives in one of `FORMATS` into a new folder, `write(output, drives, first=0)`; a part of a data set
-    numbers frames, and drives, from `first` on.
+    """The function that writes drives in one of `FORMATS` into a new folder, `write(output, drives, first=0)`. A part
+    of a data set numbers frames, and drives, from `first` on.
 
-    Raises `FormatError` for another name; and when it writes, where `output` is there already or cannot be written, and
-    where there are no drives or one without frames. Then nothing is there.
+    Raises `FormatError` for another name. The function raises it if `output` exists already or cannot be written, and
+    if there are no drives, or one without frames; then it leaves nothing behind.
     """
     if format not in FORMATS:
         raise FormatError(f"format is {format!r}; it must be {one_of(FORMATS, format)}")
@@ -179,7 +181,7 @@ def writer_of(format: str) -> Callable[..., None]:
 
 
 def _some(items: Iterable[T]) -> Iterator[T]:
-    """The items; raises `FormatError` at their end where there were none."""
+    """The items; raises `FormatError` at the end if there were none."""
     none = True
     for item in items:
         none = False
@@ -194,13 +196,13 @@ def numbered(drives: Drives, first: int) -> Iterator[tuple[str, Frame]]:
 
 
 def write_each(ending: str, by: Callable[[Path, np.ndarray], None], folder: Path, drives: Drives, first: int) -> None:
-    """Write a file for each frame, of its `point_records`."""
+    """Write a file of `point_records` for each frame."""
     for name, frame in numbered(drives, first):
         by(folder / f"{name}{ending}", point_records(frame))
 
 
 def point_records(frame: Frame) -> np.ndarray:
-    """The points as records [N] of x y z intensity and its `fields`, packed."""
+    """The points as packed records [N] of x y z intensity and the frame's `fields`."""
     fields = {"intensity": frame.intensity, **frame.fields()}
     records = np.empty(len(frame.points), [row for row in _RECORD if row[0] in ("x", "y", "z", *fields)])
     records["x"], records["y"], records["z"] = frame.points.T
@@ -217,7 +219,7 @@ def npy(array: np.ndarray) -> bytes:
 
 
 def write_image_sets(folder: Path, splits: Mapping[str, str]) -> None:
-    """Write ImageSets/train.txt, val.txt and so on of frames by their names and splits, and trainval.txt. If no frame
+    """Write ImageSets/train.txt, val.txt and so on, and trainval.txt, from the frames' names and splits. If no frame
     has a split, the last fifth of them, one at least, is for validation."""
     names = list(splits)
     most = min(len(names) - 1, round(len(names) * (1 - VALIDATION_SHARE)))
@@ -229,7 +231,7 @@ def write_image_sets(folder: Path, splits: Mapping[str, str]) -> None:
 
 
 def by_split(splits: Mapping[str, str]) -> dict[str, list[str]]:
-    """The names of each split; of none that has no split."""
+    """The names of each split; names without a split are left out."""
     parts = {split: [name for name in splits if splits[name] == split] for split in splits.values()}
     parts.pop("", None)
     return parts

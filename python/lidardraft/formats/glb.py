@@ -1,4 +1,4 @@
-"""Binary glTF, both ways: the pieces that its nodes place, and a layout as nodes with the colours of their classes."""
+"""Binary glTF, both ways: the pieces placed by its nodes, and a layout as nodes with the colours of their classes."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from lidardraft.semantics import BY_NAME
 _MAGIC, _VERSION, _JSON, _BINARY = 0x46546C67, 2, 0x4E4F534A, 0x004E4942
 _MOST_NODES, _DEEPEST = 20_000, 64
 MOST_VERTICES = 1_000_000  # and triangles
-_TRIANGLES, _STRIP, _FAN = 4, 5, 6  # modes that have a surface
-_FAR = 1000.0  # times the extent of a mesh: so far away float32 rounds it to a ten-thousandth
+_TRIANGLES, _STRIP, _FAN = 4, 5, 6  # modes with a surface
+_FAR = 1000.0  # times the extent of a mesh: at this distance float32 rounds it to a ten-thousandth
 _INSTANCING = "EXT_mesh_gpu_instancing"
-# Extensions without which a reader may do that shows no materials and lights.
+# Extensions that a reader without materials and lights may ignore.
 _NO_SHAPES = ("KHR_materials_", "KHR_texture_", "KHR_lights_", "EXT_texture_", "KHR_xmp")
 _COMPONENTS = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 _WIDTHS = {"SCALAR": 1, "VEC3": 3, "VEC4": 4, "MAT4": 16}
@@ -37,26 +37,26 @@ _GLTF_FROM_LAYOUT = [-math.sqrt(0.5), 0.0, 0.0, math.sqrt(0.5)]  # x y z w: z up
 
 @dataclass(frozen=True)
 class Piece:
-    """A part of one material of the mesh of a node."""
+    """The part of a node's mesh with one material."""
 
     indices: tuple[int, ...]  # of the node, then of its parents
     names: tuple[str, ...]  # of these, and of the mesh
     material: str
     extras: dict[str, Any]
-    matrix: np.ndarray  # world_from_node [4, 4]; world_from_scene where it has a skin
+    matrix: np.ndarray  # world_from_node [4, 4]; world_from_scene if it has a skin
     part: dict[str, Any]
     skin: Any = None  # the index of one
 
     @property
     def name(self) -> str:
-        """The name of the node, or the next one that there is."""
+        """The name of the node, or the next name found."""
         return next((name for name in self.names if name), "unnamed")
 
 
 @dataclass(frozen=True, slots=True)
 class GlbFile:
-    """The JSON document of a file and its buffers: its binary chunk, and those that stand in the document. What is not
-    read, with the names of its nodes, and where nodes are, is known once their pieces are read."""
+    """The JSON document of a file and its buffers: its binary chunk, and those embedded in the document. `unread`, the
+    unsupported features with the names of their nodes, and `worlds` are filled as the pieces are read."""
 
     document: dict[str, Any]
     buffers: tuple[memoryview, ...]
@@ -64,7 +64,7 @@ class GlbFile:
     worlds: dict[int, np.ndarray] = field(default_factory=dict)  # world_from_node [4, 4] by indices
 
     def items(self, name: str) -> list[dict[str, Any]]:
-        """The objects of a list of the document, such as "nodes"; none where it has no such list."""
+        """The objects of a list of the document, such as "nodes"; an empty list if it has none."""
         found = self.document.get(name, [])
         if not isinstance(found, list):
             raise FormatError(f"{name} is {found!r:.50}; it must be a list")
@@ -104,14 +104,14 @@ class GlbFile:
 
     @property
     def scene(self) -> dict[str, Any]:
-        """The scene that is shown; of a file without scenes, one of all nodes."""
+        """The default scene; for a file without scenes, one of all nodes."""
         if not self.items("scenes"):
             return {"nodes": list(range(len(self.items("nodes"))))}
         return self.item("scenes", self.document.get("scene", 0))
 
     def pieces(self, world: np.ndarray) -> Iterator[Piece]:
-        """The parts of one material of all nodes that have a mesh, from the roots of the scene down; `world` [4, 4] is
-        the frame of the scene."""
+        """The parts with one material of all nodes with a mesh, from the roots of the scene down; `world` [4, 4] is the
+        frame of the scene."""
         waiting: list[tuple[Any, np.ndarray, tuple[str, ...], tuple[int, ...]]]
         waiting = [(index, world, (), ()) for index in reversed(_indices(self.scene, "nodes"))]
         nodes = pieces = 0
@@ -122,7 +122,7 @@ class GlbFile:
                 raise FormatError(f"node {index} has {_INSTANCING}; that is not read (export it without GPU instances)")
             if (nodes := nodes + 1) > _MOST_NODES or len(names) > _DEEPEST:
                 raise FormatError(f"more than {_MOST_NODES} nodes, more than {_DEEPEST} deep, or a circle of nodes")
-            with np.errstate(over="ignore", invalid="ignore"):  # the primitive says what is not finite
+            with np.errstate(over="ignore", invalid="ignore"):  # the primitive reports values that are not finite
                 matrix = self.worlds[index] = parent @ _local(node)
             below, path = (_text(node, "name"), *names), (index, *above)
             waiting.extend((child, matrix, below, path) for child in reversed(_indices(node, "children")))
@@ -163,10 +163,10 @@ class GlbFile:
             self.unread.setdefault(what, []).append(piece.name)
         places = positions if piece.skin is None else self._in_bind_pose(piece, positions, attributes)
         faces = _faces(indices.astype(np.int64), piece.part.get("mode", _TRIANGLES))
-        return TriangleMesh(places, faces)  # names a vertex that is not finite and a face that has no vertex
+        return TriangleMesh(places, faces)  # reports infinite vertices and faces without a vertex
 
     def _in_bind_pose(self, piece: Piece, positions: np.ndarray, attributes: dict[str, Any]) -> np.ndarray:
-        """Positions [V, 3] in the frame of the scene, where the joints of the skin have them (glTF 2.0, 3.7.3)."""
+        """Positions [V, 3] in the frame of the scene, posed by the joints of the skin (glTF 2.0, 3.7.3)."""
         with expecting("a skin on nodes of the scene"), np.errstate(invalid="ignore"):
             skin = self.item("skins", piece.skin)
             moves = np.linalg.inv(piece.matrix) @ [self.worlds[joint] for joint in skin["joints"]]
@@ -178,20 +178,20 @@ class GlbFile:
                 weights = self.array(attributes[name.replace("JOINTS", "WEIGHTS")], "VEC4")
                 for joint, weight in zip(joints.T, weights.T, strict=True):
                     total += weight[:, None, None] * moves[joint]
-            total /= total[:, 3:, 3:]  # the sum of the weights, which whole numbers are not the shares of
+            total /= total[:, 3:, 3:]  # the sum of the weights: whole numbers do not add up to 1
             return np.asarray(np.einsum("vij,vj->vi", total[:, :3, :3], positions) + total[:, :3, 3])
 
 
 def open_glb(path: str | os.PathLike[str]) -> GlbFile:
-    """The chunks of a file. Raises `FormatError`, which names it, for anything but a whole binary glTF 2 that needs no
-    other file."""
+    """The chunks of a file. Raises `FormatError` naming it for anything but a complete binary glTF 2 without external
+    files."""
     data = read_bytes(path)
     with named(path):
         return parse_glb(data)
 
 
 def parse_glb(data: bytes) -> GlbFile:
-    """As `open_glb`, of the bytes of a file."""
+    """As `open_glb`, from the bytes of a file."""
     text = data.removeprefix(codecs.BOM_UTF8).lstrip()
     if text[:1] == b"{":  # glTF as text
         return _file(parse_object(text), None)
@@ -223,7 +223,7 @@ def glb_bytes(document: dict[str, Any], binary: bytes) -> bytes:
 
 
 def extras_of(owner: dict[str, Any]) -> dict[str, Any]:
-    """The properties of its own that an object of the document has."""
+    """The custom properties of an object of the document."""
     found = owner.get("extras")
     return found if isinstance(found, dict) else {}
 
@@ -237,11 +237,11 @@ def _faces(corners: np.ndarray, mode: int) -> np.ndarray:
         return np.stack([corners[place + 1], corners[place + 2], corners[0 * place]], axis=1)
     odd = place % 2
     faces = np.stack([corners[place], corners[place + 1 + odd], corners[place + 2 - odd]], axis=1)
-    return faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]  # without those that only lead to the next row
+    return faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]  # without degenerate ones
 
 
 class _Document:
-    """The lists of a document as they grow, and its binary chunk."""
+    """The growing lists of a document, and its binary chunk."""
 
     def __init__(self) -> None:
         self.lists: dict[str, list[dict[str, Any]]] = {
@@ -255,7 +255,7 @@ class _Document:
         return len(self.lists[name]) - 1
 
     def mesh(self, primitive: Primitive) -> int:
-        """The index of the mesh of a primitive's shape and class; those of solid shapes are shared."""
+        """The index of the mesh for a primitive's shape and class; solid shapes share theirs."""
         key = (primitive.shape if primitive.mesh is None else primitive.id, primitive.label)
         if key not in self._places:
             mesh = primitive.mesh if primitive.mesh is not None else unit_mesh(primitive.shape)

@@ -20,7 +20,7 @@ def read_intrinsics(path: str | os.PathLike[str]) -> np.ndarray:
     """(fx, fy, cx, cy) [4] in pixels.
 
     A .json file holds a matrix [3, 3] or four numbers, alone or as "K", "intrinsics" or "camera_matrix", or an object
-    with fx, fy, cx and cy. Any other is a calibration of KITTI, of which P2 is read, else P_rect_02, P0 or K. Raises
+    with fx, fy, cx and cy. Any other file is a calibration of KITTI, with P2, else P_rect_02, P0 or K. Raises
     `FormatError`.
     """
     text = read_text(path, _LARGEST)

@@ -14,10 +14,10 @@ from lidardraft.files import named, read_bytes, written_whole
 from lidardraft.formats.point_fields import unit_intensity
 
 _POINT_BYTES = 16
-_FURTHEST, _FLAT = 1000.0, 0.5  # m; of how wide a scan is: it is flatter
-_TEXT, _PRINTED = 32, {*range(32, 127), *b"\t\r\n"}  # so many printed characters in a row are not coordinates
+_FURTHEST, _FLAT = 1000.0, 0.5  # m; relative to the width of a scan: its height is less
+_TEXT, _PRINTED = 32, {*range(32, 127), *b"\t\r\n"}  # this many printable characters in a row are not coordinates
 
-# How files begin that are not scans of KITTI; as numbers these would be kilometres or less than an atom.
+# First bytes of files other than scans of KITTI; as numbers these would be kilometres or less than an atom.
 _OTHERS = {
     b"\x89PNG": "PNG",
     b"\xff\xd8\xff": "JPEG",
@@ -34,8 +34,9 @@ _OTHERS = {
 def read_bin(path: str | os.PathLike[str], intensity_scale: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
     """Points f32 [N, 3] in metres and intensity f32 [N] in [0, 1], that of the file over `intensity_scale`.
 
-    Raises `FormatError` on a missing, empty or truncated file, a value that is not finite, and an intensity out of
-    range, of which at most 1 % are clipped; it says if the file looks like points of other columns.
+    Raises `FormatError` on a missing, empty or truncated file, and on a value that is not finite. Of the intensities at
+    most 1 % may be out of range, and are clipped; more are an error. The error says if the file looks like points of
+    other columns.
     """
     name, data = os.fspath(path), read_bytes(path)
     if not data:
@@ -60,8 +61,8 @@ def read_bin(path: str | os.PathLike[str], intensity_scale: float = 1.0) -> tupl
 
 
 def _other_columns(data: bytes) -> str:
-    """The columns that the bytes of a file look like which is no scan; "" for float32 x y z and intensity, or none.
-    Points are near and lie flatter than they are wide, and further columns are not less than 0."""
+    """The likely columns of a file that is not a scan; "" for float32 x y z and intensity, or if there is no guess.
+    Points are near and spread less in height than in width; further columns are not less than 0."""
     for kind, columns in itertools.product(("<f4", "<f8"), (4, 5, 6, 7, 8, 3)):
         if len(data) % (columns * int(kind[2])):
             continue
@@ -76,13 +77,13 @@ def _other_columns(data: bytes) -> str:
 
 
 def calibration_of(text: str) -> dict[str, list[str]]:
-    """The words of each line `name: words` of a calibration, in some files without the colon."""
+    """The words of each line `name: words` of a calibration; some files lack the colon."""
     lines = (line.replace(":", " ", 1).split() for line in text.splitlines())
     return {words[0]: words[1:] for words in lines if words}
 
 
 def numbers_of(words: Sequence[str], *counts: int) -> list[float]:
-    """The numbers that words are; raises `FormatError` where they are not so many finite ones."""
+    """The numbers of some words; raises `FormatError` unless they are as many finite numbers as one of `counts`."""
     try:
         values = [float(word) for word in words]
     except ValueError:
@@ -93,13 +94,13 @@ def numbers_of(words: Sequence[str], *counts: int) -> list[float]:
 
 
 def looks_like_text(data: bytes) -> bool:
-    """Whether a file begins with printed characters only, as the coordinates of a scan hardly ever do."""
+    """Whether a file begins with printable characters only, which coordinates of a scan hardly ever do."""
     return len(data) >= _TEXT and all(byte in _PRINTED for byte in data[:_TEXT])
 
 
 def write_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: np.ndarray) -> None:
-    """Write points [N, 3] in metres and intensity [N] in [0, 1]; the inverse of `read_bin`, with the same limits, but
-    for a scan without points, which becomes an empty file."""
+    """Write points [N, 3] in metres and intensity [N] in [0, 1]. The inverse of `read_bin`, with the same limits; but a
+    scan without points becomes an empty file."""
     name = os.fspath(path)
     if points.ndim != 2 or points.shape[1] != 3 or intensity.shape != points.shape[:1]:
         raise FormatError(f"{name}: points {points.shape} and intensity {intensity.shape} must be [N, 3] and [N]")

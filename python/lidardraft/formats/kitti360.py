@@ -1,7 +1,7 @@
 """KITTI-360 (Liao, Xie, Geiger, TPAMI 2022): scans of data_3d_raw, and the boxes of data_3d_bboxes around each.
 
-Boxes are in a world frame, one file a drive; data_poses and calibration say where the scanner was. What moves has a box
-for each frame. A box is a transform of vertices, which turns and scales them.
+Boxes are in a world frame, one file a drive; data_poses and calibration hold the pose of the scanner. Moving objects
+have a box for each frame. A box is a transform of vertices, which turns and scales them.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from lidardraft.files import named, read_text
 from lidardraft.scene.box import Box
 from lidardraft.semantics import BY_NAME
 
-# Drive 0000 has 11,518 of the 81,097 scans of the annotated drives: the paper's 69,580 and 11,517 are these sets but
-# for a scan, which it does not name. The others are those of LiDM's and LiDARGen's code.
+# Drive 0000 has 11,518 of the 81,097 scans of the annotated drives. The paper's 69,580 and 11,517 are these sets except
+# for one scan, which it does not name. The other splits are those of LiDM's and LiDARGen's code.
 _ALL = ("0000", "0002", "0003", "0004", "0005", "0006", "0007", "0009", "0010")
 SPLITS = {
     "train": _ALL[1:],
@@ -41,7 +41,7 @@ _FAR = 130.0  # m from the scanner
 class _Object(NamedTuple):
     name: str
     label: str
-    frame: int  # -1 of what stands
+    frame: int  # -1 for static objects
     pose: np.ndarray  # world_from_object [4, 4], with axes of length 1
     size: np.ndarray  # along these axes [m]
 
@@ -53,15 +53,15 @@ def scans_of(root: str | os.PathLike[str], split: str) -> list[Path]:
 
 
 def boxes_of(root: str | os.PathLike[str], scan: Path) -> list[Box]:
-    """Boxes of vehicles, people, poles, signs and lights in the frame of a scan; none where the data set has no pose of
-    the scan, or no boxes of its drive. Raises `FormatError`."""
+    """Boxes of vehicles, people, poles, signs and lights in the frame of a scan. The list is empty if the data set has
+    no pose of the scan, or no boxes of its drive. Raises `FormatError`."""
     drive, frame = scan.parents[2].name, int(scan.stem) if scan.stem.isdecimal() else -1
     files = sorted(Path(root).glob(f"data_3d_bboxes/*/{drive}.xml"))
     pose = _poses(Path(root), drive).get(frame) if files else None
     if pose is None:
         return []
     found = []
-    for number, one in enumerate(_objects(files[-1]), start=1):  # train_full, where it is there
+    for number, one in enumerate(_objects(files[-1]), start=1):  # train_full, if it exists
         if one.frame not in (-1, frame):
             continue
         seen = np.linalg.inv(pose) @ one.pose
@@ -88,7 +88,7 @@ def _drive(number: str) -> str:
 
 @lru_cache(maxsize=2)
 def _poses(root: Path, drive: str) -> dict[int, np.ndarray]:
-    """world_from_velodyne [4, 4] of the frames of a drive that have one."""
+    """world_from_velodyne [4, 4] of the frames of a drive with a pose."""
     (velodyne,) = _rows(root / "calibration" / "calib_cam_to_velo.txt", 12)[:1]
     camera_from_velodyne = np.linalg.inv(np.vstack([velodyne.reshape(3, 4), (0, 0, 0, 1)]))
     rows = _rows(root / "data_poses" / drive / "cam0_to_world.txt", 17)

@@ -1,9 +1,9 @@
 """KITTI's 3D object benchmark: velodyne/, label_2/, calib/ and image_2/ (Geiger et al., CVPR 2012).
 
-Boxes are in the frame of a camera: x right, y down, z ahead; the place is the middle of the bottom, the order height,
-width, length, and rotation_y is clockwise from x, seen from above. Readers leave out what no picture shows, which is
-all that is behind and beside a camera on the vehicle. So the camera stands far behind it, high and wide enough to see
-every point; the pictures are black.
+Boxes are in the frame of a camera: x right, y down, z ahead. Their place is the middle of the bottom, the order is
+height, width, length, and rotation_y is clockwise from x, seen from above. Readers leave out everything outside the
+picture, which is all that is behind and beside a camera on the vehicle. So the camera is far behind it, high and wide
+enough to see every point; the pictures are black.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ CLASS_OF_TYPE = {
     "Person_sitting": "person",
     "Misc": "other",
 }
-# Of all that box files call objects, in small letters.
+# All object types of box files, in lower case.
 CLASS_OF_NAME = {
     **{name.lower(): label for name, label in CLASS_OF_TYPE.items()},
     "vehicle": "car",
@@ -52,15 +52,15 @@ CLASS_OF_NAME = {
 }
 _NAMES = {"R_rect": "R0_rect", "Tr_velo_cam": "Tr_velo_to_cam"}  # of the tracking benchmark: those of this one
 _CAMERA = np.array([(0.0, -1.0, 0.0), (0.0, 0.0, -1.0), (1.0, 0.0, 0.0)])  # camera_from_lidar
-_AWAY = 4.0  # times the sensor's range that the camera stands behind it
-_MARGIN = 1.02  # of the range: noise, and the way a sensor moves in a sweep
+_AWAY = 4.0  # distance of the camera behind the sensor, in ranges of the sensor
+_MARGIN = 1.02  # of the range: noise, and the sensor's motion in a sweep
 _CAR_HEIGHT, _LEAST_PIXELS = 1.5, 25.0  # a car at the end of the range is as high as the benchmark's limit
 _PARTLY, _LARGELY = 0.1, 0.5  # occluded shares from which an object counts as partly and largely occluded
 _LONGEST = 10_000  # lines of a label file
 
 
 def write_kitti_object(folder: Path, drives: Drives, first: int) -> None:
-    """Write training/ with velodyne/, label_2/, calib/ and image_2/, and ImageSets/; objects without a point are left
+    """Write training/ with velodyne/, label_2/, calib/ and image_2/, and ImageSets/; objects without points are left
     out."""
     for part in ("velodyne", "label_2", "calib", "image_2"):
         (folder / "training" / part).mkdir(parents=True)
@@ -84,7 +84,7 @@ def _write_frame(folder: Path, name: str, frame: Frame) -> None:
 
 
 def virtual_camera(sensor: Sensor) -> tuple[np.ndarray, np.ndarray, tuple[int, int]]:
-    """camera_from_lidar [4, 4], projection P2 [3, 4], and width and height [px] of a picture with every point on it."""
+    """camera_from_lidar [4, 4], projection P2 [3, 4], and width and height [px] of a picture that shows every point."""
     reach = _MARGIN * sensor.max_range
     away = _AWAY * reach
     focal = _LEAST_PIXELS * (away + reach) / _CAR_HEIGHT
@@ -100,7 +100,7 @@ def virtual_camera(sensor: Sensor) -> tuple[np.ndarray, np.ndarray, tuple[int, i
 
 @lru_cache(maxsize=4)
 def _black_picture(size: tuple[int, int]) -> bytes:
-    from PIL import Image  # which no --help waits for
+    from PIL import Image  # slow to import, so not for --help
 
     buffer = io.BytesIO()
     Image.new("L", size).save(buffer, "PNG")
@@ -124,11 +124,11 @@ def _line(annotation: Annotation, camera_from_lidar: np.ndarray, projection: np.
 def read_label_2(
     path: str | os.PathLike[str], calib: str | os.PathLike[str] | None = None, *, frame: int | None = None
 ) -> list[Box]:
-    """The boxes of a label_2 file, or those of a `frame` (0) of a label_02 file of the tracking benchmark, in the frame
-    of the LiDAR, by the file of its name in calib/.
+    """The boxes of a label_2 file, or of a `frame` (0) of a label_02 file of the tracking benchmark. They are in the
+    frame of the LiDAR, by the calibration `calib`, by default the file of the same name in calib/.
 
-    DontCare is left out, and so are, with a warning, other types and objects without a size in 3D. Raises `FormatError`
-    naming the file and the line that is not KITTI's.
+    DontCare is left out; so are, with a warning, other types and objects without a size in 3D. Raises `FormatError`
+    naming the file and the invalid line.
     """
     text, left = read_text(path).removeprefix("\ufeff"), Counter[str]()
     with named(f"{os.fspath(path)} needs its calibration"):
@@ -157,7 +157,8 @@ def read_label_2(
 
 
 def _of_frame(text: str, path: str | os.PathLike[str], frame: int | None) -> str:
-    """The lines of one frame of tracking labels, without frame and track, as label_2 has them; the others are empty."""
+    """The lines of one frame of tracking labels in the form of label_2, without frame and track; other lines are
+    empty."""
     lines = [[*line.split(maxsplit=2), "", "", ""] for line in text.splitlines()]
     frames = [line[0] for line in lines if line[2]] or ["none"]
     if str(frame or 0) not in frames:
@@ -169,8 +170,8 @@ def _of_frame(text: str, path: str | os.PathLike[str], frame: int | None) -> str
 
 
 def boxes_of_lines(text: str, box: Callable[[int, list[str]], Box | None]) -> list[Box]:
-    """What `box` makes of a number and the words of each line that is not empty; boxes are numbered from 1. Raises
-    `FormatError` naming the line that is wrong."""
+    """The boxes that `box` makes of a number, from 1 on, and the words of each non-empty line. Raises `FormatError`
+    naming the invalid line."""
     boxes = list[Box]()
     lines = {number: words for number, line in enumerate(text.splitlines(), start=1) if (words := line.split())}
     if len(lines) > _LONGEST:

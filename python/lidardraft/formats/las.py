@@ -1,8 +1,7 @@
 """LAS 1.4: point format 6, with ring, label and instance as extra bytes.
 
-Coordinates are whole millimetres. Classification is that of the ASPRS, with classes from 64 on, which it leaves to
-users: 64 and our id. Packed files (LAZ) are refused: what unpacks them takes any time and memory that a damaged one
-claims.
+Coordinates are whole millimetres. Classification is that of the ASPRS; its classes from 64 on are for users, and hold
+64 plus the class id. Packed files (LAZ) are refused: a damaged one may claim any time and memory to unpack.
 """
 
 from __future__ import annotations
@@ -21,9 +20,12 @@ from lidardraft.semantics import BY_NAME, CLASSES
 _ASPRS = {"none": 1, "terrain": 2, "vegetation": 5, "trunk": 5, "building": 6, "road": 11, "sidewalk": 11}
 CLASSIFICATION = np.array([_ASPRS.get(row.name, 64 + row.id) for row in CLASSES], np.uint8)
 _MILLIMETRE = 0.001
-_MOST_POINTS = 2**22  # that are read; the largest sensors have half a million
-_RECORDS_AT, _RECORD = 100, 54  # where a header counts its variable length records, and the least bytes of one
-_OURS_FROM = 64  # classifications; below it those of the ASPRS
+_MOST_POINTS = 2**22  # of a file; the largest sensors have half a million
+_RECORDS_AT, _RECORD = (
+    100,
+    54,
+)  # where a header counts its variable length records; the least bytes of one
+_OURS_FROM = 64  # the first classification with a class id; those below are of the ASPRS
 _CLASS_OF_ASPRS = {
     **{1: "none", 2: "terrain", 3: "vegetation", 4: "vegetation", 5: "vegetation", 6: "building", 11: "road"},
     **{10: "road", 14: "pole", 15: "pole", 17: "road"},  # rail, wire, tower, bridge deck
@@ -31,17 +33,17 @@ _CLASS_OF_ASPRS = {
 
 
 def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """Points f64 [N, 3] of a .las file, and its intensity u16 [N], `label` u8 [N], and `ring` and `instance` where it
-    has such fields.
+    """Points f64 [N, 3] of a .las file, and its intensity u16 [N], `label` u8 [N], and `ring` and `instance` if it has
+    such fields.
 
-    Raises `FormatError` where the file is broken, packed or has more than 4,194,304 points, `MissingExtraError`
-    where laspy is not installed."""
+    Raises `FormatError` if the file is broken, packed or has more than 4,194,304 points, `MissingExtraError` if laspy
+    is not installed."""
     with extra():
         import laspy
     size = regular_size(path)
     with named(path), expecting("a whole LAS file"), Path(path).open("rb") as stream:
         records = int.from_bytes(stream.read(_RECORDS_AT + 4)[_RECORDS_AT:], "little")
-        if records * _RECORD > size:  # laspy would read them all, past the end of the file
+        if records * _RECORD > size:  # laspy would read past the end of the file
             raise FormatError(f"{records} records in {size} bytes")
         stream.seek(0)
         file = laspy.open(stream, closefd=False, read_evlrs=False)
@@ -56,14 +58,14 @@ def read_las(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.nda
         fields = {name: np.array(points[name]) for name in ("label", "instance") if name in names}
         if ring := named_fields(list(names)).get("ring"):
             fields["ring"] = np.array(points[ring])
-        if not {"ring", "label", "instance"} <= names:  # classes of others' extra bytes are not ours
+        if not {"ring", "label", "instance"} <= names:  # extra bytes of other tools hold other classes
             fields |= {"label": label[np.array(points.classification)]}
         fields["intensity"] = np.array(points.intensity)
         return np.array(points.xyz), fields
 
 
 def write_las(folder: Path, drives: Drives, first: int) -> None:
-    """Write a .las file for each frame. Raises `MissingExtraError` where laspy is not installed."""
+    """Write a .las file for each frame. Raises `MissingExtraError` if laspy is not installed."""
     with extra():
         import laspy
     for name, frame in numbered(drives, first):

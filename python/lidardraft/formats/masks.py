@@ -15,9 +15,9 @@ _KINDS = ("L", "P", "I", "I;16")  # of pictures with one whole number a pixel
 
 
 def read_masks(path: str | os.PathLike[str]) -> np.ndarray:
-    """Masks bool [M, H, W], the best first, or numbers of objects u32 [H, W], 0 where there is none.
+    """Masks bool [M, H, W], the best first, or numbers of objects u32 [H, W], 0 for none.
 
-    The array is that of an .npy file, the one named "masks" of an .npz file, or the values of a grey or palette PNG.
+    The file is an .npy file, an .npz file with an array "masks", or a grey or palette PNG, whose values are read.
     Raises `FormatError` on a file that is broken or holds anything else.
     """
     name = os.fspath(path).lower()
@@ -27,7 +27,7 @@ def read_masks(path: str | os.PathLike[str]) -> np.ndarray:
         with opened(path) as archive:
             array = read_numbers(archive, _NAME)
     else:
-        from lidardraft.formats.picture import opened_picture  # Pillow, which no --help waits for
+        from lidardraft.formats.picture import opened_picture  # Pillow: slow to import, so not for --help
 
         image = opened_picture(path)
         if image.mode not in _KINDS:

@@ -1,8 +1,8 @@
 """MCAP files with Foxglove's messages: clouds on /lidar, boxes on /boxes, transforms on /tf.
 
 Frames are `map`, `base_link`, the vehicle on the road, and `lidar`. A file is a drive. Transforms and boxes have the
-time of the middle of the sweep, and so has a cloud without the sensor's own motion; one with it has that of its first
-column, from which its `time` counts.
+time of the middle of the sweep. So has a cloud without the sensor's own motion; a raw one has the time of its first
+column, and its `time` counts from there.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ _TYPES = {"f4": "Float32", "u1": "Uint8", "u2": "Uint16", "u4": "Uint32"}
 
 
 def write_mcap(folder: Path, drives: Drives, first: int) -> None:
-    """Write 000000.mcap and so on, one for each drive. Raises `MissingExtraError` where foxglove-sdk is missing."""
+    """Write 000000.mcap and so on, one for each drive. Raises `MissingExtraError` if foxglove-sdk is not installed."""
     with extra():
         import foxglove
-    logging.getLogger("foxglove").addHandler(logging.NullHandler())  # its warnings are those of the error below
+    logging.getLogger("foxglove").addHandler(logging.NullHandler())  # the error below reports its warnings
     for number, drive in enumerate(drives, first):
         context = foxglove.Context()
         try:
@@ -114,7 +114,7 @@ def _pose(pose: np.ndarray) -> Any:
 
 def _place_and_turn(pose: np.ndarray) -> tuple[Any, Any]:
     from foxglove.messages import Quaternion, Vector3
-    from scipy.spatial.transform import Rotation  # which no --help waits for
+    from scipy.spatial.transform import Rotation  # slow to import, so not for --help
 
     x, y, z, w = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
     return Vector3(**dict(zip("xyz", pose[:3, 3].tolist(), strict=True))), Quaternion(x=x, y=y, z=z, w=w)

@@ -1,8 +1,8 @@
 """MMDetection3D's custom data sets: points/*.bin, labels/*.txt, semantic_mask/*.bin, ImageSets/ and infos.
 
 A point is float32 x y z intensity. Boxes are x y z dx dy dz yaw with the middle of the bottom, as
-`LiDARInstance3DBoxes` takes them, the yaw counter-clockwise from x. `lidardraft_infos_train.json` and `_val.json` are
-infos of version 2, which `Det3DDataset` and `Seg3DDataset` load as they are. Masks are int64 ids of our classes.
+`LiDARInstance3DBoxes` takes them; the yaw is counter-clockwise from x. `lidardraft_infos_train.json` and `_val.json`
+are infos of version 2, which `Det3DDataset` and `Seg3DDataset` load unchanged. Masks are int64 class ids.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ CATEGORIES = tuple(row.name for row in CLASSES if row.is_thing)
 
 
 def write_mmdet3d(folder: Path, drives: Drives, first: int) -> None:
-    """Write a data set; objects without a point are left out."""
+    """Write a data set; objects without points are left out."""
     for part in ("points", "labels", "semantic_mask"):
         (folder / part).mkdir()
     infos, splits = dict[str, dict[str, Any]](), dict[str, str]()

@@ -1,9 +1,9 @@
-"""nuScenes: sweeps, .pcd.bin files of float32 x y z intensity ring (Caesar et al., CVPR 2020), labels of lidarseg
-(Fong et al., RA-L 2022), and the tables of v1.0 that say which belong together.
+"""nuScenes: sweeps, .pcd.bin files of float32 x y z intensity ring (Caesar et al., CVPR 2020), labels of lidarseg (Fong
+et al., RA-L 2022), and the tables of v1.0 that relate them.
 
 A sensor has x to the right, y ahead and z up, on a vehicle with x ahead; intensities are 0 to 255, and ring 0 is the
-lowest laser. Boxes are in the world, of size width, length, height, with quaternions w x y z. Every scan that is
-written is a key frame; a scene is a drive, or the part of it that shows one world.
+lowest laser. Boxes are in the world, with size width, length, height, and quaternions w x y z. Every written scan is a
+key frame; a scene is a drive, or the part of it that shows one world.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from lidardraft.semantics import BY_NAME, CLASSES
 _POINT_BYTES, _SCALE = 20, SCALES[".pcd.bin"]
 _MOST_RINGS = 512
 VERSION = "v1.0-trainval"
-# The categories in the order of lidarseg's numbers, and our class of each.
+# The categories in the order of lidarseg's numbers, and the class of each.
 CATEGORIES = {
     "noise": "none",
     "animal": "other",
@@ -89,10 +89,10 @@ _CLASS = np.array([BY_NAME[name].id for name in CATEGORIES.values()], np.uint8)
 _CYCLES = ("bicycle", "motorcycle")
 _ATTRIBUTES = ("cycle.with_rider", "cycle.without_rider", "vehicle.moving", "vehicle.stopped", "vehicle.parked",
                "pedestrian.moving", "pedestrian.standing", "pedestrian.sitting_lying_down")  # fmt: skip
-_CHILD = 1.4  # m; below, a person is a child: those of sentences have 1.33 m at most, adults 1.5 m at least
+_CHILD = 1.4  # m, the limit of a child's height: those of sentences have 1.33 m at most, adults 1.5 m at least
 _VISIBLE = (("4", "v80-100", 0.8), ("3", "v60-80", 0.6), ("2", "v40-60", 0.4), ("1", "v0-40", 0.0))
 _START = 1_600_000_000_000_000  # us, the first frame's time
-_APART = 60_000_000  # us, of which scenes begin whole numbers apart
+_APART = 60_000_000  # us; scenes begin a multiple of this apart
 _EGO_FROM_LIDAR = np.array([(0.0, 1.0, 0.0), (-1.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
 _SWEEP = ("filename", "sample_token", "ego_pose_token", "calibrated_sensor_token")
 
@@ -100,8 +100,8 @@ Tables = dict[str, list[dict[str, Any]]]
 
 
 def read_pcd_bin(path: str | os.PathLike[str], intensity_scale: float = _SCALE) -> tuple[np.ndarray, ...]:
-    """Points f32 [N, 3] in metres in our sensor frame, intensity f32 [N] in [0, 1], that of the file over
-    `intensity_scale`, and ring i64 [N] as it stands.
+    """Points f32 [N, 3] in metres in the package's sensor frame, intensity f32 [N] in [0, 1], that of the file over
+    `intensity_scale`, and ring i64 [N] of the file.
 
     Raises `FormatError` on a missing, empty or truncated file, a value that is not finite, and an intensity or a ring
     out of range.
@@ -118,7 +118,7 @@ def read_pcd_bin(path: str | os.PathLike[str], intensity_scale: float = _SCALE) 
 
 
 def write_pcd_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: np.ndarray, ring: np.ndarray) -> None:
-    """Write points [N, 3] in our sensor frame, intensity [N] in [0, 1] and nuScenes' ring [N]; the inverse of
+    """Write points [N, 3] in the package's sensor frame, intensity [N] in [0, 1] and nuScenes' ring [N]; the inverse of
     `read_pcd_bin`, with the same limits."""
     right, ahead, up = -points[:, 1], points[:, 0], points[:, 2]
     sweep = np.stack([right, ahead, up, intensity * np.float32(255), ring], axis=1).astype("<f4")
@@ -128,9 +128,9 @@ def write_pcd_bin(path: str | os.PathLike[str], points: np.ndarray, intensity: n
 
 
 def read_lidarseg(path: str | os.PathLike[str], count: int) -> np.ndarray:
-    """Class ids u8 [count] of `semantics.CLASSES`; raises `FormatError` where the file is not of `count` labels.
+    """Class ids u8 [count] of `semantics.CLASSES`; raises `FormatError` if the file does not hold `count` labels.
 
-    Lost: what is man-made is building, wheelchairs and strollers are persons."""
+    Other man-made objects become building, wheelchairs and strollers become person."""
     raw = np.frombuffer(read_bytes(path), dtype=np.uint8)
     if len(raw) != count:
         raise FormatError(f"{os.fspath(path)} has {len(raw)} labels; the sweep has {count} points")
@@ -142,7 +142,7 @@ def read_lidarseg(path: str | os.PathLike[str], count: int) -> np.ndarray:
 def labelled_sweeps(root: str | os.PathLike[str]) -> list[tuple[Path, Path]]:
     """The key frames of the top LiDAR with labels: sweep and lidarseg file of each, by name.
 
-    `root` is the data set, with one folder of tables as v1.0-trainval. Raises `FormatError` where it is not.
+    `root` is the data set, with one folder of tables such as v1.0-trainval. Raises `FormatError` if it has not.
     """
     tables = table_folder(root)
     labels = {row["sample_data_token"]: row["filename"] for row in read_table(tables / "lidarseg.json",
@@ -153,7 +153,7 @@ def labelled_sweeps(root: str | os.PathLike[str]) -> list[tuple[Path, Path]]:
 
 
 def lidarseg_of(sweep: str | os.PathLike[str]) -> Path | None:
-    """The lidarseg file of a sweep in samples/LIDAR_TOP of a data set with its tables; None of any other."""
+    """The lidarseg file of a sweep in samples/LIDAR_TOP of a data set with tables; None for any other sweep."""
     path = Path(sweep).absolute()
     root = path.parents[2] if len(path.parents) > 2 else path.parent
     if not any(root.glob("v1.0-*/lidarseg.json")):
@@ -167,7 +167,7 @@ def _lidarseg_files(root: Path) -> dict[Path, Path]:
 
 
 def table_folder(root: str | os.PathLike[str]) -> Path:
-    """The folder of tables of a data set; raises `FormatError` where there is not one."""
+    """The folder of tables of a data set; raises `FormatError` unless there is exactly one."""
     folders = [path for path in sorted(Path(root).glob("v1.0-*")) if path.is_dir()]
     if len(folders) != 1:
         raise FormatError(f"{os.fspath(root)} holds {len(folders)} folders of tables, v1.0-...; it must hold one")
@@ -175,8 +175,8 @@ def table_folder(root: str | os.PathLike[str]) -> Path:
 
 
 def read_table(path: Path, fields: tuple[str, ...]) -> list[dict[str, Any]]:
-    """The rows of a table, whose `fields` are texts; those of the whole data set have a gigabyte. Raises `FormatError`
-    naming the row that is wrong, or that names a file outside the data set."""
+    """The rows of a table, in which all `fields` are texts; tables of the whole data set have a gigabyte. Raises
+    `FormatError` naming the invalid row, or one that names a file outside the data set."""
     text = read_text(path, MAX_BYTES)
     with named(path):
         rows = parse_list(text)
@@ -186,7 +186,7 @@ def read_table(path: Path, fields: tuple[str, ...]) -> list[dict[str, Any]]:
             if "filename" not in fields:
                 continue
             if ".." in Path(row["filename"]).parts or Path(row["filename"]).is_absolute():
-                raise FormatError(f"row {number} names {row['filename']!r}, which lies outside the data set")
+                raise FormatError(f"row {number} names {row['filename']!r}, which is outside the data set")
         return rows
 
 
@@ -205,8 +205,8 @@ def _check(name: str, sweep: np.ndarray, scale: float = _SCALE) -> None:
 
 def write_nuscenes(folder: Path, drives: Drives, first: int) -> None:
     """Write v1.0-trainval/*.json, samples/LIDAR_TOP/, lidarseg/ and maps/; or samples/CHANNEL/ for each channel. Frames
-    of one moment follow one another, in the same order of channels."""
-    from PIL import Image  # which no --help waits for
+    of one moment are consecutive, in the same order of channels."""
+    from PIL import Image  # slow to import, so not for --help
 
     for part in (VERSION, f"lidarseg/{VERSION}", "maps"):
         (folder / part).mkdir(parents=True)
@@ -224,10 +224,10 @@ def write_nuscenes(folder: Path, drives: Drives, first: int) -> None:
 
 
 def read_annotations(sweep: str | os.PathLike[str]) -> list[Box]:
-    """The boxes around what is annotated in a sweep samples/LIDAR_TOP/NAME.pcd.bin, in our sensor frame, by the tables
-    of its data set; those of people are upright.
+    """The annotated boxes of a sweep samples/LIDAR_TOP/NAME.pcd.bin, in the package's sensor frame, by the tables of
+    its data set; those of people are upright.
 
-    Raises `FormatError` where the tables are missing or broken, or do not have the sweep."""
+    Raises `FormatError` if the tables are missing or broken, or lack the sweep."""
     path = Path(sweep).absolute()
     tables = table_folder(path.parents[2])
     name = "/".join(path.parts[-3:])
@@ -265,7 +265,7 @@ def _pose(path: Path, token: str) -> np.ndarray:
 
 
 def _pose_of(row: dict[str, Any]) -> np.ndarray:
-    """world_from_it [4, 4] of a row's translation and rotation."""
+    """The pose [4, 4] in a row's translation and rotation: the row's frame in its parent."""
     from scipy.spatial.transform import Rotation
 
     pose = np.eye(4)
@@ -297,7 +297,7 @@ def _fixed_tables() -> Tables:
 
 
 def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame], start: int) -> tuple[int, str]:
-    """Write a scene from the time `start` on; the time from which on the next one may be, and the scene's split."""
+    """Write a scene that starts at `start`; returns the earliest time of the next one, and the scene's split."""
     samples, tracks = list[dict[str, Any]](), dict[str, list[dict[str, Any]]]()
     sweeps, time, world, split = dict[str, list[dict[str, Any]]](), start, "", ""
     leads, moments = itertools.tee(_moments(frames))
@@ -329,7 +329,7 @@ def _write_scene(folder: Path, tables: Tables, name: str, frames: Iterable[Frame
 
 
 def _moments(frames: Iterable[Frame]) -> Iterator[list[Frame]]:
-    """The frames of each moment: one of each channel."""
+    """The frames of each moment: one for each channel."""
     moment = list[Frame]()
     for frame in frames:
         if moment and frame.channel == moment[0].channel:
@@ -341,14 +341,14 @@ def _moments(frames: Iterable[Frame]) -> Iterator[list[Frame]]:
 
 
 def _description(world: str) -> str:
-    """The sentence of a world, or its district, or its source."""
+    """The sentence of a world, or its district, or its source; "" if it has none."""
     said = json.loads(world or "{}")
     told = said.get("provenance", {}) | said.get("intent", {})
     return str(next((told[key] for key in ("sentence", "district", "source") if told.get(key)), ""))
 
 
 def _set_apart_parked(track: list[dict[str, Any]]) -> None:
-    """A vehicle that stands all along a scene is parked; one that drives before or after has stopped."""
+    """Mark a vehicle that never moves in a scene as parked; one that drives before or after has stopped."""
     moving, stopped, parked = (_token("attribute", f"vehicle.{how}") for how in ("moving", "stopped", "parked"))
     if not any(moving in row["attribute_tokens"] for row in track):
         for row in track:
@@ -356,7 +356,7 @@ def _set_apart_parked(track: list[dict[str, Any]]) -> None:
 
 
 def _write_sweep(folder: Path, tables: Tables, sample: dict[str, Any], frame: Frame, time: int) -> dict[str, Any]:
-    """Write a sweep and its labels; its row of sample_data."""
+    """Write a sweep and its labels; returns its row of sample_data."""
     sensor, channel, mount = frame.sensor, frame.channel or "LIDAR_TOP", frame.ego_from_sensor()
     token = _token(sample["token"], frame.channel) if frame.channel else sample["token"]
     sweep, labels = f"samples/{channel}/{token}.pcd.bin", f"lidarseg/{VERSION}/{token}_lidarseg.bin"
@@ -394,7 +394,7 @@ def _write_sweep(folder: Path, tables: Tables, sample: dict[str, Any], frame: Fr
 def _annotate(
     track: list[dict[str, Any]], scene: str, sample: dict[str, Any], frame: Frame, annotation: Annotation
 ) -> None:
-    """Add it to a track, or to its row of the same moment, which another channel has seen as well."""
+    """Add an annotation to a track, or to its row of the same moment from another channel."""
     box = annotation.box
     length, width, height = box.size
     pose = frame.pose @ upright(box.center, box.yaw)
@@ -414,7 +414,7 @@ def _annotate(
 
 
 def _category(annotation: Annotation) -> str:
-    """The name of its category; a person who lies is an adult."""
+    """The name of its category; a person lying down counts as an adult."""
     length, _, height = annotation.box.size
     if annotation.box.label == "person" and length < height < _CHILD + 2 * annotation.margin:
         return "human.pedestrian.child"
@@ -422,7 +422,7 @@ def _category(annotation: Annotation) -> str:
 
 
 def _attributes(annotation: Annotation) -> list[str]:
-    """The name of its attribute; none where nobody knows whether it moves."""
+    """The name of its attribute; an empty list if its motion is unknown."""
     kind, moves = _category(annotation).split(".")[:2], annotation.moves()
     if kind[1] in _CYCLES:
         return ["cycle.with_rider" if annotation.ridden else "cycle.without_rider"]
@@ -442,6 +442,6 @@ def _quaternion(rotation: np.ndarray) -> list[float]:
 
 
 def _linked(rows: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The rows with the tokens of those before and after each."""
+    """The rows with the tokens of the previous and next ones."""
     tokens = ["", *(row["token"] for row in rows), ""]
     return [row | {"prev": tokens[i], "next": tokens[i + 2]} for i, row in enumerate(rows)]

@@ -13,7 +13,7 @@ from lidardraft.scene import mesh
 from lidardraft.scene.class_names import OUTRIGHT
 from lidardraft.scene.layout import Layout, primitive_mesh
 
-# What is read in seconds and a gigabyte, whatever it is; words are corners of faces.
+# Limits for reading in seconds and a gigabyte, whatever the file; words are corners of faces.
 _MAX_BYTES, _LIMITS = 2**26, {"lines": 4_000_000, "words": 8_000_000, "objects": 65_535}
 
 
@@ -24,10 +24,10 @@ def obj_meshes(path: str | os.PathLike[str]) -> list[tuple[str, str, mesh.Triang
 
 
 def write_obj(path: str | os.PathLike[str], layout: Layout) -> None:
-    """Write the shapes as triangles, z up, in metres: an object with the id for each,
-    and a material that names the class, "class:car".
+    """Write the shapes as triangles, z up, in metres: for each an object with its id, and a material that names its
+    class, "class:car".
 
-    Round shapes become polyhedra. `layout_from_obj` reads the same triangles, to the last digit.
+    Round shapes become polyhedra. `layout_from_obj` reads the same triangles, exact to the last digit.
     """
     lines, count = ["# a layout: metres, x forward, y left, z up"], 1
     for primitive in layout:
@@ -42,7 +42,7 @@ def write_obj(path: str | os.PathLike[str], layout: Layout) -> None:
 
 
 def _check_amount(path: str | os.PathLike[str]) -> None:
-    """Raises `FormatError` for a file that holds more than can be read in a reasonable time."""
+    """Raises `FormatError` for a file too large to be read in a reasonable time."""
     data = read_bytes(path, _MAX_BYTES)
     amounts = {
         "lines": data.count(b"\n"),

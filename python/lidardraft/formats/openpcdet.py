@@ -1,7 +1,7 @@
-"""OpenPCDet's custom data sets: points/*.npy, labels/*.txt and ImageSets/, as its CUSTOM_DATASET_TUTORIAL has them.
+"""OpenPCDet's custom data sets: points/*.npy, labels/*.txt and ImageSets/, as in its CUSTOM_DATASET_TUTORIAL.
 
 A point is float32 x y z intensity. A line of labels is x y z dx dy dz heading class, with the geometric centre and the
-heading counter-clockwise from x; classes have our names, and a rider includes what is ridden.
+heading counter-clockwise from x. Classes have the package's names, and a rider includes its vehicle.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from lidardraft.formats.frame import Annotation, Drives, npy, numbered, write_im
 
 
 def write_openpcdet(folder: Path, drives: Drives, first: int) -> None:
-    """Write a data set for `CustomDataset`; objects without a point are left out."""
+    """Write a data set for `CustomDataset`; objects without points are left out."""
     for part in ("points", "labels"):
         (folder / part).mkdir()
     splits = dict[str, str]()

@@ -1,5 +1,5 @@
-"""Ouster's sensors and scans: metadata, JSON with the beams of one unit, flat up to firmware 2 and in groups since, and
-packet captures (.pcap) beside them; .osf files, which its SDK reads."""
+"""Ouster's sensors and scans. Metadata is JSON with the beams of one unit, flat up to firmware 2 and in groups since;
+packet captures (.pcap) have it beside them. .osf files are read by Ouster's SDK."""
 
 from __future__ import annotations
 
@@ -22,27 +22,27 @@ from lidardraft.json_fields import are_numbers, is_number, parse_object
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.sensor_model import MODELS
 
-_MOST_COLUMNS = 4096  # as many as any of their modes has
+_MOST_COLUMNS = 4096  # the most of any of their modes
 _TABLES = ("beam_altitude_angles", "beam_azimuth_angles")
-_LARGEST = 2**44  # bytes of a log, of which a frame is read
-_NO_MODE = "columns_per_frame and lidar_mode say no mode such as 1024x10"
+_LARGEST = 2**44  # bytes of a log; only a frame of it is read
+_NO_MODE = "columns_per_frame and lidar_mode name no mode such as 1024x10"
 
 
 def is_ouster_metadata(text: str) -> bool:
-    """Whether the text of a JSON file has beams as Ouster's metadata does."""
+    """Whether the text of a JSON file has Ouster's table of beams."""
     return '"beam_altitude_angles"' in text
 
 
 def read_ouster_metadata(path: str | os.PathLike[str]) -> Sensor:
     """The sensor of a metadata file: its own beams and mode, with the range and the model of its family (OS0, OS1 or
-    OS2), 1.8 m over the road. Raises `FormatError` where the file is something else."""
+    OS2), 1.8 m over the road. Raises `FormatError` if the file is something else."""
     text = read_text(path)
     with named(path):
         return sensor_of_metadata(text)
 
 
 def sensor_of_metadata(text: str) -> Sensor:
-    """As `read_ouster_metadata`, of the text."""
+    """As `read_ouster_metadata`, from its text."""
     fields = _fields(text)
     columns = fields["columns_per_frame"]
     mode = re.fullmatch(r"(\d+)x(\d+)", str(fields.get("lidar_mode")))
@@ -58,7 +58,7 @@ def sensor_of_metadata(text: str) -> Sensor:
 
 
 def _fields(text: str) -> dict[str, Any]:
-    """All fields of metadata, without their groups, with the tables and the number of columns checked."""
+    """All fields of metadata, without their groups; the tables and the number of columns are checked."""
     document = parse_object(text)
     groups = [value for value in document.values() if isinstance(value, dict)]
     fields: dict[str, Any] = {name: value for group in (*groups, document) for name, value in group.items()}
@@ -85,10 +85,10 @@ def _sensor(fields: dict[str, Any], window: tuple[int, int, int], forward: float
         PRESETS[preset],
         name=product.lower(),
         elevations=tuple(elevations[order].tolist()),
-        azimuth_offsets=tuple((-azimuths[order]).tolist()),  # they count clockwise
+        azimuth_offsets=tuple((-azimuths[order]).tolist()),  # Ouster counts clockwise
         origin_forwards=(forward / 1000,) * len(order),
         columns=count,
-        azimuth_start=math.pi - (first - 0.5) * step,  # column w looks to pi - w * step, the middle of its pixel
+        azimuth_start=math.pi - (first - 0.5) * step,  # column w is at pi - w * step, the middle of its pixel
         azimuth_span=count * step,
         sweep_time=count / columns / rate,
         model=MODELS[preset],
@@ -96,11 +96,11 @@ def _sensor(fields: dict[str, Any], window: tuple[int, int, int], forward: float
 
 
 def read_ouster_capture(path: str | os.PathLike[str], frame: int = 0) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """The returns f32 [N, 3] of a whole frame, by its number among those, [m], row by row, and of each `ring` and
-    `column` i64 [N], where it lies in an image of `read_ouster_metadata`, and `intensity` [N], its reflectivity, 0 to
-    255. Of two returns of a firing, the first.
+    """The returns f32 [N, 3] [m] of a whole frame, numbered among those, row by row. Each has `ring` and `column` i64
+    [N], its pixel in an image of `read_ouster_metadata`, and `intensity` [N], its reflectivity, 0 to 255. Of two
+    returns of a firing, the first counts.
 
-    Raises `FormatError` where the capture has no such frame of the sensor of `metadata_beside`."""
+    Raises `FormatError` if the capture has no such frame of the sensor of `metadata_beside`."""
     (sensor, fields), packets, wanted = _packets(path)
     with named(path):
         whole, most = -1, 0
@@ -145,8 +145,8 @@ def _columns(fields: dict[str, Any], sensor: Sensor) -> np.ndarray:
 def _returns(
     sensor: Sensor, fields: dict[str, Any], ranges: np.ndarray, reflectivity: np.ndarray
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """The returns of images [H, W] whose rows are in the order of the tables: millimetres from the sensor's axis along
-    the beam, which leaves the head's rim."""
+    """The returns of images [H, W] with rows in the order of the tables. Ranges are millimetres from the sensor's axis
+    along the beam, which leaves at the head's rim."""
     order = np.argsort(-np.array(fields[_TABLES[0]], np.float64), kind="stable")  # row 0 is the highest
     ranges, reflectivity = ranges[order], reflectivity[order]
     ring, column = np.nonzero(ranges)
@@ -164,7 +164,7 @@ def _returns(
 
 
 def _missing(frame: int, whole: int, most: int, metadata: Path) -> str:
-    """What a message says of a capture without a frame of that number."""
+    """The message for a capture without a frame of that number."""
     if whole:
         return f"there is no whole frame {frame}; it has {whole}, from 0 on"
     if most:
@@ -173,9 +173,9 @@ def _missing(frame: int, whole: int, most: int, metadata: Path) -> str:
 
 
 def osf_frame(path: str | os.PathLike[str], frame: int = 0) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """As `read_ouster_capture`, of a frame of an Ouster's .osf file; of several sensors, the first.
+    """As `read_ouster_capture`, from a frame of an Ouster .osf file; of several sensors, the first.
 
-    Raises `FormatError` where it has no such frame, `MissingExtraError` where ouster-sdk, which reads it, is missing.
+    Raises `FormatError` if it has no such frame, `MissingExtraError` if ouster-sdk, which reads it, is not installed.
     """
     with _opened(path) as (source, text):
         sensor, fields = sensor_of_metadata(text), _fields(text)
@@ -189,7 +189,7 @@ def osf_frame(path: str | os.PathLike[str], frame: int = 0) -> tuple[np.ndarray,
 
 
 def sensor_of_osf(path: str | os.PathLike[str]) -> Sensor:
-    """The sensor of an .osf file, of several the first; raises as `osf_frame`."""
+    """The sensor of an .osf file, the first of several; raises as `osf_frame`."""
     with _opened(path) as (_, text):
         return sensor_of_metadata(text)
 
@@ -210,7 +210,7 @@ def _opened(path: str | os.PathLike[str]) -> Iterator[tuple[Any, str]]:
 
 def metadata_beside(path: str | os.PathLike[str]) -> Path:
     """The metadata of a capture: NAME.json beside NAME.pcap, else the only metadata of an Ouster in its folder. Raises
-    `FormatError` where neither is there."""
+    `FormatError` if there is neither."""
     same = Path(path).with_suffix(".json")
     if same.exists():
         return same

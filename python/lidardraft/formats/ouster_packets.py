@@ -1,4 +1,4 @@
-"""Frames out of captures (.pcap) of an Ouster's packets, by the layouts that its sensor documentation gives.
+"""Frames from captures (.pcap) of an Ouster's packets, in the layouts of its sensor documentation.
 
 Captures are of Ethernet, Linux's "any" or raw IP, with IPv4 datagrams whole or in fragments.
 """
@@ -18,9 +18,9 @@ from lidardraft.errors import FormatError, one_of
 
 _HEAD, _RECORD = 24, 16  # bytes of a capture's header, and of a packet's
 _LONGEST = 2**18  # bytes of a packet
-_MOST_OPEN = 64  # datagrams whose fragments are waited for
+_MOST_OPEN = 64  # incomplete datagrams kept at once
 _LINKS = {1: 14, 101: 0, 113: 16, 228: 0, 276: 20}  # bytes before IP: Ethernet, raw, Linux's two kinds of "any"
-_VALID = 1  # the bit of a column's status: it was measured
+_VALID = 1  # the bit of a column's status that marks it as measured
 _SINGLE = ("<u4", 0x7FFFF, 1, 4, "u1")
 # By profile: type, bits and millimetres of a range, place and type of the reflectivity; bytes of a pixel.
 _PROFILES = {
@@ -33,9 +33,9 @@ _PROFILES = {
 
 @dataclass(frozen=True, slots=True)
 class Packets:
-    """What the packets of a sensor are like: its beams, the columns of a turn and of a packet, and the profile.
+    """The form of a sensor's packets: its beams, the columns of a turn and of a packet, and the profile.
 
-    Raises `FormatError` where the profile is not one that is read."""
+    Raises `FormatError` for an unsupported profile."""
 
     beams: int
     turn: int
@@ -49,7 +49,7 @@ class Packets:
 
     @property
     def is_old(self) -> bool:
-        """Whether they are those of firmware before 2.2, without headers."""
+        """Whether they are of firmware before 2.2, without headers."""
         return self.profile == "LEGACY"
 
     def column(self) -> np.dtype:
@@ -64,8 +64,8 @@ class Packets:
         return np.dtype({"names": names, "formats": formats, "offsets": offsets, "itemsize": whole})
 
     def frames(self, path: str | os.PathLike[str]) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
-        """Of each turn the ranges [beams, turn] in millimetres, 0 where there is none, the reflectivities, and which
-        columns [turn] were measured."""
+        """For each turn the ranges [beams, turn] in millimetres, 0 for no return, the reflectivities, and whether each
+        of the columns [turn] was measured."""
         kind, head = self.column(), 0 if self.is_old else 32
         _, mask, unit, *_ = _PROFILES[self.profile][0]
         size = 2 * head + self.columns * kind.itemsize
@@ -73,7 +73,7 @@ class Packets:
         with Path(path).open("rb") as file:
             for payload in _payloads(file):
                 if len(payload) != size:
-                    continue  # of the inertial unit, or of something else
+                    continue  # from the inertial unit, or of another kind
                 columns = np.frombuffer(payload, kind, self.columns, head)
                 number = int(columns["frame"][0]) if self.is_old else int.from_bytes(payload[2:4], "little")
                 if now is not None and number != now:
@@ -95,7 +95,7 @@ class Packets:
 
 
 def _payloads(file: BinaryIO) -> Iterator[bytes]:
-    """The payloads of UDP in a capture; a truncated one ends before the missing part."""
+    """The UDP payloads of a capture; a truncated one ends before the missing part."""
     head = file.read(_HEAD)
     order = {b"\xd4\xc3\xb2\xa1": "<", b"\x4d\x3c\xb2\xa1": "<", b"\xa1\xb2\xc3\xd4": ">", b"\xa1\xb2\x3c\x4d": ">"}
     if head[:4] == b"\x0a\x0d\x0d\x0a":
@@ -117,8 +117,8 @@ def _payloads(file: BinaryIO) -> Iterator[bytes]:
 
 
 def _datagram(packet: bytes, waiting: dict[tuple[bytes, bytes], dict[int, tuple[bytes, bool]]]) -> bytes | None:
-    """The UDP datagram that a packet of IPv4 is, or is the last missing fragment of."""
-    if packet[:2] == b"\x08\x00" and packet[2:3] == b"\x45":  # a tag of a VLAN stood before
+    """The UDP datagram of an IPv4 packet, if the packet holds it whole or completes its fragments; else None."""
+    if packet[:2] == b"\x08\x00" and packet[2:3] == b"\x45":  # after a VLAN tag
         packet = packet[2:]
     if len(packet) < 28 or packet[0] >> 4 != 4 or packet[9] != 17:
         return None

@@ -1,4 +1,4 @@
-"""Pairs to learn from: a folder of shards with scans, condition images and simulated scans of the same places, compact,
+"""Training pairs: a folder of shards with scans, condition images and simulated scans of the same places; compact,
 whole or absent."""
 
 from __future__ import annotations
@@ -24,8 +24,8 @@ from lidardraft.semantics import CLASSES
 SCHEMA = "lidardraft.pairs/4"
 SHARD = 64  # pairs a file
 _LARGEST_SHARD = 2**16  # pairs that an index may claim
-DEPTH_STEP = 0.002  # m, what a depth of 1 in the uint16 images stands for: up to 131 m, what is further is 131 m
-INTENSITY_STEP = 1 / 255  # what an intensity of 1 in the uint8 images stands for
+DEPTH_STEP = 0.002  # m, the unit of depth in the uint16 images; up to 131 m, and anything further is 131 m
+INTENSITY_STEP = 1 / 255  # the unit of intensity in the uint8 images
 IMAGES = {
     "scan_depth": np.uint16,
     "scan_label": np.uint8,
@@ -38,7 +38,7 @@ IMAGES = {
 
 _NOTES = "notes.json"
 _CLASSES = [row.name for row in CLASSES]
-# Noise does not get smaller: a scan's ranges and intensities are stored as they are.
+# Noise does not compress: a scan's ranges and intensities are stored uncompressed.
 _COMPRESSED = ("scan_label", "condition_depth", "condition_label")
 
 Images = dict[str, np.ndarray]
@@ -46,7 +46,7 @@ Notes = list[dict[str, Any]]
 
 
 class Pair(NamedTuple):
-    """A scan, and what a layout of the same place says: its condition image and its simulated scan."""
+    """A scan, and the condition image and simulated scan that a layout of the same place gives."""
 
     scan: RangeImage
     condition_image: RangeImage
@@ -54,8 +54,8 @@ class Pair(NamedTuple):
 
     @classmethod
     def from_compact(cls, sensor: Sensor, images: Images) -> Pair:
-        """The pair of compact images [H, W], named as in `IMAGES`; instances, and labels of the simulated scan, are
-        not kept."""
+        """The pair of compact images [H, W], named as in `IMAGES`; instances, and labels of the simulated scan, are not
+        kept."""
         none = np.zeros(sensor.shape, dtype=np.uint32)
 
         def image_of(name: str) -> RangeImage:
@@ -71,8 +71,7 @@ class Pair(NamedTuple):
         return cls(image_of("scan"), image_of("condition"), image_of("simulated"))
 
     def compact(self) -> Images:
-        """The images that are stored, named and typed as in `IMAGES`. Raises `FormatError` if an intensity is not
-        finite."""
+        """The stored images, named and typed as in `IMAGES`. Raises `FormatError` if an intensity is not finite."""
         if not all(image.intensity is None or np.isfinite(image.intensity).all() for image in self):
             raise FormatError("a pair holds an intensity that is not finite")
         images = {"scan": self.scan, "condition": self.condition_image, "simulated": self.simulated}
@@ -83,7 +82,7 @@ NotedPair = tuple[Pair, dict[str, Any]]
 
 
 class PairIndex(NamedTuple):
-    """What the index.json of a folder says: the sensor of the pairs, their source, and how many each shard holds."""
+    """The index.json of a folder: the sensor of the pairs, their source, and the number of pairs in each shard."""
 
     folder: Path
     sensor: Sensor
@@ -92,7 +91,7 @@ class PairIndex(NamedTuple):
 
     @classmethod
     def load(cls, folder: Path) -> PairIndex:
-        """The index of a folder; raises `FormatError` where it is missing or broken."""
+        """The index of a folder; raises `FormatError` if it is missing or broken."""
         path = folder / "index.json"
         text = read_text(path)
         with named(path):
@@ -122,18 +121,18 @@ class PairIndex(NamedTuple):
 
 
 def pairs_on_disk(directory: str | os.PathLike[str], *, source: str = "") -> int:
-    """How many pairs a folder holds: 0 where there is no index. A seeded source goes on from here.
+    """The number of pairs in a folder, 0 without an index. A seeded source goes on from here.
 
-    Raises `FormatError` where they came from another `source`.
+    Raises `FormatError` if they are from another `source`.
     """
     index = _index_of_source(Path(directory), source)
     return sum(index.counts) if index else 0
 
 
 def notes_on_disk(directory: str | os.PathLike[str], sensor: Sensor, *, source: str = "") -> Notes:
-    """What was noted of each pair that a folder holds; nothing where there is no index.
+    """The notes on each pair of a folder; an empty list without an index.
 
-    Raises `FormatError` where they came from another `source` or are of another sensor.
+    Raises `FormatError` if they are from another `source` or another sensor.
     """
     index = _index_of_source(Path(directory), source)
     if index is None:
@@ -150,15 +149,15 @@ def notes_on_disk(directory: str | os.PathLike[str], sensor: Sensor, *, source: 
 def write_pairs(
     directory: str | os.PathLike[str], pairs: Iterable[NotedPair], *, source: str = "", start: int | None = None
 ) -> Iterator[int]:
-    """Add pairs of one sensor, each with a note, to a folder, yielding the number of pairs on disk after each
-    shard.
+    """Add pairs of one sensor, each with a note, to a folder; yields the number of pairs on disk after each shard.
 
-    A note holds what JSON can, such as the style of the coarse layout.
-    `source` says in words where the pairs come from; a folder holds those of one source and sensor, else `FormatError`.
-    `start` is how many pairs the folder must hold already: `FormatError` where another process has added some since
-    they were counted. One process at a time can write to a folder, the others get a `FormatError`.
-    Shards hold `SHARD` pairs, the last one fewer. The index is written last: what is interrupted leaves the folder as
-    it was after the shard before.
+    A note is any JSON value, such as the style of the coarse layout. `source` describes the origin of the pairs; a
+    folder holds pairs of one source and sensor, else `FormatError`. `start` is the number of pairs that the folder must
+    hold already: `FormatError` if another process has added some since they were counted. One process at a time can
+    write to a folder; others get a `FormatError`.
+
+    Shards hold `SHARD` pairs, the last one fewer. The index is written last, so an interruption leaves the folder as it
+    was after the previous shard.
     """
     folder = Path(directory)
     folder.mkdir(parents=True, exist_ok=True)
@@ -183,12 +182,12 @@ def write_pairs(
 
 
 def is_shard(path: str | os.PathLike[str]) -> bool:
-    """Whether an .npz file is a shard of pairs, as far as its names of images tell; raises `FormatError`."""
+    """Whether an .npz file is a shard of pairs, judged by its names of images; raises `FormatError`."""
     return set(IMAGES).issubset(array_files.names_in(path))
 
 
 def read_shard(path: str | os.PathLike[str]) -> list[NotedPair]:
-    """The pairs of one file of a folder, whose index says their sensor; raises `FormatError`."""
+    """The pairs of one file of a folder, whose index names their sensor; raises `FormatError`."""
     shard = Path(path)
     index = PairIndex.load(shard.parent)
     names = [_shard_path(shard.parent, number).name for number in range(len(index.counts))]
@@ -200,7 +199,7 @@ def read_shard(path: str | os.PathLike[str]) -> list[NotedPair]:
 
 
 def _index_of_source(folder: Path, source: str) -> PairIndex | None:
-    """The index of a folder of pairs of that source; None where there is none yet."""
+    """The index of a folder of pairs of that source; None if there is none yet."""
     if not (folder / "index.json").exists():
         return None
     index = PairIndex.load(folder)
@@ -219,7 +218,7 @@ def _compact_intensity(image: RangeImage) -> np.ndarray:
 
 
 def _compact_depth(image: RangeImage) -> np.ndarray:
-    # the furthest that fits is beyond what a network tells apart (`codec.MAX_DEPTH`)
+    # the furthest that fits is beyond the range that a network distinguishes (`codec.MAX_DEPTH`)
     steps = np.minimum(np.rint(image.depth / DEPTH_STEP), 65535)
     return np.where(image.valid, np.maximum(steps, 1), 0).astype(np.uint16)
 
@@ -228,7 +227,7 @@ _COMPACT = {"depth": _compact_depth, "label": lambda image: image.label, "intens
 
 
 def _write(path: Path, images: Images, notes: Notes) -> None:
-    """An .npz file with the images that are worth it compressed, and the notes."""
+    """Write an .npz file of the images and notes; images that gain from it are compressed."""
     with written_whole(path) as temporary, zipfile.ZipFile(temporary, "w", compresslevel=1) as archive:
         for name, image in images.items():
             archive.compression = zipfile.ZIP_DEFLATED if name in _COMPRESSED else zipfile.ZIP_STORED

@@ -1,9 +1,9 @@
 """PandaSet (Xiao et al., ITSC 2021): folders NNN with lidar/, annotations/cuboids/ and annotations/semseg/, tables of
 pandas.
 
-Points and cuboids are in the world, each point by where the vehicle was at its time; lidar/poses.json and
-timestamps.json say where it was at the end of each sweep, in a frame with x to the right, y ahead and z up. Sweeps are
-of a Pandar64 and of a PandarGT, which looks ahead and is left out.
+Points and cuboids are in the world frame, each point by the vehicle's pose at its time. lidar/poses.json and
+timestamps.json hold the poses at the end of each sweep, in a frame with x to the right, y ahead and z up. Sweeps are of
+a Pandar64 and of a forward PandarGT, which is left out.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from lidardraft.scene.box import Box
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
 
-# Our class of each of theirs, from 1 on.
+# The class of each of PandaSet's labels, from 1 on.
 CLASSES = {
     "Smoke": "none",
     "Exhaust": "none",
@@ -71,8 +71,8 @@ CLASSES = {
 LABELS = np.array([0, *(BY_NAME[name].id for name in CLASSES.values())], dtype=np.uint8)  # our ids by theirs
 _PANDAR64, _PANDAR_GT = 0, 1  # in columns d and cuboids.sensor_id; -1 is both
 _HALF_SWEEP = 0.05  # s; a sweep ends at its time
-# The Pandar64 in the frame of the poses, in metres and its axes as columns. From here points lie nearest to its beams,
-# 0.006 degrees off (0.06 from the origin), in both drives that were measured, 001 and 002.
+# The Pandar64 in the frame of the poses, in metres and its axes as columns. Seen from here, points are nearest to its
+# beams: 0.006 degrees off (0.06 from the origin), in both drives that were measured, 001 and 002.
 _PLACE = (0.0, 0.82, 1.86)
 _UP = math.radians(0.9)
 _TURN = np.array([(0.0, -1.0, 0.0), (math.cos(_UP), 0.0, -math.sin(_UP)), (math.sin(_UP), 0.0, math.cos(_UP))])
@@ -85,9 +85,10 @@ def sweeps_of(root: str | os.PathLike[str]) -> list[Path]:
 
 def read_sweep(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """Points f32 [N, 3] of the Pandar64, in its frame in the middle of the sweep; `intensity`, 0 to 255, `ring` i64
-    and, where the drive has annotations/semseg, `label` u8 [N].
+    and, if the drive has annotations/semseg, `label` u8 [N].
 
-    The laser of a point is the one that looked its way from where the sensor was then. Raises `FormatError`.
+    The laser of a point is the one with the elevation of the point, seen from the sensor's place at its time. Raises
+    `FormatError`.
     """
     path = Path(path).absolute()
     table = _table(path, "x", "y", "z", "i", "t", "d")
@@ -105,7 +106,7 @@ def read_sweep(path: str | os.PathLike[str]) -> tuple[np.ndarray, dict[str, np.n
 
 
 def boxes_of(sweep: Path) -> list[Box]:
-    """Those of `read_cuboids` of a sweep; none where the data set has none of it."""
+    """The boxes of a sweep (`read_cuboids`); an empty list if the data set has none of it."""
     path = sweep.parents[1] / "annotations" / "cuboids" / sweep.name
     return read_cuboids(path) if path.exists() else []
 
@@ -151,7 +152,7 @@ def _read_semseg(path: Path, count: int) -> np.ndarray:
 
 
 def _table(path: Path, *columns: str) -> dict[str, np.ndarray]:
-    """A table in which these columns are there and of finite numbers."""
+    """A table that has these columns, of finite numbers."""
     table = read_pickled_table(path)
     for column in columns:
         if column not in table or table[column].dtype.kind not in "fi" or not np.isfinite(table[column]).all():
@@ -160,7 +161,7 @@ def _table(path: Path, *columns: str) -> dict[str, np.ndarray]:
 
 
 def _seen_from(pose: np.ndarray, world: np.ndarray) -> np.ndarray:
-    """Points [N, 3] of the world in the frame of the Pandar64, the vehicle being at `pose` [7] or [N, 7]."""
+    """Points [N, 3] of the world in the frame of the Pandar64, with the vehicle at `pose` [7] or [N, 7]."""
     seen: np.ndarray = (_turned_back(pose, world - pose[..., :3]) - _PLACE) @ _TURN
     return seen
 
@@ -173,7 +174,7 @@ def _turned_back(pose: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 
 
 def _middle(path: Path, drive: Path) -> np.ndarray:
-    """The pose [7] in the middle of the sweep that a file is of."""
+    """The pose [7] in the middle of the sweep of a file."""
     times, number = _drive(drive)[0], path.name.removesuffix(".pkl.gz")
     if not number.isdecimal() or int(number) >= len(times):
         raise FormatError(f"{path}: the drive has poses of sweeps 0 to {len(times) - 1}, none of {number}")
@@ -181,7 +182,7 @@ def _middle(path: Path, drive: Path) -> np.ndarray:
 
 
 def _poses_at(drive: Path, times: np.ndarray) -> np.ndarray:
-    """Where the vehicle was at times [...]: x y z, and a quaternion w x y z of length 1; [..., 7]."""
+    """The vehicle's poses at times [...]: x y z, and a unit quaternion w x y z; [..., 7]."""
     known, poses = _drive(drive)
     found = np.stack([np.interp(times, known, column) for column in poses.T], axis=-1)
     found[..., 3:] /= np.linalg.norm(found[..., 3:], axis=-1, keepdims=True)
@@ -205,5 +206,5 @@ def _drive(folder: Path) -> tuple[np.ndarray, np.ndarray]:
         if times.shape != (len(poses),) or not len(poses) or not (np.diff(times) > 0).all():
             raise FormatError(f"it must hold a time for each of the {len(poses)} poses, the later the larger")
     opposite = (poses[1:, 3:] * poses[:-1, 3:]).sum(axis=1) < 0
-    poses[1:, 3:] *= np.cumprod(np.where(opposite, -1.0, 1.0))[:, None]  # q and -q turn alike
+    poses[1:, 3:] *= np.cumprod(np.where(opposite, -1.0, 1.0))[:, None]  # q and -q are one rotation
     return times, poses

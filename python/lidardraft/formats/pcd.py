@@ -1,7 +1,7 @@
 """Point cloud files of the Point Cloud Library: PCD 0.7, text, binary and compressed.
 
-A header of lines names the fields; then come lines of numbers, records, or columns packed with LZF (Lehmann's
-LibLZF, which PCL uses). `_` fields are padding.
+A header of lines names the fields; then come lines of numbers, records, or columns packed with LZF (Lehmann's LibLZF,
+which PCL uses). Fields `_` are padding.
 """
 
 from __future__ import annotations
@@ -29,16 +29,16 @@ _TYPES = {
 _LONGEST_HEADER = 100_000  # bytes; a real one has a few hundred
 _MOST_VALUES = 2**16  # of one point
 _LONGEST_TEXT = 2**24  # bytes, half a million points of CARLA; to read them takes a second
-_MOST_RUNS = 2_000_000  # pieces that packed points come in
+_MOST_RUNS = 2_000_000  # pieces of packed points
 _PADDING = "_"
-_UNIT = 0.01  # from 1, of the length of a quaternion in few digits
+_UNIT = 0.01  # the largest deviation from 1 of the length of a quaternion with few digits
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PointFile:
-    """Columns by name, each [N], or [N, count] where a field has several values; `width` and `height` of an organised
-    cloud, 0 where the header does not say. `viewpoint` [7] is the sensor's pose in the frame of the points, x y z [m]
-    and a quaternion w x y z, None where that is their origin."""
+    """Columns by name, each [N], or [N, count] for a field with several values; `width` and `height` of an organised
+    cloud, 0 if the header lacks them. `viewpoint` [7] is the sensor's pose in the frame of the points, x y z [m] and a
+    quaternion w x y z; None if it is the origin."""
 
     columns: dict[str, np.ndarray]
     width: int
@@ -47,14 +47,14 @@ class PointFile:
 
 
 def read_pcd(path: str | os.PathLike[str]) -> PointFile:
-    """What a file holds; raises `FormatError` where it is missing, truncated or has no PCD header."""
+    """The content of a file; raises `FormatError` if it is missing, truncated or has no PCD header."""
     data = read_bytes(path)
     with named(path):
         return parse_pcd(data)
 
 
 def parse_pcd(data: bytes) -> PointFile:
-    """As `read_pcd`, of the bytes of a file."""
+    """As `read_pcd`, from the bytes of a file."""
     header, body = _header(data)
     record, points, form = _record(header), _number("POINTS", header["POINTS"]), " ".join(header["DATA"])
     if form == "ascii":
@@ -103,30 +103,30 @@ def text_records(text: bytes, record: np.dtype, count: int) -> np.ndarray:
     if len(text) > _LONGEST_TEXT:
         raise FormatError(f"{len(text)} bytes of points as text; up to {_LONGEST_TEXT} are read")
     with warnings.catch_warnings(), expecting("a table of numbers"):
-        warnings.simplefilter("ignore")  # numpy's, of a text without numbers
+        warnings.simplefilter("ignore")  # numpy's, on a text without numbers
         lines = io.BytesIO(re.sub(rb"\.0+(?!\S)", b"", text))  # whole numbers may be written as 6.0
         table: np.ndarray = np.loadtxt(lines, record, comments=None, max_rows=count, ndmin=1, encoding="latin-1")
     if len(table) < count:
-        raise FormatError(f"{count} points are announced, and {len(table)} lines of numbers are there")
+        raise FormatError(f"{count} points are announced, but {len(table)} lines of numbers are there")
     return table
 
 
 def binary_records(body: bytes, record: np.dtype, count: int) -> np.ndarray:
-    """The records [count] that bytes begin with; raises `FormatError`."""
+    """The records [count] at the start of some bytes; raises `FormatError`."""
     if len(body) < count * record.itemsize:
         raise FormatError(f"{len(body)} bytes of points; {count} need {count * record.itemsize}")
     return np.frombuffer(body, dtype=record, count=count)
 
 
 def _record(header: dict[str, list[str]]) -> np.dtype:
-    """One point: each field under its number, for names may be the same (padding)."""
+    """The type of one point: fields are named by number, as their names may repeat (padding)."""
     fields, counts = header["FIELDS"], [_number("COUNT", [count]) for count in header["COUNT"]]
     if not fields or not len(fields) == len(header["SIZE"]) == len(header["TYPE"]) == len(counts):
         raise FormatError("FIELDS, SIZE, TYPE and COUNT must have one value for each field")
     named_fields = [field for field in fields if field != _PADDING]
     if twice := [field for field in named_fields if named_fields.count(field) > 1]:
         raise FormatError(f"FIELDS names {twice[0]!r} twice")
-    if not 0 < sum(counts) <= _MOST_VALUES:  # PCL writes fields of no value, which have no bytes
+    if not 0 < sum(counts) <= _MOST_VALUES:  # PCL writes fields of count 0, without bytes
         raise FormatError(f"COUNT is {' '.join(header['COUNT'])}; all are 1 to {_MOST_VALUES}")
     types = list(zip(header["TYPE"], header["SIZE"], strict=True))
     for kind, size in types:
@@ -136,7 +136,8 @@ def _record(header: dict[str, list[str]]) -> np.dtype:
 
 
 def _viewpoint(words: list[str]) -> np.ndarray | None:
-    """The pose of the sensor, None if it is the origin; without a turn where some writers leave only zeros."""
+    """The pose of the sensor, None if it is the origin; zeros in place of a quaternion, as some writers leave, mean no
+    rotation."""
     with named("VIEWPOINT"):
         pose = np.array(numbers_of(words or ["0"] * 7, 7))
         length = np.linalg.norm(pose[3:])
@@ -221,7 +222,7 @@ def _unpacked(packed: bytes, size: int) -> bytes:
                 raise IndexError
             if back >= length:
                 out += out[start : start + length]
-            else:  # the copy runs into what it writes
+            else:  # the copy may overlap its own output
                 out += (out[start:] * (length // back + 1))[:length]
     except IndexError:
         raise FormatError("the packed points are broken") from None

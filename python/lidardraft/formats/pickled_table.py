@@ -1,7 +1,7 @@
 """Tables of pandas in `.pkl.gz` files, read as data.
 
-A pickle is a program that may call anything. Here it calls nothing: what it would call stays a record of a name, its
-arguments and its state, and the columns are taken from the records that pandas 0.24 to 1.2 leave.
+A pickle is a program that may call anything. Here it calls nothing: each call is recorded as a name, arguments and a
+state. The columns are taken from the records that pandas 0.24 to 1.2 leave.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _CONSTANTS = {"NONE": None, "NEWTRUE": True, "NEWFALSE": False, "EMPTY_TUPLE": (
 
 @dataclass(slots=True, eq=False)
 class _Record:
-    """What a pickle names, the arguments it would call that with, and the state it would give the result."""
+    """A recorded call of a pickle: the name, the arguments, and the state for the result."""
 
     name: str
     arguments: Any = None
@@ -33,9 +33,9 @@ class _Record:
 
 
 def read_pickled_table(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:
-    """The columns [N] of a table by their names: numbers, or objects that are texts, numbers or None.
+    """The columns [N] of a table by name: numbers, or objects that are texts, numbers or None.
 
-    Raises `FormatError` where the file is broken, holds anything but such a table, or unpacks to more than any sweep.
+    Raises `FormatError` if the file is broken, holds anything but such a table, or unpacks to more than any sweep.
     """
     data = read_bytes(path)
     with named(path), expecting("a table of pandas 0.24 to 1.2 in a whole .pkl.gz file"):
@@ -47,7 +47,7 @@ def read_pickled_table(path: str | os.PathLike[str]) -> dict[str, np.ndarray]:
 
 
 def _result(program: bytes) -> Any:
-    """What a pickle would make, with records in place of all that it would call."""
+    """The result of a pickle, with records in place of all its calls."""
     stack, marked, memo = list[Any](), list[list[Any]](), dict[Any, Any]()
     for number, (step, argument, _) in enumerate(pickletools.genops(program)):
         if number == _MOST_STEPS:
@@ -106,7 +106,7 @@ def _columns(table: _Record) -> dict[str, np.ndarray]:
 
 
 def _array(record: _Record) -> np.ndarray:
-    """An array of numbers in bytes, or of objects in a list."""
+    """An array from numbers in bytes, or from objects in a list."""
     _, shape, kind, by_columns, content = record.state
     dtype = np.dtype(kind.state[1] + kind.arguments[0])
     if dtype.kind == "O":

@@ -1,4 +1,4 @@
-"""Photographs, JPEG, PNG or WebP: pixels, and the focal length that the camera wrote down."""
+"""Photographs, JPEG, PNG or WebP: pixels, and the focal length that the camera recorded."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ from PIL import ExifTags, Image, ImageOps, UnidentifiedImageError
 from lidardraft.errors import FormatError
 from lidardraft.files import expecting, named, read_bytes
 
-MAX_PIXELS = 52_000_000  # more than cameras have that take one picture at a time
+MAX_PIXELS = 52_000_000  # more than cameras that take one picture at a time
 _KINDS = ("JPEG", "PNG", "WEBP")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Picture:
-    """Pixels u8 [H, W, 3], upright, and the focal length [mm] as of film of 36 x 24 mm, where the file says it."""
+    """Pixels u8 [H, W, 3], upright, and the focal length [mm] on film of 36 x 24 mm, if the file has it."""
 
     pixels: np.ndarray
     film_focal_length: float | None = None
@@ -29,8 +29,8 @@ class Picture:
 def read_picture(path: str | os.PathLike[str]) -> Picture:
     """The picture of a file, turned as its EXIF data say.
 
-    Raises `FormatError` on what is not a picture, a truncated one, or one of more than `MAX_PIXELS`; its header is read
-    before memory is taken for it.
+    Raises `FormatError` if the file is not a picture, is truncated, or has more than `MAX_PIXELS`; the header is read
+    before memory is allocated.
     """
     with opened_picture(path) as image:
         if image.mode[:1] in "IF":
@@ -42,11 +42,11 @@ def read_picture(path: str | os.PathLike[str]) -> Picture:
 
 
 def opened_picture(path: str | os.PathLike[str]) -> Image.Image:
-    """Pillow's image of a file, with its pixels, as they are stored; raises `FormatError` as `read_picture` does."""
+    """Pillow's image of a file with its pixels as stored; raises `FormatError` as `read_picture` does."""
     data = read_bytes(path)
     with named(path):
         with warnings.catch_warnings(), expecting("a whole picture (JPEG, PNG or WebP)"):
-            warnings.simplefilter("ignore")  # Pillow's, of many pixels and of odd metadata
+            warnings.simplefilter("ignore")  # Pillow's, on many pixels and odd metadata
             image = _image_of(data)
             if math.prod(image.size) <= MAX_PIXELS:
                 image.load()
@@ -68,6 +68,6 @@ def _film_focal_length(image: Image.Image) -> float | None:
         try:
             found = image.getexif().get_ifd(ExifTags.IFD.Exif).get(ExifTags.Base.FocalLengthIn35mmFilm)
             length = float(found) if found is not None else 0.0
-        except Exception:  # as with the picture itself, Pillow raises what it meets
+        except Exception:  # as for the picture itself, Pillow raises any error
             return None
-    return length if math.isfinite(length) and length > 0 else None  # 0 says that it is not known
+    return length if math.isfinite(length) and length > 0 else None  # 0 means unknown

@@ -25,7 +25,7 @@ _LONGEST_HEADER = 100_000  # bytes; a real one has a few hundred
 
 
 def read_ply(path: str | os.PathLike[str]) -> np.ndarray:
-    """The vertices of a file as records [N] of its fields. Raises `FormatError` where it is missing, truncated, or does
+    """The vertices of a file as records [N] of its fields. Raises `FormatError` if it is missing, truncated, or does
     not begin with vertices of numbers."""
     data = read_bytes(path)
     with named(path):
@@ -33,7 +33,7 @@ def read_ply(path: str | os.PathLike[str]) -> np.ndarray:
 
 
 def parse_ply(data: bytes) -> np.ndarray:
-    """As `read_ply`, of the bytes of a file."""
+    """As `read_ply`, from the bytes of a file."""
     head, end, body = data[:_LONGEST_HEADER].partition(b"end_header")
     lines = [line.split() for line in head.decode("latin-1").splitlines()]
     form = next((line[1] for line in lines if len(line) == 3 and line[0] == "format"), "")
@@ -47,7 +47,7 @@ def parse_ply(data: bytes) -> np.ndarray:
 
 
 def _record(lines: list[list[str]], order: str) -> tuple[np.dtype, int]:
-    """The type of a vertex, and how many there are."""
+    """The type of a vertex, and the number of vertices."""
     words = [line for line in lines if line[:1] in (["element"], ["property"])]
     if not words or not re.fullmatch("element vertex [0-9]{1,9}", " ".join(words[0])):
         raise FormatError("the first element must be vertex, with the number of them")

@@ -1,4 +1,4 @@
-"""The fields of ROS 2's sensor_msgs/PointCloud2, as values: records of points become them, and they become columns."""
+"""The fields of ROS 2's sensor_msgs/PointCloud2, as values: from records of points, and to columns."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ _SHORTEST = 1e6  # ns
 
 
 def cloud_fields(frame: Frame) -> dict[str, Any]:
-    """All of a PointCloud2 but its header: `fields` are rows of name, offset, datatype and count."""
+    """All of a PointCloud2 except its header: `fields` are rows of name, offset, datatype and count."""
     packed = point_records(frame)
-    records = packed.astype(np.dtype(packed.dtype.descr, align=True))  # as readers in C++ want numbers to lie
+    records = packed.astype(np.dtype(packed.dtype.descr, align=True))  # the alignment that readers in C++ need
     rows = {name: (_CODES[kind.str[1:]], offset) for name, (kind, offset, *_) in (records.dtype.fields or {}).items()}
     fields = [{"name": name, "offset": at, "datatype": code, "count": 1} for name, (code, at) in rows.items()]
     step = records.dtype.itemsize
@@ -31,23 +31,23 @@ def cloud_fields(frame: Frame) -> dict[str, Any]:
 
 
 def cloud_columns(cloud: Any) -> dict[str, np.ndarray]:
-    """The columns [N] of a message by name, [N, count] of a field with several values; padding is left out.
+    """The columns [N] of a message by name, [N, count] for a field with several values; padding is left out.
 
-    Raises `FormatError` where its sizes, types or names contradict each other.
+    Raises `FormatError` if its sizes, types or names contradict each other.
     """
     order, step, width, height = "<>"[bool(cloud.is_bigendian)], cloud.point_step, cloud.width, cloud.height
     fields = [field for field in cloud.fields if field.name.strip("_")]
     names = [field.name for field in fields]
     if twice := {name for name in names if names.count(name) > 1}:
-        raise FormatError(f"the field {min(twice)} is there twice")
+        raise FormatError(f"the field {min(twice)} occurs twice")
     formats = list[tuple[str, int]]()
     for field in fields:
         if field.datatype not in _KINDS:
             raise FormatError(f"the field {field.name} has datatype {field.datatype}; it must be 1 to 8")
-        formats.append((order + _KINDS[field.datatype], max(1, field.count)))  # old drivers say 0 of one value
+        formats.append((order + _KINDS[field.datatype], max(1, field.count)))  # old drivers write 0 for one value
         if field.offset + formats[-1][1] * np.dtype(formats[-1][0]).itemsize > step:
             raise FormatError(f"the field {field.name} goes over the {step} bytes of a point")
-    line = width * step if height == 1 else cloud.row_step  # of one row, drivers say anything
+    line = width * step if height == 1 else cloud.row_step  # for one row, drivers write anything
     if not height * width * step:
         raise FormatError("the cloud has no points")
     if height * width * step > _MOST_BYTES or line < width * step or height * line > len(cloud.data):
@@ -63,8 +63,8 @@ def cloud_columns(cloud: Any) -> dict[str, np.ndarray]:
 def sweep_middle(columns: dict[str, np.ndarray]) -> tuple[float, bool] | None:
     """The middle of the times of points [s], and whether it counts from the stamp of the cloud.
 
-    Whole numbers are nanoseconds. Numbers with a point are seconds if they span a second or less, nanoseconds from a
-    million on; None where there is neither, or no times."""
+    Whole numbers are nanoseconds. Floats are seconds if they span a second or less, and nanoseconds if they span a
+    million or more. None for any other span, for a sweep longer than a second, and without times."""
     name = next((name for name in _TIMES if name in columns and columns[name].ndim == 1), None)
     if name is None:
         return None

@@ -1,7 +1,7 @@
-"""The fields of points: what files call them, and the scales of intensities.
+"""The fields of points: their names in files, and the scales of intensities.
 
-The scale is the number that stands for an intensity of 1. It is known of some formats and of whole numbers; it is never
-guessed from the largest value of a scan.
+The scale is the number for an intensity of 1. It is known for some formats and for whole numbers; it is never guessed
+from the largest value of a scan.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from lidardraft.errors import FormatError
 from lidardraft.json_fields import is_number
 
-# The names of a field, in lower case; the first that a file has counts. CloudCompare puts `scalar_` before each.
+# The names of a field, in lower case; the first one found in a file counts. CloudCompare puts `scalar_` before each.
 NAMES = {
     **{axis: (axis,) for axis in "xyz"},
     "intensity": ("intensity", "reflectivity", "reflectance", "remission", "signal", "i"),
@@ -24,11 +24,11 @@ NAMES = {
 SCALES = dict.fromkeys((".pcd.bin", ".pkl.gz", ".pcap", ".osf"), 255.0) | {".bin": 1.0}
 SCALES |= {"uint8": 255.0, "uint16": 65535.0}
 _LIKELY = (255.0, 4095.0, 65535.0)
-_MOST_CLIPPED = 0.01  # of the intensities may be over their scale
+_MOST_CLIPPED = 0.01  # the largest share of intensities over their scale
 
 
 def named_fields(names: list[str]) -> dict[str, str]:
-    """The fields of `NAMES` that there are, with their names in the file."""
+    """The fields of `NAMES` found among the names, with their names in the file."""
     plain = {name.lower().removeprefix("scalar_"): name for name in reversed(names)}
     found = {field: next((plain[name] for name in known if name in plain), None) for field, known in NAMES.items()}
     return {field: name for field, name in found.items() if name is not None}
@@ -37,10 +37,11 @@ def named_fields(names: list[str]) -> dict[str, str]:
 def unit_intensity(
     values: np.ndarray, scale: float | None, *, of: str | os.PathLike[str], returned: np.ndarray | slice = slice(None)
 ) -> np.ndarray:
-    """Intensities f32 [N] in 0 to 1, of `values` [N], those of returns where `returned` bool [N]; `of` names the scan.
+    """Intensities f32 [N] in 0 to 1 from `values` [N]; only those of returns count if `returned` bool [N] is given.
+    `of` is the name of the scan in messages.
 
-    Without a `scale` it is that of whole numbers, or 1. Of values over it, 1 % or less are clipped, which is a
-    `UserWarning`. Raises `FormatError` where there are more: nothing says their scale.
+    Without a `scale` it is that of whole numbers, or 1. If 1 % of the values or fewer exceed it, they are clipped, with
+    a `UserWarning`. Raises `FormatError` if more do: then the scale is unknown.
     """
     if scale is not None and not (is_number(scale) and scale > 0):
         raise FormatError(f"intensity_scale is {scale!r}; it must be a number over 0")
@@ -53,7 +54,7 @@ def unit_intensity(
         raise FormatError(f"{held}; give their scale as --intensity-scale (intensity_scale), likely {likely:g}")
     if scale is None and values.dtype == np.uint16 and most > 0 and likely < known:
         said = f"intensities of 16 bits are divided by {known:g}, but the largest is {most:g}"
-        warnings.warn(f"{os.fspath(of)}: {said}: give --intensity-scale {likely:g} if that stands for 1", stacklevel=2)
+        warnings.warn(f"{os.fspath(of)}: {said}: give --intensity-scale {likely:g} if that means 1", stacklevel=2)
     if over:
         said = f"{over} of {len(seen)} intensities are over {known:g}, at most {most:.9g}; they are clipped"
         warnings.warn(f"{os.fspath(of)}: {said}", stacklevel=2)

@@ -1,8 +1,8 @@
-"""Recorded scans of one sensor: points whose lasers are known.
+"""Recorded scans of one sensor: points with known lasers.
 
-Which laser took a point is known from the order of KITTI's files (laser by laser, each once around), from a field
-`ring`, or from the rows of an organised cloud. It is not guessed from elevations: in the frame of a vehicle, or with
-its motion taken out, the points of one laser have many.
+The laser of a point is known from the order of KITTI's files (laser by laser, each once around), from a field `ring`,
+or from the rows of an organised cloud. It is not guessed from elevations: the points of one laser have many, in the
+frame of a vehicle or with its motion taken out.
 """
 
 from __future__ import annotations
@@ -36,21 +36,21 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import NUM_CLASSES
 
-_NEAREST = 0.1  # m: what is nearer is not a return (zeros stand for those of organised clouds)
+_NEAREST = 0.1  # m: nearer points are not returns (organised clouds hold zeros for missing ones)
 _MOST_LASERS = 512
 _MOST_POINTS = 2**22  # of a scan; the largest sensors have half a million
-LOG_ENDINGS = (*BAG_ENDINGS, ".pcap", ".osf")  # files of many scans, as is a folder with a bag
+LOG_ENDINGS = (*BAG_ENDINGS, ".pcap", ".osf")  # files of many scans; a folder with a bag is one too
 SCAN_ENDINGS = (".bin", ".pcd.bin", ".pcd", ".ply", ".npz", ".npy", ".las", ".pkl.gz", *LOG_ENDINGS)
-_FIELDS = ("label", "instance", "column", "made_up")  # of an .npz file, beside those of `NAMES`
-_OFF, _FURTHEST = 50.0, 1000.0  # m from the sensor: its nearest returns are hardly so far off, and never further
-_NEAR = 0.05  # of the returns are its nearest: a few of a map may lie near the map's origin
-_MAP = "the nearest returns are {:.0f} m from the origin, where the sensor should be; of a cloud in the frame of a map"
+_FIELDS = ("label", "instance", "column", "made_up")  # of an .npz file, with those of `NAMES`
+_OFF, _FURTHEST = 50.0, 1000.0  # m: the nearest returns are seldom further than the first, and never than the second
+_NEAR = 0.05  # the share that counts as nearest returns: a few points of a map may lie near its origin
+_MAP = "the nearest returns are {:.0f} m from the origin, the place of the sensor; of a cloud in the frame of a map"
 _MAP += ", subtract the sensor's place, and of one in other units make metres"
-_COARSE = 0.01  # m: coarser steps of coordinates show
-_NO_LASERS = "nothing says which laser took a point: no field ring, no rows, not laser by laser as KITTI's files are"
-_ORDERLY = 0.98  # of the steps in a file of KITTI's order are small ones ahead
+_COARSE = 0.01  # m: coarser steps of coordinates are reported
+_NO_LASERS = "the lasers of the points are unknown: no field ring, no rows, not laser by laser as in KITTI's files"
+_ORDERLY = 0.98  # the least share of small steps ahead in a file of KITTI's order
 _SMALL_STEP = np.deg2rad(5.0)
-_ASIDE = 0.05  # of the seam's crossings go back: lasers that look to different azimuths
+_ASIDE = 0.05  # the share of the seam's crossings that go back, by lasers with other azimuths
 _NO_JUMP = 1e-3  # of a slope: lasers are further apart
 
 
@@ -58,8 +58,8 @@ _NO_JUMP = 1e-3  # of a slope: lasers are further apart
 class Recording:
     """One scan: `points` f32 [N, 3] in the sensor frame [m], and the laser `ring` i64 [N] of each, in any order.
 
-    `intensity` f32 [N] in 0 to 1, `label` u8 [N] of our classes, `column` i64 [N], the number of the firing, where they
-    are known.
+    `intensity` f32 [N] in 0 to 1, `label` u8 [N] of the class ids, and `column` i64 [N], the number of the firing, are
+    None if unknown.
     """
 
     name: str
@@ -78,16 +78,17 @@ def read_recording(
     frame: int | None = None,
     topic: str | None = None,
 ) -> Recording:
-    """A scan out of a file of one of `SCAN_ENDINGS`, with the labels that data sets have beside it.
+    """A scan from a file of one of `SCAN_ENDINGS`, with the labels that data sets have beside it.
 
-    A PCD or PLY file has x, y, z and a field `ring`, or is organised (its HEIGHT lasers are rows), or has its points
-    laser by laser, as KITTI's files do; fields may have any name of `point_fields.NAMES`. An .npz file has `xyz`
-    [N, 3], and `ring`, `intensity`, `label` (our classes), `instance`, `column` [N] where they are known, or is a range
-    image; that of a scan that lidardraft wrote is read in place of its `.bin`, which does not say the lasers.
-    `intensity_scale` is the number that stands for an intensity of 1, by default that of the format, and `carla_tags`
-    are the tags of a cloud of CARLA. Of a log the scan is that of number `frame`, by default 0, and of a bag with
-    several topics of points that of `topic`. Raises `FormatError` if the file is something else or has no points, or if
-    nothing says their lasers or the scale of their intensities.
+    A PCD or PLY file has x, y, z and a field `ring`, or is organised (its HEIGHT rows are lasers), or has its points
+    laser by laser, as KITTI's files do; fields may have any name of `point_fields.NAMES`. An .npz file is a range
+    image, or has `xyz` [N, 3] and optional `ring`, `intensity`, `label` (class ids), `instance`, `column` [N]. That of
+    a scan written by lidardraft is read in place of its `.bin`, which lacks the lasers.
+
+    `intensity_scale` is the number for an intensity of 1, by default that of the format. `carla_tags` are the tags of a
+    cloud of CARLA. From a log, the scan number `frame` is read, by default 0; from a bag with several topics of points,
+    that of `topic`. Raises `FormatError` if the file is something else or has no points, or if their lasers or the
+    scale of their intensities are unknown.
     """
     path = Path(path)
     image = path.with_suffix(".npz")
@@ -113,15 +114,15 @@ def read_points(
     frame: int | None = None,
     topic: str | None = None,
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """The points [N, 3] of such a file in the sensor's frame and what it says of each, `instance` too; which laser took
-    them need not be known. What is applied, clipped or odd is a `UserWarning`. Intensities whose scale nothing says
-    are a `FormatError`; if `needs_intensity` is False they are left out, which is a `UserWarning`, if None in silence.
-    `frame` and `topic` are those of `read_recording`.
+    """The points [N, 3] of such a file in the sensor's frame, and the fields of each, `instance` too; their lasers may
+    be unknown. A `UserWarning` reports each conversion, clipped value and oddity. Intensities of unknown scale raise
+    `FormatError`; if `needs_intensity` is False they are left out with a `UserWarning`, if None silently. `frame` and
+    `topic` are those of `read_recording`.
     """
     stated = next((scale for ending, scale in SCALES.items() if os.fspath(path).endswith(ending)), None)
     scale = stated if intensity_scale is None else intensity_scale
     if topic is not None and not is_bag(path):
-        raise FormatError(f"{os.fspath(path)} is no ROS 2 bag; --topic (topic) is for those")
+        raise FormatError(f"{os.fspath(path)} is not a ROS 2 bag; --topic (topic) is for bags")
     if frame is not None and frame < 0:
         raise FormatError(f"frame is {frame}; it must be 0 or more")
     if is_log(path):
@@ -131,7 +132,7 @@ def read_points(
     else:
         points, fields = _read(path, 1.0 if scale is None else scale, carla_tags)
     if points.ndim != 2 or any(values.shape != points.shape[:1] for values in fields.values()):
-        return points, fields  # which `returns` refuses
+        return points, fields  # `returns` refuses it
     ranges = _ranges(points)
     if "intensity" in fields and Path(path).suffix != ".bin":
         given = fields.pop("intensity")
@@ -175,12 +176,12 @@ def _read(path: str | os.PathLike[str], scale: float, tags: Tags) -> tuple[np.nd
 
 
 def is_log(path: str | os.PathLike[str]) -> bool:
-    """Whether a path is that of many scans in one: a bag of ROS 2, or a log of an Ouster."""
+    """Whether a path holds many scans: a bag of ROS 2, or a log of an Ouster."""
     return is_bag(path) or Path(path).suffix in LOG_ENDINGS
 
 
 def frames_in(path: str | os.PathLike[str], topic: str | None = None) -> int:
-    """The number of scans of a log; raises `FormatError` where it is broken."""
+    """The number of scans of a log; raises `FormatError` if it is broken."""
     return count_clouds(path, topic) if is_bag(path) else count_frames(path)
 
 
@@ -196,7 +197,7 @@ def _from_log(
 def _with_rows(
     points: np.ndarray, fields: dict[str, np.ndarray], rows: int
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """An organised cloud whose rows are lasers, where no field says these."""
+    """An organised cloud with its rows as lasers, if no field gives these."""
     if "ring" not in fields and rows > 1 and len(points) % rows == 0:
         width = len(points) // rows
         fields = fields | {"ring": np.arange(len(points)) // width, "column": np.arange(len(points)) % width}
@@ -206,7 +207,7 @@ def _with_rows(
 def read_returns(
     path: str | os.PathLike[str], labels: str | os.PathLike[str] | None = None, **how: Any
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """The returns of such a file with their fields, as `returns` has them; `labels` is a file of others for them, and
+    """The returns of such a file with their fields, as in `returns`; `labels` is another file of labels for them, and
     `how` are further arguments of `read_points`."""
     points, fields = read_points(path, **how)
     if labels is not None:
@@ -228,8 +229,8 @@ def _of_image(name: str, image: RangeImage) -> Recording:
 def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     """The points f32 [N, 3] that are returns, finite and not at the origin, with their fields; intensities in 0 to 1.
 
-    Raises `FormatError` where there are none, where the arrays do not fit or hold what cannot be, where intensities are
-    over 1, and where no point is so near that a sensor at the origin sees it."""
+    Raises `FormatError` if there are none, if the arrays do not fit or hold invalid values, if intensities are over 1,
+    and if no point is near enough for a sensor at the origin."""
     points = np.asarray(points)
     counts = {np.shape(each)[:1] for each in (points, *fields.values())}
     if points.ndim != 2 or points.shape[1] != 3 or len(counts) > 1:
@@ -255,22 +256,22 @@ def returns(points: np.ndarray, fields: Mapping[str, np.ndarray]) -> tuple[np.nd
 
 
 def _ranges(points: np.ndarray) -> np.ndarray:
-    """How far points [N, 3] are, 0 of those that are no returns."""
-    with np.errstate(over="ignore", invalid="ignore"):  # what is too far for float64 is infinitely far
+    """The distances of points [N, 3], 0 for those that are not returns."""
+    with np.errstate(over="ignore", invalid="ignore"):  # distances too large for float64 become infinite
         distance = np.linalg.norm(points.astype(np.float64), axis=1)
     return np.where(np.isfinite(distance) & (distance > _NEAREST), distance, 0.0)
 
 
 def _nearest(ranges: np.ndarray) -> float:
-    """How far the nearest returns of a scan are, infinitely far if it has none."""
+    """The distance of the nearest returns of a scan, infinite if it has none."""
     there = ranges[ranges > 0]
     return float(np.quantile(there, _NEAR, method="lower")) if len(there) else np.inf
 
 
 def read_semantic_map(path: str | os.PathLike[str], sensor: Sensor) -> np.ndarray:
-    """The classes [H, W] of the rays of a sensor: a .png or .npy of our class ids, or those that a labelled scan shows.
+    """The classes [H, W] of a sensor's rays: from a .png or .npy of class ids, or from a labelled scan.
 
-    Raises `FormatError` where the file is something else or has no labels."""
+    Raises `FormatError` if the file is something else or has no labels."""
     if Path(path).suffix in (".png", ".npy"):
         return read_masks(path)
     points, fields = read_returns(path, needs_intensity=None)
@@ -281,8 +282,8 @@ def read_semantic_map(path: str | os.PathLike[str], sensor: Sensor) -> np.ndarra
 
 
 def recording_of(name: str, points: np.ndarray, **fields: np.ndarray) -> Recording:
-    """The recording of `points` [N, 3] and `ring`, `intensity`, `label`, `column` [N]; what is not a return or not
-    finite is left out. Raises `FormatError` as `read_recording` does."""
+    """The recording of `points` [N, 3] and `ring`, `intensity`, `label`, `column` [N]; points that are not returns or
+    not finite are left out. Raises `FormatError` as `read_recording` does."""
     points, fields = returns(points, fields)
     ring = fields.pop("ring", None)
     ring = rings_of_order(points) if ring is None else ring.astype(np.int64)
@@ -296,20 +297,20 @@ def recording_of(name: str, points: np.ndarray, **fields: np.ndarray) -> Recordi
 
 def rings_of_order(points: np.ndarray) -> np.ndarray:
     """The lasers of points that come laser by laser, each once around: from straight ahead, as in KITTI's files, or
-    from behind, as in ours. Raises `FormatError` where they do not."""
+    from behind, as in files of lidardraft. Raises `FormatError` for another order."""
     x, y, z = points.astype(np.float64).T
     azimuth, slope = np.arctan2(y, x), z / np.maximum(np.hypot(x, y), _NEAREST)
     steps, wraps, most = np.zeros(0), np.zeros(0, bool), -1.0
     for seam in (0.0, np.pi):
         found = np.diff((azimuth - seam) % (2 * np.pi))
         crossed = np.abs(found) > np.pi
-        # from one laser to the next the slope jumps; where a laser crosses the other seam, it hardly does
+        # from one laser to the next the slope jumps; at a laser's crossing of the other seam it hardly does
         jump = float(np.median(np.abs(np.diff(slope))[crossed])) if crossed.any() else _NO_JUMP
         if jump > most:
             steps, wraps, most = found, crossed, jump
     ahead = np.sign(np.median(steps[~wraps])) if (~wraps).any() else 0.0
     orderly = wraps | ((steps * ahead >= -1e-3) & (np.abs(steps) < _SMALL_STEP))
-    # a laser that starts aside of the one before crosses the seam, and crosses it back
+    # a laser with another start azimuth crosses the seam, and crosses it back
     aside = (wraps & (steps * ahead > 0)).sum() > _ASIDE * wraps.sum()
     if len(steps) < 8 or orderly.mean() < _ORDERLY or wraps.sum() >= _MOST_LASERS or aside:
         raise FormatError(_NO_LASERS)
@@ -317,10 +318,10 @@ def rings_of_order(points: np.ndarray) -> np.ndarray:
 
 
 def read_labels(path: str | os.PathLike[str], count: int, *, of: str | os.PathLike[str]) -> dict[str, np.ndarray]:
-    """Classes u8 [count], and instances where the file has them: SemanticKITTI's .label, nuScenes' lidarseg (.bin of a
-    byte a point), MMDetection3D's masks of our classes (.bin of eight bytes a point).
+    """Classes u8 [count], and instances if the file has them: SemanticKITTI's .label, nuScenes' lidarseg (.bin of a
+    byte a point), MMDetection3D's masks of class ids (.bin of eight bytes a point).
 
-    `of` is what messages call the scan. Raises `FormatError` where the file is not of `count` labels."""
+    `of` is the name of the scan in messages. Raises `FormatError` if the file does not hold `count` labels."""
     if Path(path).suffix != ".bin":
         return dict(zip(("label", "instance"), read_label(path, count, of=of), strict=True))
     size = regular_size(path)
@@ -334,8 +335,8 @@ def read_labels(path: str | os.PathLike[str], count: int, *, of: str | os.PathLi
 
 
 def _labels_beside(path: Path, count: int) -> dict[str, np.ndarray]:
-    """The labels of a scan where data sets have them: SemanticKITTI's NAME.label beside the scan, or in labels/ beside
-    its folder; MMDetection3D's in semantic_mask/."""
+    """The labels in the places of data sets: SemanticKITTI's NAME.label beside the scan, or in labels/ beside its
+    folder; MMDetection3D's in semantic_mask/."""
     root, name = path.absolute().parent.parent, f"{path.stem}.label"
     for file in (path.parent / name, root / "labels" / name, root / "semantic_mask" / path.name):
         if file.exists():
@@ -344,7 +345,7 @@ def _labels_beside(path: Path, count: int) -> dict[str, np.ndarray]:
 
 
 def with_fields(path: str | os.PathLike[str]) -> str:
-    """The end of a message: the fields of a file that names them."""
+    """The end of a message: the fields of a file whose format names them."""
     names = list[str]()
     if (suffix := Path(path).suffix) == ".npz":
         names = array_files.names_in(path)
@@ -354,7 +355,7 @@ def with_fields(path: str | os.PathLike[str]) -> str:
 
 
 def _from_npy(path: str | os.PathLike[str], tags: Tags) -> tuple[np.ndarray, dict[str, np.ndarray]]:
-    """OpenPCDet's x y z intensity [N, 4 or more], and of WebDataset's NAME.points.npy the arrays beside it; or records
+    """OpenPCDet's x y z intensity [N, 4 or more], for WebDataset's NAME.points.npy the arrays beside it, or records
     with names."""
     points = array_files.read_npy(path)
     if points.dtype.names and points.ndim == 1:
@@ -373,10 +374,10 @@ def _from_pcd(path: str | os.PathLike[str], tags: Tags) -> tuple[np.ndarray, dic
     file = read_pcd(path)
     points, fields = _from_columns(path, file.columns, tags)
     if file.viewpoint is not None:
-        from scipy.spatial.transform import Rotation  # which no --help waits for
+        from scipy.spatial.transform import Rotation  # slow to import, so not for --help
 
         turned = (points - file.viewpoint[:3]) @ Rotation.from_quat(np.roll(file.viewpoint[3:], -1)).as_matrix()
-        seen = np.where(points.any(axis=1, keepdims=True), turned, 0.0)  # zeros stand for missing returns
+        seen = np.where(points.any(axis=1, keepdims=True), turned, 0.0)  # zeros are missing returns
         said = "is applied: points are taken from its frame into the sensor's"
         if (step := float(np.spacing(np.abs(points).max()))) > _COARSE:
             said += f", where coordinates of {points.dtype} are in steps of {step:.2g} m"
@@ -392,18 +393,18 @@ def _from_columns(
 ) -> tuple[np.ndarray, dict[str, np.ndarray]]:
     plain = {name.removeprefix("scalar_"): values for name, values in columns.items()}
     if set(CARLA_FIELDS) <= plain.keys():
-        said = "CARLA's semantic LiDAR, whose y points right: y is turned to the left, and ObjTag says the classes"
+        said = "CARLA's semantic LiDAR, whose y points right: y is turned to the left, and ObjTag gives the classes"
         warnings.warn(f"{os.fspath(path)}: a cloud of {said}", stacklevel=2)
         with named(path):
             cloud = carla_cloud(plain, tags, of=path)
         return cloud.points, {"label": cloud.label, "instance": cloud.instance}
     if list(columns) == ["x", "y", "z", "I"]:
-        said = "x y z I are the fields of CARLA's LiDAR, whose y points right; y is read as it stands: negate it if so"
+        said = "x y z I are the fields of CARLA's LiDAR, whose y points right; y is read unchanged: negate it if so"
         warnings.warn(f"{os.fspath(path)}: {said}", stacklevel=2)
     names = named_fields([name for name, values in columns.items() if values.ndim == 1])
     if missing := [axis for axis in "xyz" if axis not in names]:
         raise FormatError(f"{os.fspath(path)}: there is no field {missing[0]} of one value a point")
-    # labels of others count classes of their own; `lidardraft export` writes all four fields
+    # labels of other tools have other classes; `lidardraft export` writes all four fields
     ours = ("label", "instance") if {"ring", "label", "instance"} <= columns.keys() else ()
     found = {field: columns[name] for field, name in names.items() if field not in "xyz"}
     found |= {field: columns[field] for field in ours}

@@ -1,7 +1,7 @@
 """ROS 2 bags, one a drive: clouds on /lidar, boxes on /boxes, transforms on /tf and /tf_static, and /clock.
 
 Frames and times are those of `mcap.py`. A bag is a folder of metadata.yaml and an MCAP file of CDR messages. Its custom
-data have the JSON of the sensor.
+data hold the JSON of the sensor.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from lidardraft.formats.point_cloud2 import cloud_fields
 from lidardraft.scene.pose import upright
 
 SENSOR_KEY = "lidardraft_sensor"  # of the custom data
-# The interfaces of vision_msgs 4 that are written, after its public definitions; rosbags does not bring them.
+# The interfaces of vision_msgs 4 that are written, after its public definitions; rosbags does not include them.
 _VISION = {
     "ObjectHypothesis": "string class_id\nfloat64 score",
     "ObjectHypothesisWithPose": "vision_msgs/ObjectHypothesis hypothesis\ngeometry_msgs/PoseWithCovariance pose",
@@ -38,7 +38,7 @@ _TOPICS = {
 
 
 def message_types() -> Any:
-    """The typestore of rosbags with the messages of ROS 2 Humble, which are those of later ones, and vision_msgs."""
+    """The typestore of rosbags with vision_msgs and the messages of ROS 2 Humble, which later releases share."""
     with extra():
         from rosbags.typesys import Stores, get_types_from_msg, get_typestore
     store = get_typestore(Stores.ROS2_HUMBLE)
@@ -48,7 +48,7 @@ def message_types() -> Any:
 
 
 def write_ros2(folder: Path, drives: Drives, first: int) -> None:
-    """Write the bags 000000 and so on, one for each drive. Raises `MissingExtraError` where rosbags is missing."""
+    """Write the bags 000000 and so on, one for each drive. Raises `MissingExtraError` if rosbags is not installed."""
     with extra():
         from rosbags.rosbag2 import StoragePlugin, Writer
     store = message_types()
@@ -80,7 +80,7 @@ def _write_drive(drive: Iterable[Frame], bag: Any, store: Any) -> None:
 
 
 def _quality(latched: bool) -> Any:
-    """What publishers offer: reliable, and the static transforms also to those who come late."""
+    """The quality of service of publishers: reliable; static transforms reach late subscribers too."""
     from rosbags import interfaces as of
 
     durability = of.QosDurability.TRANSIENT_LOCAL if latched else of.QosDurability.VOLATILE
@@ -90,7 +90,7 @@ def _quality(latched: bool) -> Any:
 
 
 class _Messages:
-    """Messages of a typestore, whose types are attributes by their short names."""
+    """The messages of a typestore, whose types are attributes by their short names."""
 
     def __init__(self, store: Any) -> None:
         self._types = {name.rpartition("/")[2]: kind for name, kind in store.types.items()}
@@ -132,7 +132,7 @@ class _Messages:
         return self.Detection3D(header=header, results=[guess], bbox=bounds, id=box.id)
 
     def _placed(self, point: Any, pose: np.ndarray) -> tuple[Any, Any]:
-        from scipy.spatial.transform import Rotation  # which no --help waits for
+        from scipy.spatial.transform import Rotation  # slow to import, so not for --help
 
         turn = Rotation.from_matrix(pose[:3, :3]).as_quat().tolist()
         return point(*pose[:3, 3].tolist()), self.Quaternion(*turn)

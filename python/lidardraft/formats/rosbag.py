@@ -1,6 +1,6 @@
 """ROS 2 bags as recordings: an .mcap or .db3 file, or a folder with its metadata.yaml, read by rosbags.
 
-Messages of other types than those named here are never decoded.
+Only messages of the types named here are ever decoded.
 """
 
 from __future__ import annotations
@@ -29,19 +29,18 @@ BAG_ENDINGS = (".mcap", ".db3")
 _CLOUD, _TEXT = "sensor_msgs/msg/PointCloud2", "std_msgs/msg/String"
 _MOVES, _ODOMETRY = "tf2_msgs/msg/TFMessage", "nav_msgs/msg/Odometry"
 _MOST_SHOWN = 12  # topics in a message
-_LARGEST = 2**44  # bytes of a bag, of which a frame is read
+_LARGEST = 2**44  # bytes of a bag; only a frame of it is read
 _STEP = 0.1  # s between the points of a trajectory
 
 
 def is_bag(path: str | os.PathLike[str]) -> bool:
-    """Whether a path is that of a bag: a file by its ending, or a folder with metadata.yaml."""
+    """Whether a path is a bag: a file by its ending, or a folder with metadata.yaml."""
     return Path(path).suffix in BAG_ENDINGS or Path(path, "metadata.yaml").is_file()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cloud:
-    """A message: its `columns` by name, the `rows` of an organised cloud, and the frame and the time [s] of its
-    middle."""
+    """A message: its `columns` by name, the `rows` of an organised cloud, its frame, and the time [s] of its middle."""
 
     columns: dict[str, np.ndarray]
     rows: int
@@ -63,7 +62,7 @@ class _Bag:
             yield connection.topic, self.types.deserialize_cdr(data, connection.msgtype)
 
     def clouds(self, topic: str | None) -> list[Any]:
-        """The connections of the topic of points; of several, the one that is asked for."""
+        """The connections of the topic of points; of several, the requested one."""
         found = self.of_type(_CLOUD)
         names = sorted({each.topic for each in found})
         if not names:
@@ -72,7 +71,7 @@ class _Bag:
             listed = f"{', '.join(held[:_MOST_SHOWN])}{more}" if held else "none"
             raise FormatError(f"it holds no points, {_CLOUD}; its topics are {listed}")
         if topic is None and len(names) > 1:
-            raise FormatError(f"it has points on {', '.join(names)}; say which by --topic (topic)")
+            raise FormatError(f"it has points on {', '.join(names)}; choose one with --topic (topic)")
         if topic is not None and topic not in names:
             raise FormatError(f"topic is {topic!r}; it must be {one_of(names, topic)}")
         return [each for each in found if each.topic == (topic or names[0])]
@@ -101,8 +100,8 @@ def _opened(path: str | os.PathLike[str]) -> Iterator[_Bag]:
 
 
 def read_cloud(path: str | os.PathLike[str], frame: int = 0, topic: str | None = None) -> Cloud:
-    """The cloud of a number, from 0, on the only topic of points or the one that is named. Raises `FormatError` where
-    there is none, listing the topics, or where the bag or the message is broken."""
+    """The cloud with a number, from 0, on the only topic of points or the named one. Raises `FormatError` if there is
+    none, listing the topics, or if the bag or the message is broken."""
     with _opened(path) as bag:
         return bag.cloud(frame, topic)
 
@@ -114,8 +113,8 @@ def count_clouds(path: str | os.PathLike[str], topic: str | None = None) -> int:
 
 
 def sensor_of_bag(path: str | os.PathLike[str]) -> Sensor | None:
-    """The sensor that a bag names, by our own key or by the metadata of Ouster's driver; None if it names none. An
-    .mcap or .db3 file has that of the metadata.yaml beside it."""
+    """The sensor that a bag names, by lidardraft's own key or by the metadata of Ouster's driver; None if it names
+    none. An .mcap or .db3 file has that of the metadata.yaml beside it."""
     folder = Path(path) if Path(path).is_dir() else Path(path).parent
     if (folder / "metadata.yaml").is_file():
         with _opened(folder) as bag:
@@ -130,7 +129,8 @@ def sensor_of_bag(path: str | os.PathLike[str]) -> Sensor | None:
 
 @dataclass(slots=True, eq=False)
 class _Edge:
-    """Where a frame is in its parent: poses x y z and quaternion x y z w, at times [s]; one where it stands."""
+    """The motion of a frame in its parent: poses x y z and quaternion x y z w, at times [s]; one pose if it is
+    static."""
 
     parent: str
     times: list[float]
@@ -140,8 +140,8 @@ class _Edge:
         return len(self.times) > 1 and bool((np.ptp(np.array(self.poses), axis=0) > 1e-6).any())
 
     def at(self, times: np.ndarray) -> np.ndarray:
-        """Poses [N, 4, 4], between those that are known, of the first or the last beyond."""
-        from scipy.spatial.transform import Rotation, Slerp  # which no --help waits for
+        """Poses [N, 4, 4], interpolated between the known ones, and constant beyond the first and the last."""
+        from scipy.spatial.transform import Rotation, Slerp  # slow to import, so not for --help
 
         known, first = np.unique(np.array(self.times), return_index=True)
         rows = np.array(self.poses, np.float64)[first]
@@ -154,10 +154,10 @@ class _Edge:
 
 
 def ego_scenario(path: str | os.PathLike[str], frame: int = 0, topic: str | None = None) -> Scenario | None:
-    """How the sensor goes on from the middle of a cloud, as waypoints of the ego vehicle in the frame of that cloud: by
-    the transforms of the bag (tf), else by its odometry. None where it says neither, or stands.
+    """The sensor's motion from the middle of a cloud on, as waypoints of the ego vehicle in the frame of that cloud: by
+    the transforms of the bag (tf), else by its odometry. None if it has neither, or if the sensor does not move.
 
-    Where nothing says where the sensor is on the vehicle of the odometry, they are taken for one: a `UserWarning`."""
+    If the sensor's place on the vehicle of the odometry is unknown, the two count as one, with a `UserWarning`."""
     with _opened(path) as bag:
         cloud = bag.cloud(frame, topic)
         edges = _edges(bag)
@@ -184,7 +184,7 @@ def ego_scenario(path: str | os.PathLike[str], frame: int = 0, topic: str | None
 
 
 def _edges(bag: _Bag) -> dict[str, _Edge]:
-    """Where each frame is in its parent; by odometry where no transform says it."""
+    """The motion of each frame in its parent; by odometry if no transform gives it."""
     edges = dict[str, _Edge]()
     for _, message in bag.messages(bag.of_type(_MOVES)):
         for each in message.transforms:
@@ -204,7 +204,7 @@ def _add(edges: dict[str, _Edge], header: Any, child: str, place: Any, turn: Any
 
 
 def _chain(edges: dict[str, _Edge], frame: str) -> list[_Edge]:
-    """The edges from a frame up to the root, without going in a circle."""
+    """The edges from a frame up to the root; stops at a cycle."""
     chain, seen = list[_Edge](), set[str]()
     while frame in edges and frame not in seen:
         seen.add(frame)

@@ -1,9 +1,9 @@
 """SemanticKITTI: .label files of one uint32 a point, class in the low 16 bits, instance in the high 16 bits.
 
-The tables follow semantic-kitti.yaml (Behley et al., ICCV 2019). Reading loses: moving or not; parking and lane marking
-(road); other ground (terrain); other vehicle (truck); bicyclist or motorcyclist (rider); other structure and other
-object (other); outlier and unlabelled (none). Writing loses wall (fence) and traffic light (other object), which
-SemanticKITTI does not have; in a sequence, what is ridden and moves is of the class of its rider.
+The tables follow semantic-kitti.yaml (Behley et al., ICCV 2019). Reading merges: moving or not; parking and lane
+marking (road); other ground (terrain); other vehicle (truck); bicyclist or motorcyclist (rider); other structure and
+other object (other); outlier and unlabelled (none). Writing merges wall (fence) and traffic light (other object), which
+SemanticKITTI lacks; in a sequence, moving bicycles and motorcycles have the class of their rider.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ CLASS_FROM_RAW: dict[int, str] = {
     259: "truck",
 }
 
-# The lowest raw id of a class is the one written, but for four: two have a better one, two have none.
+# The lowest raw id of a class is the one written, with four exceptions: two have a better one, two have none.
 RAW_FROM_CLASS: dict[str, int] = {
     **{name: raw for raw, name in reversed(CLASS_FROM_RAW.items())},
     "terrain": 72,
@@ -68,7 +68,7 @@ RAW_FROM_CLASS: dict[str, int] = {
     "traffic-light": 99,
 }
 
-# Of objects that move: the lowest such id of the class; what is ridden is of its moving-bicyclist or -motorcyclist.
+# Of moving objects: the lowest such id of the class; a ridden vehicle has that of moving-bicyclist or -motorcyclist.
 RAW_OF_MOVING = {name: raw for raw, name in reversed(CLASS_FROM_RAW.items()) if raw >= 252}
 RAW_OF_MOVING |= {"bicycle": 253, "motorcycle": 255}
 
@@ -82,8 +82,8 @@ def read_label(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Class ids u8 [count] of `semantics.CLASSES` and instances u32 [count], counted by SemanticKITTI for each class.
 
-    `of` is what messages call the scan, which may be the wrong one of the two. Raises `FormatError` where the file
-    is not of `count` labels or has a class that SemanticKITTI does not have.
+    `of` is the name of the scan in messages, as either file may be the wrong one. Raises `FormatError` if the file does
+    not hold `count` labels or has a class that SemanticKITTI lacks.
     """
     name, data = os.fspath(path), read_bytes(path)
     if len(data) != 4 * count:
@@ -104,8 +104,8 @@ def read_label(
 def write_label(
     path: str | os.PathLike[str], label: np.ndarray, instance: np.ndarray, *, raw: np.ndarray | None = None
 ) -> None:
-    """Write class ids [N] of `semantics.CLASSES` and instances [N] as SemanticKITTI labels; its class `raw` [N] where
-    that is not 0."""
+    """Write class ids [N] of `semantics.CLASSES` and instances [N] as SemanticKITTI labels; its class `raw` [N] takes
+    precedence unless it is 0."""
     name = os.fspath(path)
     if label.ndim != 1 or instance.shape != label.shape:
         raise FormatError(f"{name}: label {label.shape} and instance {instance.shape} must both be [N]")
@@ -123,8 +123,8 @@ def write_label(
 def write_sequences(folder: Path, drives: Drives, first: int) -> None:
     """Write sequences/00, 01, ... of the drives: velodyne/, labels/, poses.txt, times.txt and calib.txt.
 
-    Poses are those of the camera relative to its first one, as KITTI's odometry has them; `Tr` says where it stands:
-    at the sensor, with x right, y down and z ahead.
+    Poses are those of the camera relative to its first one, as in KITTI's odometry; `Tr` places it at the sensor, with
+    x right, y down and z ahead.
     """
     splits = dict[str, str]()
     for number, drive in enumerate(drives, first):
@@ -134,7 +134,7 @@ def write_sequences(folder: Path, drives: Drives, first: int) -> None:
 
 
 def _write_sequence(folder: Path, drive: Iterable[Frame]) -> str:
-    """Write a sequence; its split."""
+    """Write a sequence; returns its split."""
     for part in ("velodyne", "labels"):
         (folder / part).mkdir(parents=True)
     poses, times, split = list[np.ndarray](), list[float](), ""

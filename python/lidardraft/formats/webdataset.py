@@ -1,8 +1,8 @@
 """WebDataset shards: .tar files of samples, the files of each side by side under its name.
 
 `NAME.points.npy` f32 [N, 4] (x y z intensity), `NAME.ring.npy` u16 [N], `NAME.label.npy` u8 [N], `NAME.instance.npy`
-u32 [N], of points as the sensor saw them `NAME.time.npy` f32 [N], and `NAME.json`: sensor, pose, boxes as in
-boxes.json, and the provenance, the intent and the notes of the layout. `index.json` counts the samples of each shard.
+u32 [N], for raw points `NAME.time.npy` f32 [N], and `NAME.json`: sensor, pose, boxes as in boxes.json, and the
+provenance, the intent and the notes of the layout. `index.json` counts the samples of each shard.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ def write_webdataset(folder: Path, drives: Drives, first: int) -> None:
 
 
 def write_shard(path: Path, frames: Iterable[tuple[str, Frame]]) -> int:
-    """Write frames by their names into one .tar file, whole or not at all; how many they are."""
+    """Write named frames into one .tar file, whole or not at all; returns their number."""
     count = 0
     with written_whole(path) as temporary, tarfile.open(temporary, "w") as tar:
         for name, frame in frames:

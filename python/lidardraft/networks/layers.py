@@ -1,8 +1,8 @@
-"""Layers on range images, whose columns may close to a ring: convolutions, cells of pixels folded into channels,
-residual blocks; and the precision in which they work.
+"""Layers on range images, whose columns may form a ring: convolutions, cells of pixels folded into channels, residual
+blocks; and their precision.
 
-`wraps` says whether they do: whether the last column is the first one's neighbour. A full turn wraps; a crop of one, or
-a sensor that sees a sector, does not.
+`wraps` is whether the columns form a ring, that is, the last column is next to the first. A full turn wraps; a crop of
+one, or a sensor with a sector, does not.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from torch.nn import functional
 
 
 class RangeImageConv(nn.Conv2d):
-    """A convolution of odd size that sees `pad_columns` to the left and right, and zeros above and below the image."""
+    """A convolution of odd size with `pad_columns` to the left and right, and zeros above and below the image."""
 
     def __init__(self, inputs: int, outputs: int, size: int = 3, *, stride: int = 1, dilation: int = 1) -> None:
         reach = dilation * (size // 2)
@@ -39,7 +39,7 @@ def zero_conv(inputs: int, outputs: int) -> nn.Conv2d:
 def pad_columns(x: Tensor, columns: int, wraps: bool) -> Tensor:
     """`x` [..., W] with `columns` more on either side: those of the other end if it wraps, else the outermost repeated.
 
-    Where it wraps, more than W columns go round again.
+    If it wraps, more than W columns go round again.
     """
     if columns == 0:
         return x
@@ -52,9 +52,10 @@ def pad_columns(x: Tensor, columns: int, wraps: bool) -> Tensor:
 
 
 class _PaddedColumns(torch.autograd.Function):
-    """`pad_columns` by at most W columns, whose gradient costs one copy.
+    """`pad_columns` by at most W columns, with a gradient that costs one copy.
 
-    Autograd's own, of slices and `cat`, fills four whole images in another layout: as much work as a convolution's.
+    Autograd's own gradient of slices and `cat` fills four whole images in another layout: as much work as a
+    convolution's.
     """
 
     @staticmethod
@@ -67,7 +68,7 @@ class _PaddedColumns(torch.autograd.Function):
 
     @staticmethod
     def backward(ctx: Any, gradient: Tensor) -> tuple[Tensor, None, None]:
-        """What each column received where it stood, and where it was repeated."""
+        """The gradients of each column, summed over its own place and its repeats."""
         columns = ctx.columns
         left, right = gradient[..., :columns], gradient[..., -columns:]
         total = gradient[..., columns:-columns].clone()
@@ -83,7 +84,7 @@ class _PaddedColumns(torch.autograd.Function):
 def fold(x: Tensor, cell: tuple[int, int]) -> Tensor:
     """[B, C, H, W] -> [B, C h w, H / h, W / w]: the pixels of a cell (h, w) become channels.
 
-    Channels last in memory: the layout in which convolutions are fast, and which they hand on.
+    Channels last in memory: the layout in which convolutions are fast, and which they pass on.
     """
     b, c, height, width = x.shape
     h, w = cell
@@ -100,7 +101,8 @@ def unfold(x: Tensor, cell: tuple[int, int]) -> Tensor:
 
 
 class ResidualBlock(nn.Module):
-    """norm, SiLU, convolution, twice, on a shortcut; an `embedding` of that many channels modulates the second norm."""
+    """norm, SiLU, convolution, twice, with a shortcut; an `embedding` of that many channels modulates the second
+    norm."""
 
     def __init__(
         self,
@@ -133,7 +135,7 @@ class ResidualBlock(nn.Module):
 
 
 class Chain(nn.Sequential):
-    """Layers one after another, each of which is told whether the columns wrap."""
+    """Layers in sequence, each called with `wraps`."""
 
     def forward(self, x: Tensor, wraps: bool) -> Tensor:  # type: ignore[override]
         """[B, inputs of the first, H, W] -> the output of the last."""
@@ -149,15 +151,15 @@ def modulated(x: Tensor, scale_and_shift: Tensor) -> Tensor:
 
 
 def group_norm(width: int, groups: int = 8) -> nn.GroupNorm:
-    """Normalisation over so many groups of channels, or as many as divide the width."""
+    """Normalisation over `groups` groups of channels, or as many as divide the width."""
     return nn.GroupNorm(math.gcd(groups, width), width)
 
 
 def reduced_precision(device: torch.device) -> torch.autocast:
-    """A context in which convolutions and linear layers work in bfloat16, where `device` has the instructions.
+    """A context in which convolutions and linear layers work in bfloat16, if `device` has the instructions.
 
-    Weights, norms' statistics and the optimiser stay float32. What must keep its digits leaves it by an
-    `autocast(enabled=False)` of its own.
+    Weights, norms' statistics and the optimiser stay float32. Code that needs more digits leaves it with its own
+    `autocast(enabled=False)`.
     """
     return torch.autocast(device.type, dtype=torch.bfloat16, enabled=has_bfloat16(device))
 

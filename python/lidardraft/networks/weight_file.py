@@ -1,6 +1,6 @@
 """Weight files: one safetensors file, with the network's config and a card in its metadata. Nothing is ever unpickled.
 
-The schema says which network the weights are of.
+The schema names the network of the weights.
 """
 
 from __future__ import annotations
@@ -21,14 +21,14 @@ from lidardraft.networks.weight_header import read_metadata
 
 
 class Config(Protocol):
-    """What decides the shape of a network."""
+    """The parameters of the shape of a network."""
 
     def to_dict(self) -> dict[str, Any]:
         """The fields as JSON types."""
 
 
 class Network(nn.Module):
-    """A torch module that a weight file can hold: its config builds it."""
+    """A torch module that a weight file can hold; its config builds it."""
 
     SCHEMA: ClassVar[str]
     config: Config
@@ -43,7 +43,7 @@ NetworkT = TypeVar("NetworkT", bound=Network)
 
 
 def save(network: Network, path: str | os.PathLike[str], card: dict[str, Any], *, half: bool = False) -> None:
-    """Write the weights, as float16 if `half`. `card` holds JSON types: what `read_card` gives."""
+    """Write the weights, as float16 if `half`. `card` holds JSON types, for `read_card`."""
     dtype = torch.float16 if half else torch.float32
     tensors = {name: t.detach().to("cpu", dtype).contiguous() for name, t in network.state_dict().items()}
     metadata = {
@@ -89,4 +89,4 @@ def read_card(path: str | os.PathLike[str]) -> dict[str, Any]:
     try:
         return parse_object(metadata.get("card", "{}"))
     except FormatError as error:
-        raise CheckpointError(f"{os.fspath(path)}: the card is no JSON object: {error}") from None
+        raise CheckpointError(f"{os.fspath(path)}: the card is not a JSON object: {error}") from None

@@ -1,4 +1,4 @@
-"""Where a weight file is, and what it says of itself: without torch, which takes a second to load."""
+"""The place of a weight file, and its metadata: without torch, which takes a second to load."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def find(name: str | os.PathLike[str]) -> Path:
 
 
 def read_metadata(path: str | os.PathLike[str]) -> dict[str, str]:
-    """The metadata of a safetensors file; raises `CheckpointError` where it is no whole one."""
+    """The metadata of a safetensors file; raises `CheckpointError` if it is not a complete one."""
     try:
         regular_size(path)
         with safe_open(path, framework="np") as file:
@@ -32,4 +32,4 @@ def read_metadata(path: str | os.PathLike[str]) -> dict[str, str]:
     except FormatError as error:
         raise CheckpointError(str(error)) from None
     except (SafetensorError, OSError) as error:
-        raise CheckpointError(f"{os.fspath(path)} is no whole safetensors file: {error}") from None
+        raise CheckpointError(f"{os.fspath(path)} is not a complete safetensors file: {error}") from None

@@ -1,7 +1,7 @@
 """Bicycles, parked and ridden.
 
-A bicycle has 28 inch wheels (622 mm rims, ISO 5775: 0.68 m with the tyre) and a frame and pedals as DIN EN ISO 4210
-measures them; tubes are a little thicker than steel's 32 mm. What is not said are estimates.
+A bicycle has 28 inch wheels (622 mm rims, ISO 5775: 0.68 m with the tyre), and a frame and pedals by DIN EN ISO 4210;
+tubes are a little thicker than steel's 32 mm. Other numbers are estimates.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import Vector
 from lidardraft.objects.riders import Seat, add_rider
 
-_LENGTH, _WIDTH = 1.78, 0.60  # m, for which all places below are given
+_LENGTH, _WIDTH = 1.78, 0.60  # m, of the bicycle with all places below
 _AXLE = 0.55  # m, of the wheels from the middle
 _RADIUS, _RIM = 0.34, 0.295  # m, of a wheel with and without its tyre
-_TYRE = 0.02  # m, half as thick
+_TYRE = 0.02  # m, half its thickness
 _HUB_WIDTH, _HUB = 0.05, 0.07  # m, half as wide as the fork; diameter
-_SPOKES, _BLADE, _SPOKE = 9, 0.004, 0.3  # blades of 8 mm that cover as much as 36 spokes of 2 mm; m, half wide and long
+_SPOKES, _BLADE, _SPOKE = 9, 0.004, 0.3  # blades of 8 mm cover as much as 36 spokes of 2 mm; m, half width and length
 _FIRST_SPOKE = 0.3  # of the angle between two
 _SEAT = Seat(hip=(-0.22, 0.0, 0.98), foot=(0.03, 0.13, 0.28), hand=(0.33, 0.24, 1.04))
 _LEANS = (0.15, 0.35, 0.6)  # rad: upright on a roadster, on a trekking bicycle, on a racer
@@ -92,7 +92,7 @@ def _tyres(count: int = 14) -> MeshTemplate:
 
 @lru_cache(maxsize=1)
 def _spokes() -> MeshTemplate:
-    """Blades, between which rays go through, and hubs."""
+    """Blades with gaps for rays, and hubs."""
     angle = 2 * np.pi * (np.arange(_SPOKES) + _FIRST_SPOKE) / _SPOKES
     out = np.stack([np.cos(angle), np.zeros(_SPOKES), np.sin(angle)], axis=1)
     across = _BLADE * np.stack([-np.sin(angle), np.zeros(_SPOKES), np.cos(angle)], axis=1)
@@ -123,6 +123,6 @@ def _reflectors() -> MeshTemplate:
 
 
 def _bar(start: Vector, end: Vector, diameter: float, side: int = 1) -> Triangles:
-    """A tube of four sides, mirrored for the right side, -1."""
+    """A tube with four sides, mirrored for the right side, -1."""
     (a, b, c), (u, v, w) = start, end
     return tube((a, side * b, c), (u, side * v, w), (diameter, diameter), 4)

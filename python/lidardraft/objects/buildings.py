@@ -14,23 +14,23 @@ from lidardraft.objects.placed_object import Vector
 
 __all__ = ["BALCONY", "EAVES", "MOST_PLINTH", "STOREY", "block", "house", "shed"]
 
-EAVES = 0.35  # m that a roof overhangs: estimate
-BALCONY = 1.2  # m, its depth: estimate
-MOST_PLINTH = 0.7  # m that the ground floor may lie over the lowest ground under it, less than `PLINTH`
-# Share of a bay that is window: window areas of 1/8 to 1/4 of the floor, as building codes ask for.
+EAVES = 0.35  # m, the overhang of a roof: an estimate
+BALCONY = 1.2  # m, its depth: an estimate
+MOST_PLINTH = 0.7  # m, the largest height of the ground floor over the lowest ground under it, less than `PLINTH`
+# Share of a bay that is window: building codes require window areas of 1/8 to 1/4 of the floor.
 _OPENINGS = (0.36, 0.45, 0.6)
-# Materials of walls, and how often each is taken: estimates, of Germany.
+# Materials of walls, and their frequencies: estimates for Germany.
 _MATERIALS = {
     "house": {"plaster": 0.6, "brick": 0.28, "wood": 0.07, "stone": 0.05},
     "block": {"plaster": 0.6, "brick": 0.2, "concrete": 0.12, "stone": 0.08},
     "shed": {"plaster": 0.45, "wood": 0.2, "metal": 0.2, "concrete": 0.15},
 }
 
-# Dwellings of one or two families: estimates, of houses in Germany. Lengths are in metres, `_P` are probabilities, here
-# and below; chimneys lie anywhere within `_HOUSE_CHIMNEY_OFF` shares of length and width from the middle.
-_HOUSE_SLENDER = 1.5  # times as long as wide: its ridge always runs along
+# Dwellings of one or two families: estimates for Germany. Lengths are in metres, `_P` are probabilities, here and
+# below; chimneys are anywhere within `_HOUSE_CHIMNEY_OFF` shares of length and width from the middle.
+_HOUSE_SLENDER = 1.5  # times as long as wide: the ridge then always runs along it
 _HOUSE_RIDGE_ALONG_P = 0.7
-_HOUSE_HIP_SLENDER = 1.15  # times as long as wide: it may have a hipped roof
+_HOUSE_HIP_SLENDER = 1.15  # times as long as wide: a hipped roof is then possible
 _HOUSE_HIPPED_P = 0.25
 _HOUSE_METAL_ROOF_P = 0.06
 _HOUSE_DORMERS_P = 0.4
@@ -41,11 +41,11 @@ _HOUSE_CHIMNEY_OFF = (0.3, 0.06)
 _HOUSE_CHIMNEY = (0.7, 0.55, 1.6)
 _HOUSE_CHIMNEY_MIDDLE = 0.3  # under the ridge
 
-# Blocks of flats and offices: estimates, of inner cities in Germany.
+# Blocks of flats and offices: estimates for inner cities in Germany.
 _BLOCK_MANSARD = 2.6  # height of the storey under a mansard roof
 _BLOCK_MANSARD_FROM = 3  # storeys
 _BLOCK_MANSARD_P = 0.35
-_BLOCK_BLIND_P = 0.5  # sides without windows: those of blocks in a row are fire walls
+_BLOCK_BLIND_P = 0.5  # sides without windows: fire walls of blocks in a row
 _BLOCK_VENTILATION_P = 0.5
 _BLOCK_VENTILATION = (2.4, 1.8, 0.7)
 _BLOCK_VENTILATION_OFF = (0.3, 0.2)
@@ -62,7 +62,7 @@ _SHED_ROOF_OVER = 0.2  # longer and wider than the walls
 _SHED_PER_GATE = 3.0
 _SHED_MOST_GATES = 4
 _SHED_GATE = (2.5, 2.2)  # width and height at most
-_SHED_GATE_SHARE = 0.85  # of the wall that it has, at most
+_SHED_GATE_SHARE = 0.85  # of its wall, at most
 _SHED_GATE_DEPTH = 0.06
 
 # A door [m]; estimates.
@@ -73,24 +73,24 @@ _DOOR_RECESS = 0.8  # of the windows' recess
 
 @dataclass(frozen=True, slots=True)
 class _Dormers:
-    """Boxes that stand out of a roof, in shares of its extents, seen to its front (-y); estimates."""
+    """Boxes on a roof, in shares of its extents, for its front (-y); estimates."""
 
-    width: float  # of the room that each has
+    width: float  # of the room for each
     middle: tuple[float, float]  # across and up
     size: tuple[float, float]  # depth and height
-    pane: tuple[float, float]  # of the width; how far it lies before the roof's middle
+    pane: tuple[float, float]  # of the width; distance before the roof's middle
     pane_rise: tuple[float, float]
 
 
 _ROOF_DORMERS = _Dormers(width=0.28, middle=(0.24, 0.48), size=(0.24, 0.5), pane=(0.75, 0.363), pane_rise=(0.36, 0.66))
 _MANSARD_DORMERS = _Dormers(width=0.34, middle=(0.45, 0.42), size=(0.08, 0.76), pane=(0.8, 0.492), pane_rise=(0.2, 0.7))
-_HIP = 0.22  # of the ridge, half as long as that of a hipped roof
+_HIP = 0.22  # half the length of the ridge of a hipped roof
 _MANSARD_TOP = (0.92, 0.84)  # shares of length and width
 _PARAPET = (0.02, 0.03, 0.3)  # thickness in shares of length and width; height [m]
 
 
 def house(builder: ObjectBuilder, rng: np.random.Generator) -> None:
-    """A house, its front (-y) to the street; `clearance` is the height of its eaves, the rest is a pitched roof."""
+    """A house with its front (-y) to the street; `clearance` is the height of its eaves, the rest is a pitched roof."""
     length, width, height = builder.placed.size
     material = sample_name(_MATERIALS["house"], rng)
     _walls(builder, (length, width, builder.placed.clearance), material, rng)
@@ -102,7 +102,7 @@ def house(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     roofing = "metal" if rng.random() < _HOUSE_METAL_ROOF_P else "roof-tile"
     builder.add_mesh(_roof(along, hipped), over, "building", roofing, at=eaves)
     if not hipped:
-        # the ends of the roof, in the plane of the walls, as high as the roof is there
+        # the ends of the roof, in the plane of the walls, at the height of the roof
         share = 1 - 2 * EAVES / over[1 if along else 0]
         builder.add_mesh(_gable(along), (length, width, share * rise), "building", material, at=eaves)
     if along and not hipped and rng.random() < _HOUSE_DORMERS_P:
@@ -118,7 +118,8 @@ def house(builder: ObjectBuilder, rng: np.random.Generator) -> None:
 
 
 def block(builder: ObjectBuilder, rng: np.random.Generator) -> None:
-    """A block of flats or offices, its front (-y) to the street: a flat or a mansard roof, balconies or none."""
+    """A block of flats or offices with its front (-y) to the street: a flat or a mansard roof, with or without
+    balconies."""
     length, width, height = builder.placed.size
     material = sample_name(_MATERIALS["block"], rng)
     mansard = height > _BLOCK_MANSARD_FROM * STOREY and rng.random() < _BLOCK_MANSARD_P
@@ -135,7 +136,7 @@ def block(builder: ObjectBuilder, rng: np.random.Generator) -> None:
         builder.add_mesh(_parapet(), (length, width, 1.0), "building", "concrete", at=(0.0, 0.0, height))
         if rng.random() < _BLOCK_VENTILATION_P:
             along_off, across_off = _BLOCK_VENTILATION_OFF
-            along_off = min(along_off, max(0.0, 0.5 - _BLOCK_VENTILATION[0] / 2 / length))  # nor beyond the roof
+            along_off = min(along_off, max(0.0, 0.5 - _BLOCK_VENTILATION[0] / 2 / length))  # not beyond the roof
             x, y = rng.uniform(-along_off, along_off) * length, rng.uniform(-across_off, across_off) * width
             at = (x, y, height + _BLOCK_VENTILATION[2] / 2)
             builder.add("box", at, _BLOCK_VENTILATION, "building", "metal")
@@ -234,7 +235,7 @@ def _parapet() -> MeshTemplate:
 
 @lru_cache(maxsize=256)
 def _balconies(bays: int, floors: int, every: bool) -> tuple[MeshTemplate, MeshTemplate]:
-    """Slabs of balconies before a front, in shares of its length, their depth and its height, and their balustrades."""
+    """Slabs of balconies on a front, in shares of its length, their depth and its height, and their balustrades."""
     slabs, rails = [], []
     columns = range(0 if every or bays == 1 else bays % 2, bays, 2)
     rail, foot = _BLOCK_RAIL / STOREY / floors, _BLOCK_SLAB / STOREY / floors

@@ -24,8 +24,8 @@ _BODY = VehicleBody(
     front_windows=((0.03, 0.97),), rear_windows=((0.12, 0.88),), window_rise=(0.02, 0.80), roof_width=0.96,
     clearance=0.30, taper=0.04,
 )  # fmt: skip
-# Estimates; in shares of the bus, where it is not said.
-_BODY_HEIGHT = 0.955  # the rest is the air conditioner's
+# Estimates, in shares of the bus without a unit.
+_BODY_HEIGHT = 0.955  # the rest is the air conditioner
 _AIR_CONDITIONER = (2.6, 0.7, 0.06)  # length [m], width, height
 _AIR_CONDITIONER_AT = ((-0.2, 0.1), 0.97)  # rearmost and foremost; middle
 _MIRROR_AT = (0.02, 0.72)  # before the front [m]; height
@@ -76,7 +76,7 @@ _HEAD = VehicleBody(
 # Estimates.
 _SECTION_LENGTH = 7.5  # m, about
 _JOINT = 0.35  # m between two sections
-_TRAM_BODY_HEIGHT = 0.92  # of the tram, to the roof; the current collector lies over it
+_TRAM_BODY_HEIGHT = 0.92  # of the tram, to the roof; the current collector is over it
 _BELLOWS = (0.86, 0.88)  # shares: of the width, of the body's height
 _BELLOWS_MIDDLE = (0.52, 0.1)  # share of the body's height, and m
 _BOGIE = (1.9, 0.8, 0.28)  # m long, share of the width, m high
@@ -96,7 +96,7 @@ def tram(builder: ObjectBuilder, rng: np.random.Generator) -> None:
         size = (pitch - (_JOINT if 0 < number < last else _JOINT / 2), width, body)
         form = _HEAD if number in (0, last) else _SECTION
         x += _JOINT / 4 * ((number == last) - (number == 0))
-        # the rear head is the front one seen the other way round
+        # the rear head is the front one turned round
         backward = number == 0
         builder.add_mesh(body_mesh(form), size, "train", paint, at=(x, 0.0, 0.0), backward=backward)
         add_glazing(builder, form, size, "train", x=x, backward=backward)

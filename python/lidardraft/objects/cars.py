@@ -1,4 +1,4 @@
-"""Cars: hatchbacks to vans, with bonnet, pillars, roof, wheels in arches, mirrors, plates and what is behind glass.
+"""Cars: hatchbacks to vans, with bonnet, pillars, roof, wheels in arches, mirrors, plates and the cabin behind glass.
 
 Lengths, widths and heights are those of common models of each segment of the German Federal Motor Transport Authority
 (KBA): VW up and Polo, Golf, Passat, Tiguan, Touran, Land Rover Defender, BMW 4, Ford Ranger, VW Transporter, Mercedes
@@ -83,32 +83,32 @@ SHARES = {
 }
 
 
-# How much cars of one body differ in length, width and height: deviation and most, in shares; estimates.
+# The spread of length, width and height of cars of one body: deviation and limit, in shares; estimates.
 _SPREAD, _MOST_SPREAD = (0.035, 0.015, 0.02), (0.1, 0.04, 0.05)
 # Lacquers. Of new cars in Germany 30 % are grey or silver, 26 % black, 21 % white, the others coloured (KBA, by colour,
 # 2022): white and light silver are light, black and dark grey dark, and half of the coloured ones. PandaSet's cars read
-# (quartiles) 0, 1 to 2 and 3 to 9 of 255 within 20 m; with half of them dark streets have 0, 3 and 8, with two fifths
-# 0, 4 and 12.
+# (quartiles) 0, 1 to 2 and 3 to 9 of 255 within 20 m; with half of the coloured ones dark, streets have 0, 3 and 8,
+# with two fifths 0, 4 and 12.
 PAINTS, _PAINT_LIMITS = ("light-paint", "dark-paint", "mid-paint"), (0.2, 0.7)
 
 
 @dataclass(frozen=True, slots=True)
 class _Fittings:
-    """What a body carries: metres, or where it is said shares of the vehicle. Estimates.
+    """The fittings of a body: in metres, or in shares of the vehicle if the comment says so. Estimates.
 
     Rear reflectors are required by UN Regulation 48; mirrors are housings at the foot of the windscreen.
     """
 
     seats_behind_screen: float = 0.42 * 2.4  # from the foot of the windscreen to the first row
     rear_seats: float = 0.14  # share of the length, from the foot of the rear window
-    two_rows: float = 0.5  # share of the length from which on a cabin has two rows
+    two_rows: float = 0.5  # share of the length: longer cabins have two rows
     seat_apart: float = 0.2  # share of the width, from the middle
     seat_width: float = 0.27  # share of the width
-    seat_half_depth: float = 0.13  # what is seen of a seat from the side
+    seat_half_depth: float = 0.13  # half the depth of a seat, seen from the side
     seat_base: tuple[float, float] = (0.05, 0.9)  # over the axle; share of the belt line at most
     seat_top: tuple[float, float] = (0.86, 0.82)  # shares of the height, of backs and of their sides
     dashboard: tuple[float, float] = (0.12, 0.8)  # shares: behind the foot of the windscreen; of the width
-    proud: float = 0.01  # that grilles stand out of the ends, and plates of grilles
+    proud: float = 0.01  # of grilles over the ends, and of plates over grilles
     grille: tuple[float, float] = (0.55, 0.2)  # shares of width and height
     nose_edge: float = 0.85  # of `VehicleBody.nose`, the front edge of the bonnet
     grille_foot: float = 0.06  # share of the height, over the sill
@@ -125,7 +125,7 @@ _FITTINGS = _Fittings()
 
 
 def sample_car(rng: np.random.Generator) -> tuple[str, Vector]:
-    """The name of a body and the extents of one car of it [m]."""
+    """The name of a random body and the extents of one such car [m]."""
     name = sample_name(SHARES, rng)
     most = np.array(_MOST_SPREAD)
     length, width, height = np.array(BODIES[name].size) * (1.0 + np.clip(rng.normal(0.0, _SPREAD), -most, most))
@@ -138,7 +138,7 @@ def sample_paint(rng: np.random.Generator) -> str:
 
 
 def car(builder: ObjectBuilder, rng: np.random.Generator) -> None:
-    """A car of the body that its kind names; mirrors stick out of its extents by 0.1 m."""
+    """A car of the body of its kind; mirrors extend beyond its extents by 0.1 m."""
     body = BODIES[builder.placed.kind]
     builder.add_mesh(body_mesh(body), builder.placed.size, "car", sample_paint(rng))
     add_glazing(builder, body, builder.placed.size, "car")
@@ -217,7 +217,7 @@ def _reflectors(body: VehicleBody) -> MeshTemplate:
 
 
 def _panel(body: VehicleBody, x: float, y: float, z: float, wide: float, tall: float) -> np.ndarray:
-    """An upright rectangle [1, 4, 3] of that width and height [m], its middle given in shares of the body."""
+    """An upright rectangle [1, 4, 3] with that width and height [m], its middle given in shares of the body."""
     _, width, height = body.size
     half = tall / height / 2
     return _across(x, y, wide / width, z - half, z + half)

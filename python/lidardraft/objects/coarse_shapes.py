@@ -1,8 +1,8 @@
-"""The few solid shapes that layouts have for an object, with the class of each: those of streets, made for an object
-in its place and size, and those of sentences and sketches, in the sizes that such objects have.
+"""The few solid shapes of an object in a layout, each with its class. In streets they are made for an object at its
+place and size; in sentences and sketches, in the usual sizes of such objects.
 
-All are solid, also for what is porous in the detailed scene: neither a sentence nor a clustering makes a medium.
-Numbers without a source are estimates of ours.
+All are solid, even for objects that are porous in the detailed scene: neither a sentence nor a clustering makes a
+medium. Numbers without a source are estimates.
 """
 
 from __future__ import annotations
@@ -17,20 +17,20 @@ from lidardraft.objects.plants import trunk_diameter
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.pose import Place, point_at
 
-STANDING = 0.5  # m over the ground, under which parts begin that stand on it
+STANDING = 0.5  # m over the ground: lower parts stand on it
 _SEGMENT = 4.0  # m; the chord of a 90 m bend leaves the arc by 2 cm
 
 # Of streets.
 MOST_LOBES = 3  # ellipsoids of a crown
-# A crown of one, two and three ellipsoids: their width, and their height where there are several, as shares of it.
+# A crown of one, two and three ellipsoids: their width, and for several ones their height, as shares of it.
 _LOBE_WIDTHS, _LOBE_HEIGHT = (1.0, 0.78, 0.72), 0.86
 _LOBE_TURN = 2.4  # rad per m of x, the golden angle: lobes of neighbours do not line up
-_TRUNK_IN_CROWN = 0.25  # of the height of the crown: so far the trunk rises into it
-# Diameters of posts [m] and what else an annotator would see.
+_TRUNK_IN_CROWN = 0.25  # of the height of the crown: the reach of the trunk into it
+# Diameters of posts [m] and other visible sizes.
 _POSTS = {"traffic-sign": 0.08, "traffic-light": 0.15}
 _GANTRY_POST, _BOARD_POST = 0.3, 0.2
 _LOWEST_BOARD = 0.1  # m: boards with less clearance stand on the ground
-_GANTRY_SIGNS = 0.75  # of the height, where they begin if nothing else is known
+_GANTRY_SIGNS = 0.75  # of the height: their default lower edge
 _TRACTOR = 0.36  # of the length of a trailer truck: 6 of 16.5 m, Directive 96/53/EC
 _TRACTOR_GAP, _CAB_HEIGHT = 0.5, 3.6  # m between tractor and trailer; m at most
 _BICYCLE_HEIGHT, _MOTORCYCLE_HEIGHT = 1.06, 1.1  # m, when ridden
@@ -46,9 +46,9 @@ CROWN_BASE = (1.6, 2.4)  # m from the ground to where a crown begins, smallest a
 class CoarseShape(NamedTuple):
     """One shape of an object: x forward, y left, z up from the ground under the object's middle [m].
 
-    `instance_offset` is added to the object's instance. A crown is there once for each number of ellipsoids it may
-    have: `lobes` is that number for its ellipsoids, and 0 for all other shapes. `name` is that of the part in an id,
-    empty for a single one.
+    `instance_offset` is added to the object's instance. A crown has one version for each possible number of ellipsoids:
+    `lobes` is that number for its ellipsoids, and 0 for all other shapes. `name` is that of the part in an id, empty
+    for a single one.
     """
 
     shape: str
@@ -60,7 +60,7 @@ class CoarseShape(NamedTuple):
     name: str = ""
 
     def placed(self, place: Place, level: float, id: str, instance: int = 0) -> Primitive:
-        """The shape of an object that stands at a place, on ground at that `level` [m]."""
+        """The shape for an object at `place`, on ground at that `level` [m]."""
         x, y, z = self.center
         center, yaw = (*point_at(place, x, y), level + z), place[2]
         return Primitive(
@@ -91,7 +91,7 @@ def resized(parts: list[CoarseShape], by: Vector) -> list[CoarseShape]:
 
 
 def in_segments(strip: CoarseShape) -> list[CoarseShape]:
-    """A long box in short ones, so that they can follow a bend."""
+    """A long box as several short ones, which can follow a bend."""
     length, thickness, height = strip.size
     count = math.ceil(length / _SEGMENT)
     step, size = length / count, (length / count, thickness, height)
@@ -115,14 +115,15 @@ def street_light_parts(height: float) -> list[CoarseShape]:
 
 
 def on_post(label: str, size: Vector, clearance: float) -> list[CoarseShape]:
-    """A plate or a signal of a class, `size` [m] with its post: that up to `clearance` [m], and over it the other."""
+    """A plate or a signal of a class, `size` [m] with its post; the post ends at `clearance` [m], the head is above
+    it."""
     length, width, height = size
     head = CoarseShape("box", (0.0, 0.0, (clearance + height) / 2), (length, width, height - clearance), label)
     return [_post(_POSTS[label], clearance, name="pole"), head._replace(name=label.rpartition("-")[2])]
 
 
 def rider_on(machine: CoarseShape, top: float, width: float = RIDER_WIDTH, name: str = "") -> CoarseShape:
-    """Who rides a two-wheeler, up to `top` [m]."""
+    """The rider of a two-wheeler, up to `top` [m]."""
     saddle = _SADDLE * machine.size[2]
     size = _RIDER_LENGTH, width, top - saddle
     return CoarseShape("box", (_RIDER_X, 0.0, (saddle + top) / 2), size, "rider", name=name)
@@ -144,7 +145,7 @@ def house(placed: PlacedObject) -> list[CoarseShape]:
 
 
 def tree(placed: PlacedObject) -> list[CoarseShape]:
-    """A trunk, and the crown as one, two and three ellipsoids: `lobes` says which belong together."""
+    """A trunk, and the crown as one, two and three ellipsoids: `lobes` tells which belong together."""
     length, width, height = placed.size
     crown = height - placed.clearance
     shapes = tree_parts(height, length, trunk_diameter(height), placed.clearance)[:1]
@@ -197,7 +198,7 @@ def gantry(placed: PlacedObject) -> list[CoarseShape]:
 
 
 def billboard(placed: PlacedObject) -> list[CoarseShape]:
-    """A board on its post, or down to the ground where it has no clearance."""
+    """A board on its post, or down to the ground without a clearance."""
     board = _plate(placed, "other", placed.clearance)
     return [_post(_BOARD_POST, placed.clearance, "other"), board] if placed.clearance > _LOWEST_BOARD else [board]
 

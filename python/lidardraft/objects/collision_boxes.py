@@ -1,4 +1,4 @@
-"""The upright boxes that an object fills, in its frame, by which placement keeps one object out of another."""
+"""The upright boxes that an object occupies, in its frame; placement keeps them apart."""
 
 from __future__ import annotations
 
@@ -10,21 +10,21 @@ from lidardraft.objects.signs import GANTRY_POST, billboard_posts
 from lidardraft.scene.solids import Solid
 
 # Estimates.
-_POST = 0.2  # m, how much room a post is given
+_POST = 0.2  # m, the room for a post
 _ARM = 0.3  # m, thickness and height of a lamp's arm, with its luminaire
-_UNDER_EAVES = 0.2  # m that a roof begins under its eaves
+_UNDER_EAVES = 0.2  # m, the start of a roof under its eaves
 _LOWEST_BALCONY = 0.9  # storeys over the ground
 _NARROW_SIGN = 1.0  # m; wider signs stand on two posts
 
 
 def whole(size: Vector, _clearance: float) -> list[Solid]:
-    """All of the extents, from the ground up."""
+    """The full extents, from the ground up."""
     length, width, height = size
     return [_box(length, width, 0.0, height)]
 
 
 def tree(size: Vector, clearance: float) -> list[Solid]:
-    """A trunk and a crown, so that a car can stand under it."""
+    """A trunk and a crown with room for a car under it."""
     diameter = trunk_diameter(size[2])
     return [_box(diameter, diameter, 0.0, clearance), _above(size, clearance)]
 
@@ -58,14 +58,14 @@ def billboard(size: Vector, clearance: float) -> list[Solid]:
 
 
 def sign(size: Vector, clearance: float) -> list[Solid]:
-    """A post and a plate; a wide sign stands on two, and nothing passes between."""
+    """A post and a plate; a wide sign has two posts, and nothing passes between them."""
     if size[1] >= _NARROW_SIGN:
         return whole(size, clearance)
     return [_box(_POST, _POST, 0.0, clearance), _above(size, clearance)]
 
 
 def gantry(size: Vector, clearance: float) -> list[Solid]:
-    """Two posts and what is between them over the clearance `clearance`."""
+    """Two posts and the part between them, above `clearance`."""
     length, width, height = size
     out = (width - GANTRY_POST) / 2
     posts = [_box(length, GANTRY_POST, 0.0, height, y=side * out) for side in (-1, 1)]

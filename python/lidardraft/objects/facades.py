@@ -8,27 +8,27 @@ import numpy as np
 
 from lidardraft.objects.mesh import MeshTemplate, quads
 
-# Estimates, of dwellings in Germany.
+# Estimates for dwellings in Germany.
 STOREY = 2.9  # m, floor to floor of a dwelling, usually 2.8 to 3.2
-WINDOW_BAY = 3.0  # m from window to window that a form is made for
-PLINTH = 0.8  # m that walls reach under the ground
+WINDOW_BAY = 3.0  # m from window to window, in a form
+PLINTH = 0.8  # m, the depth of walls under the ground
 RECESS = 0.16  # m from the wall's face to the frame of a window
 # Of a window 0.7 is glass (DIN V 4108-6), the rest is its frame, here around one pane and of the wall's material.
 _GLAZED = 0.7**0.5  # of its width and its height
-_PANE = 0.02  # m that a pane lies before its frame
+_PANE = 0.02  # m, the distance of a pane before its frame
 _SILL, _LINTEL = 0.9, 2.25  # m over the floor
-# What stands out of a wall, as extents of height and depth [m]: window sills, and a ledge at each floor.
+# Projections of a wall, as extents of height and depth [m]: window sills, and a ledge at each floor.
 _SILL_STONE, _LEDGE = (0.07, 0.045), (0.18, 0.04)
-_SILL_BESIDE = 0.06  # m that a sill is longer than its window, on both sides
-_PROUD = 0.03  # m that panes of the back lie before the wall
+_SILL_BESIDE = 0.06  # m, the excess of a sill over its window on each side
+_PROUD = 0.03  # m, the distance of panes of the back before the wall
 
 
 @lru_cache(maxsize=512)
 def walls(bays: int, deep: int, storeys: int, opening: float, blind: bool) -> tuple[MeshTemplate, MeshTemplate]:
-    """Walls and panes of a building of that many windows along its front (-y) and its sides, and storeys.
+    """Walls and panes of a building with that many windows along its front (-y) and its sides, and storeys.
 
     In shares of the building. `opening` is the share of windows in a bay. There is a recess for a door in the middle of
-    the front; the back has half as many windows, flush with it; the sides of a `blind` building have none.
+    the front. The back has half as many windows, flush with the wall; the sides of a `blind` building have none.
     """
     length, width, height = bays * WINDOW_BAY, deep * WINDOW_BAY, storeys * STOREY
     faces, panes = [], []
@@ -60,7 +60,7 @@ def walls(bays: int, deep: int, storeys: int, opening: float, blind: bool) -> tu
 def front(bays: int, storeys: int, opening: float) -> tuple[MeshTemplate, MeshTemplate]:
     """Wall and panes of a front alone, which faces -y and has no door.
 
-    In shares of its length and height, and in metres of depth: the wall is at y = 0, panes lie behind it.
+    In shares of its length and height, and in metres of depth: the wall is at y = 0, with panes behind it.
     """
     length, height = bays * WINDOW_BAY, storeys * STOREY
     extents = np.array([length, 1.0, height])
@@ -82,7 +82,7 @@ def _facade(
     above = np.concatenate([sill, [storeys * STOREY]])
     strips = [(-span / 2, span / 2, a, b) for a, b in zip(below, above, strict=True)]
     if door >= 0:
-        # the strip under the lowest windows is parted around the door
+        # the strip under the lowest windows is split at the door
         strips[0] = (-span / 2, span / 2, -PLINTH, 0.0)
         strips += [(-span / 2, middle[door] - half, 0.0, sill[0]), (middle[door] + half, span / 2, 0.0, sill[0])]
     piers = [(edges[k], edges[k + 1], a, b) for a, b in zip(sill, lintel, strict=True) for k in range(0, len(edges), 2)]
@@ -124,7 +124,7 @@ def _glazed(openings: np.ndarray) -> np.ndarray:
 
 
 def _ledge(cells: np.ndarray, out: float) -> np.ndarray:
-    """Rectangles [2 Q, 4, 3] of the fronts and undersides of cells [Q, 4] that stand out of a wall by `out` [m]."""
+    """Rectangles [2 Q, 4, 3] of the fronts and undersides of cells [Q, 4] that project from a wall by `out` [m]."""
     below = _upright(cells[:, [0, 1, 2, 2]], 0.0)
     below[:, 2:, 2] = out
     return np.concatenate([_upright(cells, out), below])
@@ -139,14 +139,14 @@ def _upright(cells: np.ndarray, out: float) -> np.ndarray:
 
 
 def _reveal(start: tuple[np.ndarray, np.ndarray], end: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """Rectangles from the wall's face back to the panes along edges."""
+    """Rectangles along edges from the wall's face back to the panes."""
     zero = np.zeros(len(start[0]))
     ring = [(*start, zero), (*end, zero), (*end, zero - RECESS), (*start, zero - RECESS)]
     return np.stack([np.stack(point, axis=-1) for point in ring], axis=1)
 
 
 def _turned(corners: np.ndarray, out: float, turn: int) -> np.ndarray:
-    """Facade coordinates (u, height, out) to the building's frame; turn 0 is the front (-y), then right, back, left."""
+    """Facade coordinates (u, height, out) in the building's frame; turn 0 is the front (-y), then right, back, left."""
     u, z, level = np.moveaxis(corners, -1, 0)
     x, y = u, -(out + level)
     for _ in range(turn):

@@ -1,7 +1,7 @@
-"""What encloses and divides: fences, walls and the barriers of roads.
+"""Enclosures and dividers: fences, walls and the barriers of roads.
 
 Guard rails are 0.75 m and concrete barriers 0.8 to 1.15 m high (systems tested after EN 1317). Welded mesh of 50 x 200
-mm with 5 mm wires covers 12 %, chain link of 50 mm with 3 mm wires as much.
+mm with 5 mm wires covers 12 %, as does chain link of 50 mm with 3 mm wires.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ _FENCE_PALINGS_AT = (0.3, 0.4)  # shares of the width: before the middle, depth
 _FENCE_GAP = 0.06  # under the palings
 _FENCE_POST_APART = 2.5
 
-# Wire mesh between posts [m]: a medium that one in eight rays meets, see the module.
+# Wire mesh between posts [m]: a medium that stops one in eight rays, see the module.
 _MESH_FENCE_COVER = 0.12
 _MESH_FENCE_THICKNESS = 0.04
 _MESH_FENCE_GAP = 0.03  # under the mesh
@@ -34,7 +34,7 @@ _MESH_FENCE_POST_APART = 2.5
 _GARDEN_WALL_MATERIALS: tuple[str, ...] = ("brick", "stone", "concrete", "plaster")
 _GARDEN_WALL_RAILED_FROM = 1.0
 _GARDEN_WALL_RAILED_P = 0.3
-_GARDEN_WALL_RAILED_SHARE = 0.5  # of the height that is wall then
+_GARDEN_WALL_RAILED_SHARE = 0.5  # of the height: the wall in that case
 _GARDEN_WALL_COPING = 0.08
 _GARDEN_WALL_WIDTH_SHARE = 0.8  # of the coping's
 _GARDEN_WALL_RAIL = 0.03  # thickness
@@ -72,7 +72,7 @@ _W_BEAM = ((-0.5, -0.5), (0.5, -0.25), (-0.3, 0.0), (0.5, 0.25), (-0.5, 0.5))
 
 
 def fence(builder: ObjectBuilder, rng: np.random.Generator, *, dense: bool = False) -> None:
-    """Upright palings or bars with gaps between them, on posts with two rails; a `dense` one has close palings."""
+    """Upright palings or bars with gaps between them, on posts with two rails; a `dense` fence has close palings."""
     length, width, height = builder.placed.size
     iron = not dense and rng.random() < _FENCE_IRON_P
     material = "metal" if iron else "wood"
@@ -114,7 +114,7 @@ def garden_wall(builder: ObjectBuilder, rng: np.random.Generator) -> None:
 
 
 def wall(builder: ObjectBuilder, rng: np.random.Generator) -> None:
-    """A noise barrier or the wall of a yard: panels between posts, on a plinth."""
+    """A noise barrier or a yard wall: panels between posts, on a plinth."""
     length, width, height = builder.placed.size
     material = sample_name(_WALL_MATERIALS, rng)
     size = (length, _WALL_PANEL_SHARE * width, height + EMBEDMENT)
@@ -146,7 +146,7 @@ def barrier(builder: ObjectBuilder, rng: np.random.Generator) -> None:
 
 
 def _paling_count(length: float) -> int:
-    """About as many as fit, in fours, so that fences of similar lengths share their mesh."""
+    """About as many as fit, in multiples of four, so that fences of similar lengths share their mesh."""
     return max(_FENCE_LEAST_PALINGS, round(length / _FENCE_PALING_APART / 4) * 4)
 
 
@@ -156,7 +156,7 @@ def _post_count(length: float, apart: float) -> int:
 
 @lru_cache(maxsize=256)
 def _palings(count: int, cover: float) -> MeshTemplate:
-    """Upright slats that cover that share of a length, flat, in shares of length and height."""
+    """Flat upright slats that cover that share of a length, in shares of length and height."""
     x = (np.arange(count) + 0.5) / count - 0.5
     half = cover / count / 2
     across, tall = half * np.array([-1, 1, 1, -1]), np.array([0.0, 0.0, 1.0, 1.0])
@@ -168,7 +168,7 @@ def _palings(count: int, cover: float) -> MeshTemplate:
 
 @lru_cache(maxsize=64)
 def _posts(count: int, share: float) -> MeshTemplate:
-    """Posts along a length, as wide as that share of their distance, from under the ground to the top."""
+    """Posts along a length, with a width of that share of their distance, from under the ground to the top."""
     thick = share / count
     return MeshTemplate.from_triangles(*join(*(box((x, 0.0, 0.4), (thick, 1.0, 1.2)) for x in _places(count, thick))))
 

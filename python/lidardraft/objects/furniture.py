@@ -1,7 +1,7 @@
 """Street furniture: shelters, and the small objects on a sidewalk.
 
 Sizes: waste bins EN 840 (240 l: 0.58 x 0.74 x 1.07 m), traffic cones EN 13422 (0.5 and 0.75 m), pillar hydrants DIN EN
-14384 (about 1 m). What is not said are estimates.
+14384 (about 1 m). Other numbers are estimates.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder
 _SHELTER_ROOF = 0.16
 _SHELTER_POSTS_LOWER = 0.1
 _SHELTER_PANE = 0.03
-_SHELTER_PANE_EXTINCTION = 12.0  # 1/m: 3 cm let 70 % of the rays through, an estimate for two ways
+_SHELTER_PANE_EXTINCTION = 12.0  # 1/m: 3 cm pass 70 % of the rays, an estimate for both ways
 _SHELTER_PANES_SHARES = (0.475, 0.72)  # middle and extent, of the height
 _SHELTER_BACK_SHARES = (0.44, 0.92)  # behind the middle, of the width; of the length
 _SHELTER_SIDE_SHARES = (0.48, 0.07, 0.68)  # beside the middle, of the length; behind it and extent, of the width
@@ -40,10 +40,10 @@ _BENCH_LEG_SHARE = 0.9  # of the width
 _BENCH_BACK_P = 0.8
 _BENCH_BACK = (0.06, 0.55)  # thickness, height of its lower edge
 _BENCH_BACK_INSET = 0.04  # its middle, from the rear
-_BENCH_STAY = (0.04, 0.12, 0.5)  # what holds the back: thickness, height, its middle
+_BENCH_STAY = (0.04, 0.12, 0.5)  # the support of the back: thickness, height, its middle
 _BENCH_STAY_SHARE = 0.85  # of the length
 
-# Letterboxes, hydrants and cabinets [m], in shares of the extents where no unit is said: estimates.
+# Letterboxes, hydrants and cabinets [m], in shares of the extents without a unit: estimates.
 _COLUMN_LETTERBOX = (0.7, 0.6)  # its middle and its height
 _COLUMN_LETTERBOX_POST = (0.4, 0.12)  # its height; m thick
 _COLUMN_HYDRANT = (0.62, 0.9)  # diameter, of the lesser extent; height
@@ -112,7 +112,7 @@ def bin(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
 
 
 def bench(builder: ObjectBuilder, rng: np.random.Generator) -> None:
-    """A bench that looks to its left (+y), open below; most have a back."""
+    """A bench that faces left (+y), open below; most have a back."""
     length, width, height = builder.placed.size
     thick, middle = _BENCH_SEAT
     builder.add("box", (0.0, 0.0, middle), (length, width, thick), "other", "wood")
@@ -161,7 +161,7 @@ def hydrant(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
 
 
 def cabinet(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
-    """A distribution cabinet on a plinth, with a lid that sticks out and doors forward (+x)."""
+    """A distribution cabinet on a plinth, with an overhanging lid and doors forward (+x)."""
     length, width, height = builder.placed.size
     long, wide = _COLUMN_CABINET
     size = (long * length, wide * width, height + EMBEDMENT)
@@ -183,7 +183,7 @@ def _shelter_posts() -> MeshTemplate:
 
 @lru_cache(maxsize=1)
 def _wheeled_bin() -> tuple[MeshTemplate, MeshTemplate]:
-    """The tub with its lid; wheels and what it stands on in front."""
+    """The tub with its lid; wheels, and the foot in front."""
     corners = np.array([(1, -1), (1, 1), (-1, 1), (-1, -1)])
     rings = [np.insert(corners * (long, wide), 2, z, axis=1) for long, wide, z in _WHEELED_BIN]
     wheels = [box((-0.36, side * 0.36, 0.09), (0.22, 0.08, 0.18)) for side in (-1, 1)]

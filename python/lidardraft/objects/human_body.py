@@ -36,7 +36,7 @@ SEGMENTS = Segments()
 _RING_HEIGHTS = (-0.045, 0.0, 0.10, 0.22, 0.285, 0.31, 0.345)
 _RING_HALF_WIDTHS = (0.078, 0.094, 0.08, 0.102, 0.105, 0.05, 0.032)
 _RING_HALF_DEPTHS = (0.055, 0.072, 0.066, 0.074, 0.058, 0.04, 0.034)
-_COAT_HEM = (-0.15, 0.098, 0.085)  # what the lowest of them is under a coat
+_COAT_HEM = (-0.15, 0.098, 0.085)  # the lowest of them under a coat
 _MOST_REACH = 0.98  # of two segments: joints are never quite straight
 _KNEE_BENDS, _ELBOW_BENDS = (1.0, 0.0, 0.4), (0.0, 0.0, -1.0)  # directions: forward and up, down
 
@@ -71,12 +71,12 @@ def limb(joints: np.ndarray, diameters: tuple[float, ...], sides: int = 6) -> Tr
 
 
 def hanging(angle: float) -> np.ndarray:
-    """The direction of a segment that hangs, turned forward by an angle."""
+    """The direction of a hanging segment, turned forward by an angle [rad]."""
     return np.array([math.sin(angle), 0.0, -math.cos(angle)])
 
 
 def bent_joint(start: np.ndarray, end: np.ndarray, upper: float, lower: float, *, knee: bool) -> np.ndarray:
-    """Where two segments between two points meet: a knee bends forward and up, an elbow down."""
+    """The joint of two segments between two points: a knee bends forward and up, an elbow down."""
     reach = end - start
     distance = min(float(np.linalg.norm(reach)), _MOST_REACH * (upper + lower))
     along = reach / np.linalg.norm(reach)

@@ -1,7 +1,7 @@
-"""The table of kinds, a row each: what sentences ask for, and the kinds of object that are built as that.
+"""The table of kinds, a row each: for sentences, and for the kinds of object that are built.
 
-All else is a view of it, but for words (`drafting/text/kinds.txt`, `scene/class_names.py`), the sizes that streets have
-(`arranging/sizes.py`), and the extents that a class can have at all (`semantics.py`).
+Everything else is a view of it, except words (`drafting/text/kinds.txt`, `scene/class_names.py`), the sizes in streets
+(`arranging/sizes.py`), and the possible extents of a class (`semantics.py`).
 """
 
 from __future__ import annotations
@@ -58,17 +58,17 @@ class Kind:
     """One kind of object.
 
     `add` adds the detailed primitives of an object to its builder, with random numbers of its generator; `labels` are
-    the classes that these have, in the order of their instances where they are counted. `word` is what a sentence calls
-    it, a name in `SENTENCE_KINDS`; None where no sentence speaks of it, or where it is `unsaid`: coarse layouts of
-    streets as sentences have them leave it out, and the packaged weights know them so.
+    their classes, in the order of instances for things. `word` is its name in sentences, one of `SENTENCE_KINDS`. It is
+    None if sentences do not name it, or if it is `unsaid`: coarse layouts of streets in the form of sentences leave it
+    out, as in the training of the packaged weights.
 
-    `shapes` makes the few solid shapes that a coarse layout has for it, None where that is a box of the first class;
-    `boxes` the upright boxes that placement keeps free for extents (length, width, height) and a `clearance` [m].
-    `extents` are the smallest and the largest (length, width, height) [m] that `add` is right for, about those that
-    `tests/objects` builds: a box beyond them gets a stretched object. None: any are right.
+    `shapes` makes the few solid shapes of it in a coarse layout, None for a box of the first class; `boxes` makes the
+    upright boxes that placement keeps free, from extents (length, width, height) and a `clearance` [m]. `extents` are
+    the smallest and the largest (length, width, height) [m] that `add` is valid for, about those that `tests/objects`
+    builds: a box beyond them gets a stretched object. None: all are valid.
 
-    `most_fall` is how far the ground may fall from under its base to its lowest corner [m]: an object on steeper ground
-    is let down; `math.inf` if only the ground under its middle matters. `is_small` objects are easily left out of a
+    `most_fall` is the largest drop of the ground from under its base to its lowest corner [m]: an object on steeper
+    ground is lowered; `math.inf` if only the ground under its middle matters. `is_small` objects are easily missed in a
     picture, and those `on_pole` are left out of coarse layouts without poles.
     """
 
@@ -89,7 +89,7 @@ class Kind:
         return built(self.add, placed, rng)
 
     def solids(self, place: Place, size: Vector, clearance: float) -> list[Solid]:
-        """The upright boxes that an object fills at its place."""
+        """The upright boxes that an object occupies at its place."""
         solids = []
         for own in self.boxes(size, clearance):
             extents = (2 * own.half_length, 2 * own.half_width)
@@ -102,7 +102,7 @@ class Kind:
 
     @property
     def instances(self) -> int:
-        """How many instances an object has: 0 if it is not counted, 2 for a rider and what is ridden."""
+        """The number of instances of an object: 0 for stuff, 2 for a rider and its vehicle."""
         return sum(BY_NAME[label].is_thing for label in self.labels)
 
 
@@ -112,20 +112,20 @@ def _car(body: str) -> Kind:
     return Kind(cars.car, ("car",), extents=extents)
 
 
-# Sizes of sentences: how much they vary, as shares of length, width and height.
+# Sizes in sentences: their spread, as shares of length, width and height.
 _MACHINE = (0.10, 0.04, 0.08)
 _TWO_WHEELER = (0.08, 0.10, 0.06)
 
 
 def _class_sizes(label: str, spread: tuple[float, float, float]) -> SizeAround:
-    """Around the typical size in the class table."""
+    """Sizes around the typical one in the class table."""
     typical = BY_NAME[label].size
     assert typical is not None, f"{label} has no typical size"
     return SizeAround(typical, spread)
 
 
-# Numbers are estimates of ours. Vans are cars in Cityscapes; their size is that of common European ones. Lengths of
-# what stands beside the road are along it.
+# Numbers are estimates. Vans are cars in Cityscapes; their size is that of common European ones. Lengths of roadside
+# objects are along the road.
 _vehicle = partial(SentenceKind, counts=CountRanges(), surfaces=("road",), is_vehicle=True)
 _large = partial(_vehicle, parking_width=3.0)
 _ANYWHERE = ("road", "sidewalk", "median")

@@ -1,4 +1,4 @@
-"""Vertices and triangles of solids, and templates: meshes made once and stretched to every object of their form."""
+"""Vertices and triangles of solids, and templates: meshes made once and stretched to all objects of their form."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def frustum_corners(bottom: tuple[float, float, float, float], top: tuple[float,
 
 
 def frustum(corners: np.ndarray) -> Triangles:
-    """The six faces of a `frustum_corners`, closed, their front outside."""
+    """The six faces of a `frustum_corners`, closed, facing outwards."""
     rings = np.array([(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)])
     return corners, rings[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
 
@@ -48,7 +48,7 @@ def box(center: tuple[float, float, float], size: tuple[float, float, float]) ->
 
 
 def tube(start: tuple[float, ...], end: tuple[float, ...], diameters: tuple[float, float], sides: int = 6) -> Triangles:
-    """A round bar between two points, `diameters` its diameters there, with caps."""
+    """A round bar between two points, with `diameters` at its ends, and caps."""
     a, b = np.array(start), np.array(end)
     axis = (b - a) / np.linalg.norm(b - a)
     across = np.cross(axis, (0.0, 1.0, 0.0) if abs(axis[1]) < 0.9 else (1.0, 0.0, 0.0))
@@ -59,7 +59,7 @@ def tube(start: tuple[float, ...], end: tuple[float, ...], diameters: tuple[floa
 
 
 def loft(rings: np.ndarray) -> Triangles:
-    """A closed skin over rings [n, m, 3] of points, one after the other, each end closed by a fan."""
+    """A closed skin over successive rings [n, m, 3] of points, with a fan at each end."""
     n, m, _ = rings.shape
     i, j = np.meshgrid(np.arange(n - 1), np.arange(m), indexing="ij")
     here, after = (i * m + j).ravel(), (i * m + (j + 1) % m).ravel()
@@ -74,7 +74,7 @@ def loft(rings: np.ndarray) -> Triangles:
 
 
 def lathe(profile: np.ndarray, sides: int, across: float = 1.0) -> Triangles:
-    """A side view [n, 2] of (radius, z) turned about z, `across` times as wide in y as in x."""
+    """A side view [n, 2] of (radius, z) rotated about z, `across` times as wide in y as in x."""
     angle = 2 * np.pi * np.arange(sides) / sides
     ring = np.stack([np.cos(angle), across * np.sin(angle)], axis=1)
     rings = np.concatenate(
@@ -86,7 +86,7 @@ def lathe(profile: np.ndarray, sides: int, across: float = 1.0) -> Triangles:
 def window_frame(
     corners: np.ndarray, side: int, spans: tuple[tuple[float, float], ...], rise: tuple[float, float]
 ) -> np.ndarray:
-    """What is left [Q, 4, 3] of one side of a `frustum_corners` around its windows: 0 front, 1 left, 2 rear, 3 right.
+    """The rest [Q, 4, 3] of one side of a `frustum_corners` around its windows: 0 front, 1 left, 2 rear, 3 right.
 
     `spans` are shares of the side's width, in order, `rise` of its height.
     """
@@ -104,7 +104,7 @@ def stepped_grid(u: np.ndarray, v: np.ndarray, level: np.ndarray) -> tuple[np.nd
     """A grid of cells at different levels, and the risers between neighbours.
 
     `u` [n + 1] and `v` [m + 1] are the grid's lines, `level` [n, m] the height of the cells. Returns corners (u, v,
-    level) [Q, 4, 3] and the flat index [Q] of the cell each belongs to; a riser belongs to the higher of its two cells.
+    level) [Q, 4, 3] and the flat index [Q] of the cell of each; a riser belongs to the higher of its two cells.
     """
     n, m = level.shape
     cell = np.arange(n * m).reshape(n, m)
@@ -136,8 +136,8 @@ def stepped_grid(u: np.ndarray, v: np.ndarray, level: np.ndarray) -> tuple[np.nd
 class MeshTemplate:
     """A mesh within the unit box [-1/2, 1/2]^3, and the `center` and `size` of that box in shares of an object.
 
-    An object of extents E has the mesh with the extents `size * E`, its middle at `center * E`. Templates are cached by
-    those who make them, so that objects share their meshes.
+    For an object of extents E, the mesh has the extents `size * E` and its middle at `center * E`. The functions that
+    make templates cache them, so that objects share their meshes.
     """
 
     mesh: TriangleMesh

@@ -1,4 +1,4 @@
-"""Motorcycles and scooters, parked and ridden: 17 and 12 inch wheels, other numbers are estimates."""
+"""Motorcycles and scooters, parked and ridden: 17 and 12 inch wheels; other numbers are estimates."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import Vector
 from lidardraft.objects.riders import Seat, add_rider
 
-_LENGTH, _WIDTH = 2.10, 0.80  # m, for which all places below are given
+_LENGTH, _WIDTH = 2.10, 0.80  # m, of the motorcycle with all places below
 _SCOOTER_P, _CASES_P = 0.35, 0.3
 _SEAT = Seat(hip=(-0.22, 0.0, 0.84), foot=(0.0, 0.18, 0.32), hand=(0.42, 0.33, 1.03))
 _LEAN = 0.25  # rad
-_MUDGUARD = 0.06  # m that the length goes beyond the wheels
+_MUDGUARD = 0.06  # m, the excess of the length over the wheels
 _PLACED = tuple[Vector, Vector]  # m: middle and extents
 _CASES: _PLACED = ((-0.66, 0.0, 0.66), (0.42, 0.66, 0.30))
 _SADDLE: _PLACED = ((-0.38, 0.0, 0.76), (0.76, 0.27, 0.13))
-# A number plate, a tail light and what holds them.
+# A number plate, a tail light and their holder.
 _TAIL: tuple[_PLACED, ...] = (
     ((-0.99, 0.0, 0.52), (0.02, 0.18, 0.20)),
     ((-0.90, 0.0, 0.72), (0.04, 0.16, 0.06)),
     ((-0.82, 0.0, 0.62), (0.30, 0.05, 0.05)),
 )
-_STEERING = (0.40, 0.0, 1.0)  # where fork and handlebar meet
+_STEERING = (0.40, 0.0, 1.0)  # the joint of fork and handlebar
 _FORK, _FORK_WIDTH = (0.06, 0.05), 0.09  # diameters above and below; from the middle
 _HANDLE_END, _HANDLE = (0.36, 0.36, 1.05), (0.04, 0.05)  # of the left side; diameters
 _MIRROR: _PLACED = ((0.30, 0.34, 1.12), (0.03, 0.12, 0.08))  # of the left side
@@ -38,7 +38,7 @@ _TREAD = ((0.82, -1.0), (0.95, -0.8), (1.0, 0.0), (0.95, 0.8), (0.82, 1.0))
 
 @dataclass(frozen=True, slots=True)
 class _Form:
-    """What sets scooters apart [m]: wheels, the boxes of engine or footboard, and the ellipsoids of the cladding."""
+    """The differences of scooters [m]: wheels, the boxes of engine or footboard, and the ellipsoids of the cladding."""
 
     wheel_diameter: float
     tyre_width: float
@@ -118,7 +118,7 @@ def _tail() -> MeshTemplate:
 
 
 def _axle(form: _Form) -> float:
-    """How far the wheels are from the middle [m]."""
+    """The distance of the wheels from the middle [m]."""
     return _LENGTH / 2 - form.wheel_diameter / 2 - _MUDGUARD
 
 

@@ -13,7 +13,7 @@ from lidardraft.scene.layout import Primitive
 from lidardraft.scene.mesh import TriangleMesh
 from lidardraft.scene.pose import point_at
 
-EMBEDMENT = 0.3  # m that posts, stems and walls reach into the ground, so that no slope shows a gap: estimate
+EMBEDMENT = 0.3  # m, the depth of posts, stems and walls in the ground, without gaps on slopes: an estimate
 
 
 class ObjectBuilder:
@@ -25,7 +25,7 @@ class ObjectBuilder:
         self._instance = placed.instance
 
     def next_instance(self) -> None:
-        """What is added from now on belongs to the object's second instance: what a rider rides."""
+        """Assign all further parts to the object's second instance: the vehicle of a rider."""
         self._instance += 1 if self._instance else 0
 
     def add(
@@ -42,7 +42,7 @@ class ObjectBuilder:
     ) -> None:
         """Add one primitive; `extinction` [1/m] makes it a medium.
 
-        A street has hundreds: tests check that they are right, not this.
+        There are hundreds in a street: tests check their values, this does not.
         """
         placed = self.placed
         x, y, z = center
@@ -91,7 +91,7 @@ Add = Callable[[ObjectBuilder, np.random.Generator], None]  # adds the parts of 
 
 
 def built(add: Add, placed: PlacedObject, rng: np.random.Generator) -> list[Primitive]:
-    """What `add` makes of an object."""
+    """The primitives that `add` makes for an object."""
     builder = ObjectBuilder(placed)
     add(builder, rng)
     return builder.primitives

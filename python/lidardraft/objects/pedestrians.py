@@ -1,4 +1,4 @@
-"""People on foot, standing or in a gait."""
+"""Pedestrians, standing or in a gait."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from lidardraft.objects.mesh import MeshTemplate, Triangles, box, join
 from lidardraft.objects.object_builder import ObjectBuilder
 from lidardraft.objects.placed_object import Vector
 
-_STANDING = 0.3  # m, the longest footprint of one who stands
+_STANDING = 0.3  # m, the longest footprint of a standing person
 _PHASES = 8  # of a gait
-_HABITS, _HOLDING, _COATED = 4, 1, 2  # one in four holds something before the chest, one in four wears a coat
+_HABITS, _HOLDING, _COATED = 4, 1, 2  # one in four holds something in front of the chest, one in four wears a coat
 
-# How people walk: estimates but for the knee, which bends by 60 degrees in a brisk walk.
-# What the feet reach beyond the ankles, and the stride from one step to the next longer one, of the stature.
+# Gaits: estimates, except the knee, which bends by 60 degrees in a brisk walk. The reach of the feet beyond the ankles,
+# and the stride from one step to the next longer one, of the stature.
 _GAIT_FEET = 0.17
 _GAIT_STRIDE = 0.06
 _GAIT_SWINGS: tuple[float, ...] = (0.0, 0.13, 0.20, 0.27, 0.34)  # rad, of the thigh, standing and of four steps
@@ -28,9 +28,9 @@ _GAIT_ARM = 0.8  # of the swing of the thigh
 _GAIT_ELBOW = (0.25, 0.3)  # rad; rad per rad of swing
 _GAIT_HOLDING_ELBOW = 2.1  # rad
 
-# Places and extents in shares of the stature, estimates beside `SEGMENTS`.
+# Places and extents in shares of the stature, estimates in addition to `SEGMENTS`.
 _FIGURE_HIP_ASIDE = 0.052
-_FIGURE_HIP_OVER = 0.02  # where the leg begins over the hip's joint
+_FIGURE_HIP_OVER = 0.02  # the start of the leg over the hip's joint
 _FIGURE_SHOE = (0.145, 0.052, 0.046)
 _FIGURE_SHOE_AT = (0.035, 0.008, -0.016)  # its middle from the ankle
 _FIGURE_SHOULDER_ASIDE = 0.108
@@ -43,7 +43,7 @@ _FIGURE_HEAD = 0.13
 _FIGURE_HEAD_FORWARD = 0.012
 _FIGURE_HEAD_SHARES = (0.85, 0.7)  # depth and width of the head, of its height
 
-# What people carry, in shares of the stature (and, `_LUGGAGE_BAG_ASIDE`, of the width): estimates.
+# Luggage, in shares of the stature (and, `_LUGGAGE_BAG_ASIDE`, of the width): estimates.
 _LUGGAGE_RUCKSACK_P = 0.15
 _LUGGAGE_BAG_OR_RUCKSACK_P = 0.32
 _LUGGAGE_RUCKSACK = (0.10, 0.16, 0.24)
@@ -55,13 +55,13 @@ _LUGGAGE_BAG_UP = 0.30
 _LUGGAGE_STRAP_UP = 0.42
 
 
-_CHILD = 1.5  # m: below, the head is as large as between a child's and an adult's
+_CHILD = 1.5  # m: below, the size of the head is between a child's and an adult's
 _CHILD_HEAD = 0.2  # m
 _DARK_CLOTHES_P = 0.5  # an estimate
 
 
 def person(builder: ObjectBuilder, rng: np.random.Generator) -> None:
-    """A person whose footprint's length is that of the stride; up to `_STANDING` he or she stands."""
+    """A person with the stride as the length of the footprint; standing if it is `_STANDING` or less."""
     length, width, height = builder.placed.size
     longest = len(_GAIT_SWINGS) - 1
     step = 0 if length <= _STANDING else int(np.clip((length / height - _GAIT_FEET) / _GAIT_STRIDE, 0, longest))
@@ -106,7 +106,7 @@ def _figure(step: int, phase: int, habit: int) -> tuple[MeshTemplate, MeshTempla
     """Legs, and torso with arms, at a phase of the gait and stature 1; step 0 stands."""
     swing = _GAIT_SWINGS[step]
     angle = 2 * math.pi * phase / _PHASES
-    sides = ((-1, angle), (1, angle + math.pi))  # with the phase of the leg; the arm of the other side goes with it
+    sides = ((-1, angle), (1, angle + math.pi))  # with the phase of the leg; the opposite arm has the same
     legs, hips = _legs(swing, sides)
     arms = _arms(swing, ((-1, angle + math.pi), (1, angle)), hips, holding=habit == _HOLDING)
     trunk = torso(np.array([0.0, 0.0, hips]), _FIGURE_LEAN, coat=habit == _COATED)
@@ -137,7 +137,7 @@ def _legs(swing: float, sides: tuple[tuple[int, float], ...]) -> tuple[list[Tria
 
 
 def _arms(swing: float, sides: tuple[tuple[int, float], ...], hips: float, *, holding: bool) -> list[Triangles]:
-    """Arms of both sides at their phases; the left one may hold something before the chest."""
+    """Arms of both sides at their phases; the left one may hold something in front of the chest."""
     bent, more = _GAIT_ELBOW
     arms = []
     for side, at in sides:

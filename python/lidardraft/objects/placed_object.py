@@ -1,4 +1,4 @@
-"""An object before it has a shape: what it is, where it stands and how large it is."""
+"""An object before it has a shape: its kind, place and size."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ class PlacedObject:
     """An object at its place, from which a builder of `lidardraft.objects.kinds.KINDS` makes primitives.
 
     `kind` is a key of that table and `id` the prefix of the ids of its primitives. (`x`, `y`) is the middle of its
-    footprint, `z` the ground there and `level` the height that a coarse layout with flat ground has there [m]; `yaw` is
-    its heading [rad]. `size` holds the extents (length, width, height) [m] and `clearance` the height under a crown,
-    a plate or a roof, 0 where there is none [m]. `instance` is 0 for what is not counted; a rider has `instance`, and
-    what is ridden `instance + 1`.
+    footprint, `z` the ground there and `level` the height of a coarse layout with flat ground there [m]; `yaw` is its
+    heading [rad]. `size` holds the extents (length, width, height) [m], and `clearance` the height under a crown, a
+    plate or a roof [m], 0 if there is none. `instance` is 0 for stuff; a rider has `instance`, and its vehicle
+    `instance + 1`.
     """
 
     kind: str
@@ -33,5 +33,5 @@ class PlacedObject:
 
     @property
     def place(self) -> Place:
-        """Where it stands."""
+        """The place of its middle."""
         return self.x, self.y, self.yaw

@@ -1,11 +1,11 @@
-"""Plants are media: a ray goes into a crown, a bush, a hedge or grass and returns from somewhere inside, or comes out.
+"""Plants are media: a ray enters a crown, a bush, a hedge or grass and returns from the inside, or leaves it.
 
-Extinction is k = G * LAD: leaf-area density LAD [m2/m3] seen from anywhere (spherical leaf angles, G = 0.5; Ross, The
-radiation regime and architecture of plant stands, 1981). LAD is the leaf-area index over the height of the foliage:
+Extinction is k = G * LAD: leaf-area density LAD [m2/m3] seen from any direction (spherical leaf angles, G = 0.5; Ross,
+The radiation regime and architecture of plant stands, 1981). LAD is the leaf-area index over the height of the foliage:
 5.1 for temperate deciduous trees, 5.5 for conifers, 2.1 for shrubs, 1.7 for grass on average (Asner et al., Global
 Ecology and Biogeography 12, 2003); single street trees have 3 to 5 (Nowak, Forest Science 42, 1996). Trimmed hedges are
-denser, 5 to 10 m2/m3 (estimate). An index is over the ground under a crown, so what narrows upward is denser.
-Leafless twigs stop a fifth of what leaves do.
+denser, 5 to 10 m2/m3 (estimate). An index is per area of the ground under a crown, so crowns that narrow upwards are
+denser. Leafless twigs stop a fifth as much as leaves.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ _LEAVES_BUSH = (2.0, 4.5)
 _LEAVES_HEDGE = (5.0, 10.0)  # density [m2/m3]
 _LEAVES_GRASS = (1.7, 0.6)  # mean and deviation
 _LEAVES_GRASS_LIMITS = (0.6, 4.0)
-_LEAVES_TWIGS = 0.2  # of what leaves stop
-_LEAVES_SINGLE = 1.5  # what is one ellipsoid, and bushes: narrower towards the top
+_LEAVES_TWIGS = 0.2  # relative to leaves
+_LEAVES_SINGLE = 1.5  # single ellipsoids, and bushes: narrower towards the top
 _LEAVES_TIERS = 1.5
-_LEAVES_CORE = 1.2  # of a crown of lobes, whose gaps take from the others what
-_LEAVES_LOBES = 1.7  # these have more
+_LEAVES_CORE = 1.2  # of a crown of lobes; the lobes make up for the gaps
+_LEAVES_LOBES = 1.7  # of the lobes
 _LEAVES_HEDGE_CORE = 2.0
 
-# Forms of street trees, in shares of the crown's extents where no unit is said: estimates.
+# Forms of street trees, in shares of the crown's extents without a unit: estimates.
 _TREE_CONIFER_P = (0.06, 0.3)  # of wide and of slender ones
 _TREE_SLENDER = 1.2  # times as high as wide
 _TREE_BARE_ABOVE = 0.93  # of the same number in 0 to 1: 7 % have no leaves
-_TREE_TRUNK = (0.45, 0.85)  # how far it goes into the crown: broadleaf, conifer
+_TREE_TRUNK = (0.45, 0.85)  # its reach into the crown: broadleaf, conifer
 _TREE_COLUMN = 1.8  # times as high as wide: one ellipsoid
 _TREE_YOUNG = 5.0  # m, below: one ellipsoid
 _TREE_SINGLE = 0.98
@@ -51,7 +51,7 @@ _TREE_LOBE_TURN = 0.2  # of the angle between two
 _TREE_LOBE_WIDTH = (0.46, 0.62)
 _TREE_LOBE_HEIGHT = (0.45, 0.65)
 _TREE_LOBE_RISE = (-0.8, 0.5)  # of the room over and under the lobe
-# Tiers of conifers: middle, width, height; how much denser than the lowest they may be.
+# Tiers of conifers: middle, width, height; the limit of their density relative to the lowest.
 _TREE_TIERS: tuple[Vector, ...] = ((0.2, 1.0, 0.4), (0.42, 0.76, 0.42), (0.64, 0.52, 0.4), (0.84, 0.28, 0.32))
 _TREE_NARROWEST = 0.4
 
@@ -60,11 +60,11 @@ _BUSH_CORE = (0.8, 0.8, 1.1)
 _BUSH_CORE_MIDDLE = 0.45
 _BUSH_ROUND = (0.5, 0.66)  # length and width
 _BUSH_HEIGHT = (0.6, 0.9)
-_BUSH_TALL = 1.1  # of that height, the ellipsoid reaches into the ground
+_BUSH_TALL = 1.1  # of that height; the ellipsoid reaches into the ground
 _BUSH_MIDDLE = 0.42  # of that height
 
 # Cut hedges: estimates.
-_HEDGE_INSET = 0.3  # m that the core is shorter
+_HEDGE_INSET = 0.3  # m, the difference of the core's length
 _HEDGE_LEAST_CORE = 0.5  # share of the length
 _HEDGE_CORE = (0.5, 0.85)  # shares of width and height
 _HEDGE_PER_PART = 3.5  # m
@@ -75,14 +75,14 @@ _HEDGE_HEIGHT = (0.93, 1.0)
 # Patches of grass: estimates.
 _GRASS_PER_PART = 8.0  # m
 _GRASS_MOST_PARTS = 4
-_GRASS_HEIGHT = (0.45, 1.0)  # shares, of all but the middle part, which has the whole
+_GRASS_HEIGHT = (0.45, 1.0)  # shares, of all but the middle part, which has the full height
 
 # Boughs in shares of the crown, with leaves and without: estimates.
 _BOUGH_COUNT = (5, 9)
 _BOUGH_TURN = 0.382  # of a circle, from one to the next: the golden angle
 _BOUGH_OFF = 0.3  # of that, at random
 _BOUGH_REACH = ((0.26, 0.36), (0.36, 0.46))
-_BOUGH_FOOT = (-0.48, 0.4)  # of the lowest; how far the others are spread over it
+_BOUGH_FOOT = (-0.48, 0.4)  # of the lowest; the spread of the others above it
 _BOUGH_RISE = (0.25, 0.45)
 _BOUGH_TOP = 0.4
 _BOUGH_DIAMETER = 0.03
@@ -94,7 +94,7 @@ _BOUGH_LEADER = ((0.0, 0.0, -0.1), (0.02, 0.01, 0.42), (0.03, 0.008))
 def tree(builder: ObjectBuilder, rng: np.random.Generator, *, bare: bool | None = None) -> None:
     """A trunk, boughs, and a crown from `clearance` to the top: broadleaf of lobes, a column, a conifer, or bare.
 
-    `bare` says whether it is, which is else left to chance.
+    `bare` decides whether it has leaves; None leaves that to chance.
     """
     length, width, height = builder.placed.size
     crown, diameter = height - builder.placed.clearance, trunk_diameter(height)
@@ -119,7 +119,8 @@ def tree(builder: ObjectBuilder, rng: np.random.Generator, *, bare: bool | None 
 
 
 def trunk_diameter(height: float) -> float:
-    """Of a tree of that height [m]: 20 cm at 4.5 m and 39 cm at 13 m, an estimate for street trees."""
+    """The diameter of the trunk of a tree of that height [m]: 20 cm at 4.5 m, 39 cm at 13 m, an estimate for street
+    trees."""
     return 0.10 + height / 45
 
 
@@ -139,7 +140,7 @@ def bush(builder: ObjectBuilder, rng: np.random.Generator) -> None:
 
 
 def hedge(builder: ObjectBuilder, rng: np.random.Generator) -> None:
-    """A cut hedge: a dense core of twigs, and foliage in lengths that are not quite as high and wide as each other."""
+    """A trimmed hedge: a dense core of twigs, and foliage in lengths of slightly different heights and widths."""
     length, width, height = builder.placed.size
     density = _G * rng.uniform(*_LEAVES_HEDGE)
     wide, tall = _HEDGE_CORE
@@ -167,7 +168,7 @@ def grass(builder: ObjectBuilder, rng: np.random.Generator) -> None:
 
 
 def _add_lobes(builder: ObjectBuilder, middle: Vector, size: Vector, density: float, rng: np.random.Generator) -> None:
-    """A crown of overlapping lobes around a core; what the gaps between them take, they have in density."""
+    """A crown of overlapping lobes around a core; their density makes up for the gaps between them."""
     length, width, crown = size
     wide, tall = _TREE_CORE
     core = (wide * length, wide * width, tall * crown)
@@ -195,7 +196,7 @@ def _add_tiers(builder: ObjectBuilder, crown: float, density: float) -> None:
 
 @lru_cache(maxsize=2 * _BOUGHS)
 def _boughs(form: int, bare: bool) -> MeshTemplate:
-    """Boughs in shares of the crown, two thirds of the way to its rim; more and longer ones where it is bare."""
+    """Boughs in shares of the crown, up to two thirds of the way to its rim; more and longer ones in a bare crown."""
     rng = np.random.default_rng([form, _BOUGH_STREAM])
     count = _BOUGH_COUNT[bare]
     low_foot, spread = _BOUGH_FOOT

@@ -18,7 +18,7 @@ _LAMP_LANTERN_P = 0.6
 _LAMP_LANTERN = (0.42, 0.42, 0.5)
 _LAMP_ARM = (0.6, LAMP_ARM - 0.3)  # shortest and longest, to the luminaire's middle
 _LAMP_ARM_WIDTH = 0.08
-_LAMP_ARM_UNDER = 0.08  # the top, its middle
+_LAMP_ARM_UNDER = 0.08  # the top: its middle
 _LAMP_LUMINAIRE = (0.25, 0.6, 0.14)
 _LAMP_LUMINAIRE_UNDER = 0.12
 _LAMP_FUSE_BOX_P = 0.5
@@ -80,8 +80,8 @@ def pole(builder: ObjectBuilder, rng: np.random.Generator) -> None:
 def traffic_light(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     """A housing with three lenses from `clearance` to the top, facing forward, on a post.
 
-    One wider than 1 m hangs from a mast arm: the post stands at the right end (-y) of its width, the arm reaches to the
-    left end and carries a signal; another is on the post.
+    A housing wider than 1 m hangs from a mast arm: the post is at the right end (-y) of its width, and the arm carries
+    a signal at the left end. Another signal is on the post.
     """
     depth, width, height = builder.placed.size
     tall = height - builder.placed.clearance

@@ -1,4 +1,4 @@
-"""People who ride bicycles and motorcycles."""
+"""Riders of bicycles and motorcycles."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _HELMET_P = 0.4  # of cyclists; an estimate
 
 @dataclass(frozen=True, slots=True)
 class Seat:
-    """Where a rider sits [m]: the middle of the hip, of the pedals and of the handlebar.
+    """The seat of a rider [m]: the middle of the hip, of the pedals and of the handlebar.
 
     `y` of `foot` and `hand` is half the distance between both.
     """
@@ -31,10 +31,10 @@ class Seat:
     hand: Vector
 
 
-# Places and extents of a rider, in shares of the stature where no unit is said: estimates.
+# Places and extents of a rider, in shares of the stature without a unit: estimates.
 _FIGURE_HEAD = 0.14
-_FIGURE_HELMET = 0.04  # m that a motorcyclist's helmet is higher than the head
-_FIGURE_LOWERED = 0.32  # how much lower the head is, per 1 - cos(lean)
+_FIGURE_HELMET = 0.04  # m, the height of a motorcyclist's helmet over the head
+_FIGURE_LOWERED = 0.32  # the drop of the head, per 1 - cos(lean)
 _FIGURE_HEAD_FORWARD = 0.02  # m
 _FIGURE_HEAD_OVER = 0.62  # of the head, from the neck to its middle
 _FIGURE_HEAD_WIDTH = 0.8  # of its height
@@ -49,7 +49,7 @@ _FIGURE_ARM_DIAMETERS = (0.062, 0.05, 0.042)  # at shoulder, elbow and hand
 
 
 def add_rider(builder: ObjectBuilder, seat: Seat, lean: float, rng: np.random.Generator, *, pedals: bool) -> None:
-    """Add a rider whose torso leans forward by `lean` [rad]; one who `pedals` may wear a helmet, others do."""
+    """Add a rider whose torso leans forward by `lean` [rad]. One who `pedals` may wear a helmet, others always do."""
     height = builder.placed.size[2]
     stature = (height - seat.hip[2]) / (1 - SEGMENTS.hip - _FIGURE_LOWERED * (1 - math.cos(lean)))
     stature = round(stature, 1)  # so that riders share their meshes
@@ -68,7 +68,7 @@ def add_rider(builder: ObjectBuilder, seat: Seat, lean: float, rng: np.random.Ge
 
 @lru_cache(maxsize=256)
 def _rider(seat: Seat, stature: float, lean: float, phase: int | None) -> tuple[MeshTemplate, MeshTemplate, np.ndarray]:
-    """Legs, torso with arms [m], and where the neck ends; without a phase both feet are on their rests."""
+    """Legs, torso with arms [m], and the end of the neck; without a phase both feet are on their rests."""
     legs, arms = [], []
     up = np.array([math.sin(lean), 0.0, math.cos(lean)])
     neck = np.array(seat.hip) + (SEGMENTS.torso + _FIGURE_NECK) * stature * up

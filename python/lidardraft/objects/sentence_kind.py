@@ -1,4 +1,4 @@
-"""What sentences need to know of a kind that they can ask for: its sizes and parts, and where it stands or moves."""
+"""The properties of a kind that sentences can request: its sizes and parts, its place and its motion."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from lidardraft.objects.coarse_shapes import (
 )
 from lidardraft.objects.placed_object import Vector
 
-_HEDGE_HEIGHT = (0.6, 1.1)  # m, of a garden; that of its bushes, and how far behind the hedge they stand
+_HEDGE_HEIGHT = (0.6, 1.1)  # m, of a garden; that of its bushes, and their distance behind the hedge
 _BUSH_HEIGHT, _BUSHES_BEHIND = (0.7, 1.2), 1.3
 _RIDER_TOP = (1.6, 1.85)  # m
 _CONE_FOOT = 0.04  # m high
@@ -76,7 +76,7 @@ def sample_box(sizes: Sizes, label: str, rng: np.random.Generator) -> list[Coars
 
 
 def with_rider(machine: CoarseShape, rng: np.random.Generator) -> list[CoarseShape]:
-    """A two-wheeler and who rides it."""
+    """A two-wheeler and its rider."""
     return [machine._replace(name=machine.label), rider_on(machine, float(rng.uniform(*_RIDER_TOP)), name="rider")]
 
 
@@ -88,7 +88,7 @@ def sample_tree(sizes: Sizes, _label: str, rng: np.random.Generator) -> list[Coa
 
 
 def sample_round(shape: str, sizes: Sizes, label: str, rng: np.random.Generator) -> list[CoarseShape]:
-    """One shape that is round seen from above."""
+    """One shape that is round from above."""
     width, height = between(sizes, 0, rng), between(sizes, 2, rng)
     return [standing(shape, (width, width, height), label)]
 
@@ -105,7 +105,7 @@ def sample_garden(sizes: Sizes, label: str, rng: np.random.Generator) -> list[Co
 
 
 def sample_cone(sizes: Sizes, label: str, rng: np.random.Generator) -> list[CoarseShape]:
-    """A square foot and a cylinder as wide as the cone is in its middle."""
+    """A square foot and a cylinder as wide as the middle of the cone."""
     foot, height = between(sizes, 0, rng), between(sizes, 2, rng)
     body = (0.5 * foot, 0.5 * foot, height - _CONE_FOOT)
     return [
@@ -160,7 +160,7 @@ def between(sizes: Sizes, axis: int, rng: np.random.Generator) -> float:
 
 
 class CountRanges(NamedTuple):
-    """How many objects at one place the words "few", "some" and "many" mean: fewest and most."""
+    """The fewest and most objects at one place for the words "few", "some" and "many"."""
 
     few: tuple[int, int] = (2, 3)
     some: tuple[int, int] = (2, 4)
@@ -175,21 +175,21 @@ _OTHERS = CountRanges((2, 3), (4, 6), (8, 11))
 class SentenceKind:
     """One kind of object.
 
-    `label` is the class of its largest part. `sizes` are those of the whole object, without a rider; None for the kind
-    "vehicle", which stands for any kind with a `traffic_share`, the share it has of such traffic. Kinds of one `family`
-    are named or left out together by the sentences of streets; those of none are always named. `shapes` samples the
-    parts. `counts` says what words for numbers mean. `surfaces` are those that it can be asked for on; with none it
-    always stands behind the sidewalk. What is `set_down` stands on the road where nothing else is said. `precedence` is
-    higher for what is placed earlier, as it needs most room or has least choice.
+    `label` is the class of its largest part. `sizes` are those of the whole object, without a rider. They are None for
+    the kind "vehicle", which stands for any kind with a `traffic_share`, its share of such traffic. Kinds of one
+    `family` are named or left out together by the sentences of streets; those without one are always named. `shapes`
+    samples the parts. `counts` gives the meaning of words for numbers. `surfaces` are those on which it can be
+    requested; without any it is always behind the sidewalk. A `set_down` object is on the road by default. `precedence`
+    is higher for kinds that are placed earlier, as they need more room or have less choice.
 
-    `is_vehicle`, `cycles` and `walks` say how it moves, if it does. `is_ridden` adds a rider unless it is parked.
-    `lane_length` is what it takes of a lane while it drives, with the gaps that people leave [m], and `parking_width`
-    the width of the strip that it is parked on [m].
+    `is_vehicle`, `cycles` and `walks` tell how it moves, if it does. `is_ridden` adds a rider unless it is parked.
+    `lane_length` is its length of lane in traffic, with the usual gaps [m], and `parking_width` the width of its
+    parking strip [m].
 
-    What stands beside the road has its middle as far behind the sidewalk as `setback` says [m]: usually between the
-    first two numbers, for want of room up to the third; at the kerb where it is None. It is out of line by
-    `yaw_deviation` [rad]; what `is_square` stands exactly along the road or across it. `follows_road` is for long
-    strips that bend with the road, `at_junction` for what stands where traffic waits before a junction if there is one.
+    `setback` is the distance of the middle of a roadside object behind the sidewalk [m]: usually between the first two
+    numbers, and up to the third if there is no room; None is at the kerb. Its alignment varies by `yaw_deviation`
+    [rad]; an `is_square` object is exactly along the road or across it. `follows_road` is for long strips that bend
+    with the road; `at_junction` is for objects at the place of waiting traffic before a junction, if there is one.
     """
 
     name: str
@@ -217,7 +217,7 @@ class SentenceKind:
 
     @property
     def plural(self) -> str:
-        """What several are called in a message."""
+        """The plural in messages."""
         name = self.name.replace("-", " ")
         return "people" if name == "person" else name + ("es" if name.endswith(("s", "ch", "sh")) else "s")
 
@@ -228,13 +228,13 @@ class SentenceKind:
 
     @property
     def on_road(self) -> bool:
-        """Whether it may be on the road without being asked for there."""
+        """Whether it may be on the road without a request."""
         return self.drives or self.walks or self.set_down
 
     def sample_parts(self, rng: np.random.Generator, *, parked: bool = False) -> list[CoarseShape]:
-        """The parts of one object, in a size of its own; a single part has an empty name.
+        """The parts of one object, in a random size; a single part has an empty name.
 
-        What `is_ridden` has a rider unless `parked`.
+        An `is_ridden` object has a rider unless `parked`.
         """
         assert self.sizes is not None, f"{self.name} stands for other kinds"
         parts = self.shapes(self.sizes, self.label, rng)

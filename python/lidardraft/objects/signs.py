@@ -1,4 +1,4 @@
-"""Signs of all sizes: on a post or two, billboards, and sign bridges over a road.
+"""Signs of all sizes: on one post or two, billboards, and sign bridges over a road.
 
 Signs have the sizes of the administrative rule of the German road code (VwV-StVO, on sections 39 to 43): discs of 0.42,
 0.60 and 0.75 m, triangles of 0.63, 0.90 and 1.26 m, squares of 0.42, 0.60 and 0.84 m; clearance over a road is 4.5 m at
@@ -15,17 +15,17 @@ from lidardraft.objects.mesh import MeshTemplate, box, join, tube
 from lidardraft.objects.object_builder import EMBEDMENT, ObjectBuilder, sample_name
 from lidardraft.objects.poles import add_post
 
-GANTRY_POST = 0.5  # m, how wide the posts of a gantry are: estimate
+GANTRY_POST = 0.5  # m, the width of the posts of a gantry: an estimate
 
 # Signs [m]: posts are the tubes of 76 mm of DIN EN 12767; shares are estimates.
 _SIGN_POST = 0.076
 _SIGN_POST_LOWER = 0.05  # than the sign's upper edge
-_SIGN_WIDE = 1.5  # from here a board on two posts
+_SIGN_WIDE = 1.5  # a wider sign is a board on two posts
 _SIGN_WIDE_POST = 0.1
 _SIGN_WIDE_POSTS_AT = 0.35  # share of the width, from the middle
-_SIGN_TWO_PLATES = (1.3, 0.7)  # times as high as wide; how often one over the other then
+_SIGN_TWO_PLATES = (1.3, 0.7)  # times as high as wide; the probability of two plates then
 _SIGN_PLATE_GAP = 0.03
-_SIGN_SQUARE = (0.8, 1.25)  # height over width between which it may be a disc
+_SIGN_SQUARE = (0.8, 1.25)  # height over width: the range for a disc
 _SIGN_AHEAD = 0.05  # of a plate, before the post's middle
 _SIGN_THICKNESS = 0.015
 
@@ -45,18 +45,18 @@ _GANTRY_TRUSS = (0.8, 1.2)  # depth and height at most
 _GANTRY_PER_BOARD = 4.5
 _GANTRY_BOARD_P = 0.75  # of those beside the middle one
 _GANTRY_BOARD_SHARE = 0.8  # of the width for it
-_GANTRY_BOARD_HEIGHT = (0.75, 1.0)  # shares of what is over the clearance
+_GANTRY_BOARD_HEIGHT = (0.75, 1.0)  # shares of the height over the clearance
 _GANTRY_BOARD_AHEAD = 0.02  # of the truss
 
-# Shapes of single plates, and how often: estimates.
+# Shapes of single plates, and their frequencies: estimates.
 _PLATES = {"disc": 0.4, "triangle": 0.2, "square": 0.36, "octagon": 0.04}
 _UPPER_PLATES = ("disc", "triangle")  # of two, one over the other
-# Corners of a plate, and the angle to the first in shares of that between two.
+# Corners of a plate, and the angle of the first in shares of that between two.
 _OUTLINES = {"disc": (12, 0.5), "triangle": (3, 0.75), "square": (4, 0.5), "octagon": (8, 0.5)}
 
 
 def sign(builder: ObjectBuilder, rng: np.random.Generator, *, square: bool = False) -> None:
-    """A plate from `clearance` to the top on a post: its face, to the front (+x), reflects back, its back is grey.
+    """A plate from `clearance` to the top on a post. Its face, to the front (+x), is retroreflective; its back is grey.
 
     It fills its extents if it is to be `square`; else it may be a disc, a triangle, an octagon, or two plates.
     """
@@ -95,7 +95,7 @@ def billboard(builder: ObjectBuilder, rng: np.random.Generator) -> None:
 
 
 def billboard_posts(width: float, clearance: float) -> tuple[float, ...]:
-    """Where across a billboard of that width its posts stand [m]: narrow and high ones have one."""
+    """The places of a billboard's posts across its width [m]: narrow and high ones have one."""
     aside = _BILLBOARD_POSTS_AT * width
     single = width < _BILLBOARD_NARROW or clearance > _BILLBOARD_HIGH
     return (0.0,) if single else (-aside, aside)
@@ -153,7 +153,7 @@ def _plate(outline: str) -> MeshTemplate:
 
 @lru_cache(maxsize=1)
 def _truss() -> MeshTemplate:
-    """Four chords and the diagonals between, in shares of depth, width and height over the clearance."""
+    """Four chords and the diagonals between them, in shares of depth, width and height over the clearance."""
     chords = [box((x, 0.0, z), (0.16, 1.0, 0.12)) for x in (-0.42, 0.42) for z in (0.08, 0.92)]
     steps = np.linspace(-0.48, 0.48, 11)
     bars = [

@@ -1,4 +1,4 @@
-"""Trucks: rigid and articulated, with a cab, a chassis, and what they carry.
+"""Trucks: rigid and articulated, with a cab, a chassis, and a load.
 
 Limits are those of Council Directive 96/53/EC: 2.55 m wide, 4 m high, 12 m (a rigid truck) and 16.5 m (articulated)
 long; a semi-trailer measures 13.6 m.
@@ -21,12 +21,12 @@ _CAB = VehicleBody(
     wheel_diameter=_WHEEL, side_windows=((0.42, 0.90),), rear_windows=(), window_rise=(0.05, 0.68), roof_width=0.96,
     clearance=0.38, taper=0.06,
 )  # fmt: skip
-# What a rigid and an articulated truck carry, and how often: estimates.
+# Loads of rigid and articulated trucks, and their frequencies: estimates.
 _LOADS = {
     "rigid": {"box": 0.38, "tarpaulin": 0.22, "tank": 0.1, "flatbed": 0.16, "tipper": 0.14},
     "articulated": {"box": 0.34, "tarpaulin": 0.4, "tank": 0.1, "flatbed": 0.08, "tipper": 0.08},
 }
-_GOODS = ("wood", "concrete", "metal", "rusty-metal", "plastic")  # materials of what lies on a flatbed
+_GOODS = ("wood", "concrete", "metal", "rusty-metal", "plastic")  # materials of goods on a flatbed
 
 # Rigid trucks, small and large ones [m]; estimates.
 _RIGID_SMALL_BELOW = 3.1
@@ -52,7 +52,7 @@ _ARTICULATED_WHEELBASE = 3.7  # of the tractor
 _ARTICULATED_TRAILER_AXLES: tuple[float, ...] = (4.6, 3.29, 1.98)  # from the rear; 1.31 m apart
 _ARTICULATED_GUARD = (5.3, 6.2)  # from the rear; from the front
 
-# Frames and what is on them [m], `_SHARE` of the width; protection and markings after UN Regulations 58 and 104. Other
+# Frames and their fittings [m], `_SHARE` of the width; protection and markings after UN Regulations 58 and 104. Other
 # numbers are estimates.
 _CHASSIS_INSET = 0.05  # from the rear
 _CHASSIS_FRAME_SHARE = 0.36
@@ -62,16 +62,16 @@ _CHASSIS_UNDERRUN_SHARE = 0.92
 _CHASSIS_MARKING = (0.03, 0.14, 0.1)  # depth, height, middle under the floor
 _CHASSIS_MARKING_SHARE = 0.95
 _CHASSIS_MARKING_BEHIND = 0.04
-_CHASSIS_BRACKET = 0.06  # thickness of what holds the underrun protection
+_CHASSIS_BRACKET = 0.06  # thickness of the holder of the underrun protection
 _CHASSIS_BRACKET_MIDDLE = 0.25  # under the floor
-_CHASSIS_BRACKET_SHORT = 0.5  # shorter than the floor is high
+_CHASSIS_BRACKET_SHORT = 0.5  # shorter than the height of the floor
 _CHASSIS_CAB_SHARE = 0.98
 _CHASSIS_MIRROR_AT = (0.38, 0.68)  # shares of the cab: before its middle, of its height
 _CHASSIS_BUMPER = (0.04, 0.3, 0.62)  # depth, height, middle over the ground
 _CHASSIS_BUMPER_SHARE = 0.8
 _CHASSIS_SHORTEST_GUARD = 0.5
 
-# What stands on a chassis [m], `_SHARE` of the load's length, width or height; estimates.
+# Loads on a chassis [m], `_SHARE` of the load's length, width or height; estimates.
 _LOAD_COLOURED_P = 0.25  # boxes that are not white
 _LOAD_TANK_HEIGHT = 0.85  # share of the width, at most
 _LOAD_TANK_WIDTH_SHARE = 0.94
@@ -79,7 +79,7 @@ _LOAD_STEEL_TANK_P = 0.4
 _LOAD_WALKWAY = (0.5, 0.08)  # width and height, on top of a tank
 _LOAD_WALKWAY_SHARE = 0.8
 _LOAD_TIPPER = 1.7  # height at most
-_LOAD_TIPPER_SHARE = 0.85  # of it the body, the heap is higher
+_LOAD_TIPPER_SHARE = 0.85  # of it is the body; the heap is higher
 _LOAD_HEAP_SHARES = (0.85, 0.8, 0.7)
 _LOAD_HEAP_MIDDLE = 0.65  # share of the height
 _LOAD_FLATBED = 0.16  # thickness
@@ -108,7 +108,7 @@ def truck(builder: ObjectBuilder, rng: np.random.Generator) -> None:
 
 
 def trailer_truck(builder: ObjectBuilder, rng: np.random.Generator) -> None:
-    """A tractor and a semi-trailer with three axles; the trailer is what the length leaves behind the cab."""
+    """A tractor and a semi-trailer with three axles; the trailer takes the length behind the cab."""
     length, width, height = builder.placed.size
     rear, front = -length / 2, length / 2
     cab, floor = _ARTICULATED_CAB, _ARTICULATED_FLOOR
@@ -137,7 +137,7 @@ def _add_cab(builder: ObjectBuilder, x: float, length: float, height: float, pai
 def _add_load(
     builder: ObjectBuilder, load: str, x: float, length: float, floor: float, rng: np.random.Generator
 ) -> None:
-    """What stands on a chassis between `floor` and the top, its middle at `x`."""
+    """Add a load on a chassis between `floor` and the top, with its middle at `x`."""
     _, width, height = builder.placed.size
     tall = height - floor
     if load in ("box", "tarpaulin"):
@@ -180,7 +180,7 @@ def _add_flatbed(
 
 
 def _add_chassis(builder: ObjectBuilder, rear: float, front: float, floor: float) -> None:
-    """A frame between two places, and the protection and the reflecting marking at its rear."""
+    """Add a frame between two places, with the underrun protection and the reflective marking at its rear."""
     width = builder.placed.size[1]
     size = (front - rear, _CHASSIS_FRAME_SHARE * width, _CHASSIS_FRAME)
     builder.add("box", ((rear + front) / 2, 0.0, floor - _CHASSIS_FRAME / 2), size, "truck", "metal")
@@ -221,7 +221,7 @@ def _tipper() -> MeshTemplate:
 
 @lru_cache(maxsize=1)
 def _guard_rails() -> MeshTemplate:
-    """Rails and posts on both sides and a tank between, in shares of length and width, and in metres of height."""
+    """Rails and posts on both sides and a tank between them, in shares of length and width, and in metres of height."""
     bars = [box((0.0, side * 0.48, z), (1.0, 0.02, 0.14)) for side in (-1, 1) for z in (0.48, 0.78)]
     posts = [box((x, side * 0.46, 0.75), (0.03, 0.02, 0.66)) for side in (-1, 1) for x in (-0.35, 0.35)]
     return MeshTemplate.from_triangles(*join(*bars, *posts, box((0.2, 0.0, 0.72), (0.35, 0.84, 0.5))))

@@ -1,6 +1,6 @@
 """Bodies of vehicles: a shell with wheel arches, pillars and a roof around windows, glass, wheels and number plates.
 
-A body is shaped once, in the unit box, and stretched to every vehicle that has it.
+A body is shaped once, in the unit box, and stretched to all vehicles that have it.
 """
 
 from __future__ import annotations
@@ -18,16 +18,16 @@ TYRE = 0.125  # of the width: 0.22 m of 1.8 m (cars), 0.31 m of 2.5 m (trucks)
 PLATE = (0.52, 0.113)  # m, width and height of a number plate in the EU
 _PLATE_DEPTH = 0.03  # m
 # Estimates.
-_BELT_WIDTH = 0.94  # of the vehicle, how wide the cabin is at its foot
+_BELT_WIDTH = 0.94  # of the vehicle, the width of the cabin at its foot
 _ARCH = 0.05  # m between a tyre and its arch
 _ROOF_EDGE = 0.965  # of the height; the middle of a roof is higher
-_CEILING = 0.95  # of the height, where glazing ends
-_SLANTED = 0.15  # of the length that a cabin is longer at its foot than at its top: its glazing is stepped
+_CEILING = 0.95  # of the height, the upper end of glazing
+_SLANTED = 0.15  # of the length: the glazing of a cabin that narrows upwards by more is stepped
 _MARGIN = 0.04  # m between glazing and the frame around it
 _RIM = 0.33  # of a wheel's diameter, the radius of its rim
 _ARCH_STEPS = (-1.0, -0.92, -0.5, 0.0, 0.5, 0.92, 1.0)  # of an arch's half length
 _SPANS = tuple[tuple[float, float], ...]
-# Rays that enter a cabin end at its panes: what is behind them is the sensor's matter, and as far behind all of a pane.
+# Rays that enter a cabin end at its panes: the sensor model handles the inside, at one distance behind all of a pane.
 GLAZING = 30.0  # 1/m
 
 
@@ -35,11 +35,11 @@ GLAZING = 30.0  # 1/m
 class VehicleBody:
     """The side view of a body in shares of length (rear -0.5, front 0.5) and height, for a vehicle of `size` [m].
 
-    `cabin` is where the cabin meets the body (rear, front), `roof` where the roof begins and ends, `roof_width` its
-    share of the width, `belt_line` the height of the window sill, `nose` that of the bonnet's front edge, `tail` that
-    of the rear. `side_windows` are shares of the cabin from the rear, `front_windows` and `rear_windows` of its width;
-    `window_rise` is how much of the cabin's height they take. `axles` are shares of the length, `wheel_diameter` and
-    `clearance`, the height of the sill, are in metres; `taper` is how much narrower the ends are.
+    `cabin` is the joint of cabin and body (rear, front), `roof` the start and end of the roof, `roof_width` its share
+    of the width, `belt_line` the height of the window sill, `nose` that of the bonnet's front edge, `tail` that of the
+    rear. `side_windows` are shares of the cabin from the rear, `front_windows` and `rear_windows` of its width;
+    `window_rise` is their lower and upper edge in shares of the cabin's height. `axles` are shares of the length.
+    `wheel_diameter` and `clearance`, the height of the sill, are in metres; `taper` is the narrowing of the ends.
     """
 
     size: Vector
@@ -62,7 +62,7 @@ class VehicleBody:
 def add_vehicle(
     builder: ObjectBuilder, body: VehicleBody, size: Vector, label: str, paint: str, *, at: Vector = (0.0, 0.0, 0.0)
 ) -> None:
-    """Add a body stretched to `size` [m], its glass, and wheels that stay round however long it is."""
+    """Add a body stretched to `size` [m], its glass, and wheels that stay round at any length."""
     builder.add_mesh(body_mesh(body), size, label, paint, at=at)
     add_glazing(builder, body, size, label, x=at[0])
     for axle in body.axles:
@@ -70,7 +70,7 @@ def add_vehicle(
 
 
 def add_axle(builder: ObjectBuilder, label: str, at: tuple[float, float], width: float, diameter: float) -> None:
-    """Add the tyres of an axle, and their rims, to a body of that width [m]."""
+    """Add the tyres and rims of an axle to a body of that width [m]."""
     center = (at[0], at[1], diameter / 2)
     extents = (diameter, width, diameter)
     builder.add_mesh(_tyres(), extents, label, "rubber", at=center)
@@ -78,7 +78,7 @@ def add_axle(builder: ObjectBuilder, label: str, at: tuple[float, float], width:
 
 
 def add_number_plates(builder: ObjectBuilder, label: str, height: float) -> None:
-    """Add a plate at each end, its middle at that height [m]."""
+    """Add a plate at each end, with its middle at that height [m]."""
     for end in (-0.5, 0.5):
         size = (_PLATE_DEPTH, *PLATE)
         builder.add("box", (end * builder.placed.size[0], 0.0, height), size, label, "retroreflector")
@@ -96,12 +96,12 @@ def _mirrors() -> MeshTemplate:
 
 @lru_cache(maxsize=128)
 def body_mesh(body: VehicleBody) -> MeshTemplate:
-    """All that is painted: shell, pillars and roof."""
+    """All painted parts: shell, pillars and roof."""
     return MeshTemplate.from_triangles(*join(_shell(body), _frame(body)))
 
 
 def _shell(body: VehicleBody) -> Triangles:
-    """The lower body: sides with wheel arches, bonnet, boot, ends and the floor; open where the cabin is."""
+    """The lower body: sides with wheel arches, bonnet, boot, ends and the floor; open under the cabin."""
     length, _, height = body.size
     sill, arch = body.clearance / height, body.wheel_diameter / 2 + _ARCH
     reach, tall = arch / length, arch / height
@@ -168,7 +168,8 @@ def _frame(body: VehicleBody) -> Triangles:
 def add_glazing(
     builder: ObjectBuilder, body: VehicleBody, size: Vector, label: str, *, x: float = 0.0, backward: bool = False
 ) -> None:
-    """Add what the cabin holds: its panes, and whatever else stops a ray, as a porous box, or two under slanted ones.
+    """Add the panes of the cabin, and everything else in it that stops a ray, as a porous box, or two under slanted
+    panes.
 
     The body's middle is at `x` [m]; `backward` turns it round.
     """
@@ -178,7 +179,7 @@ def add_glazing(
     slanted = body.roof[0] - body.cabin[0] + body.cabin[1] - body.roof[1] > _SLANTED
     tiers = ((1.0, middle, _CEILING), (0.5, body.belt_line, middle)) if slanted else ((1.0, body.belt_line, _CEILING),)
     for share, low, high in tiers:
-        # each as long and wide as the cabin is at its top
+        # each as long and wide as the top of the cabin
         rear, front = (share * roof + (1 - share) * cabin for roof, cabin in zip(body.roof, body.cabin, strict=True))
         wide = share * body.roof_width + (1 - share) * _BELT_WIDTH
         builder.add(

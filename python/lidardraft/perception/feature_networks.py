@@ -1,8 +1,8 @@
 """The networks whose features published scores compare, from the public weight files: RangeNet++ and PointNet.
 
-A file must have every tensor of the published architecture, of its shape, and no other. Nothing but tensors is
-unpickled. Architectures: Milioto et al., IROS 2019 (PRBonn/lidar-bonnetal); Qi et al., CVPR 2017 (as microsoft/SpareNet
-uses it). What goes in: vzyrianov/lidargen, kazuto1011/r2dm (FRD, FPD), hancyran/LiDAR-Diffusion (FRID).
+A file must have exactly the tensors of the published architecture, with their shapes. Only tensors are unpickled.
+Architectures: Milioto et al., IROS 2019 (PRBonn/lidar-bonnetal); Qi et al., CVPR 2017 (as in microsoft/SpareNet).
+Inputs: vzyrianov/lidargen, kazuto1011/r2dm (FRD, FPD), hancyran/LiDAR-Diffusion (FRID).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _LARGEST = 2**30  # bytes of a weight file; DarkNet-53 has 0.2 GB
 _BLOCKS = {21: (1, 1, 2, 2, 1), 53: (1, 2, 8, 8, 4)}  # residual blocks of each stage of DarkNet
 # range, x, y, z, intensity over SemanticKITTI, as RangeNet++ standardises them
 _MEANS, _DEVIATIONS = (12.12, 10.88, 0.23, -1.04, 0.21), (12.32, 11.47, 6.91, 0.86, 0.16)
-_KEPT, _FEATURES = 4096, 32 * 64 * 1024  # that FRD draws
+_KEPT, _FEATURES = 4096, 32 * 64 * 1024  # drawn by FRD
 _NEAR, _FAR, _POINTNET_SCALE = 0.5, 63.0, 80.0  # m
 
 Images = Callable[[SphericalImage], torch.Tensor]
@@ -46,7 +46,7 @@ class LoadedNetwork:
 
 @dataclass(frozen=True)
 class FeatureNetwork:
-    """Public weights: the `files` below a folder, the `address` they are found at, and the parts they hold, in order.
+    """Public weights: the `files` below a folder, the `address` of their source, and the parts in them, in order.
 
     `images` makes the input [1, ...] of a spherical image, `features` the features [D] of an output.
     """
@@ -62,7 +62,7 @@ class FeatureNetwork:
         return all(path.exists() for path in self._paths(folder))
 
     def load(self, folder: str | os.PathLike[str], device: str) -> LoadedNetwork:
-        """The network of these files; raises `CheckpointError` where they hold another one, or random weights."""
+        """The network of these files; raises `CheckpointError` if they hold another one, or random weights."""
         parts, digest = self.parts(), hashlib.sha256()
         for path, part in zip(self._paths(folder), parts, strict=True):
             data = read_bytes(path, _LARGEST)
@@ -91,7 +91,7 @@ def _fill(network: nn.Module, data: bytes) -> None:
     if not isinstance(tensors, dict):
         raise CheckpointError(f"it holds a {type(tensors).__name__}; it must hold tensors by name")
     wanted = network.state_dict()
-    # networks of before PyTorch 0.4.1 have not counted batches
+    # networks from before PyTorch 0.4.1 have not counted batches
     tensors = {name: torch.tensor(1) for name in wanted if name.endswith("num_batches_tracked")} | tensors
     for problem, names in (("missing", wanted.keys() - tensors.keys()), ("unknown", tensors.keys() - wanted.keys())):
         if names:

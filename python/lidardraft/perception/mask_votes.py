@@ -1,4 +1,4 @@
-"""Masks of whatever there is become numbered objects, each of the class that most of its pixels have."""
+"""Masks of unknown content become numbered objects, each with the class of most of its pixels."""
 
 from __future__ import annotations
 
@@ -10,16 +10,16 @@ from lidardraft.semantics import CLASSES
 
 # Estimates.
 _MAJORITY = 0.5  # of the pixels of a mask have its class
-_NEW = 0.5  # of the pixels of a mask are of no better mask
+_NEW = 0.5  # of the pixels of a mask must not be in a better mask
 THINGS = np.array([row.is_thing for row in CLASSES])
 
 
 def number_objects(labels: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Classes u8 and numbers of objects u32 [H, W].
 
-    They are made of class ids [H, W] and masks: bool [M, H, W], the best first, or their numbers [H, W], 0 for none.
+    The inputs are class ids [H, W] and masks: bool [M, H, W], the best first, or their numbers [H, W], 0 for none.
 
-    A mask most of whose pixels are of one kind of thing, and no part of a better mask, is one such thing.
+    A mask is one thing if most of its pixels are of one class of things, and are not in a better mask.
     """
     classes, numbers = labels.astype(np.uint8), np.zeros(labels.shape, dtype=np.uint32)
     for mask in _each(masks):
@@ -35,7 +35,7 @@ def number_objects(labels: np.ndarray, masks: np.ndarray) -> tuple[np.ndarray, n
 
 
 def _each(masks: np.ndarray) -> Iterator[np.ndarray]:
-    """One mask [H, W] after the other; where they are numbered, 0 is none."""
+    """The masks [H, W] one by one; among numbered ones, 0 is none."""
     if masks.ndim == 3:
         yield from masks
     else:

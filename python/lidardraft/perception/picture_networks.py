@@ -1,7 +1,7 @@
 """Pictures -> depth, classes and objects, by any such network of transformers, from an id or a folder.
 
-Masks have no class: each takes the one that most of its pixels have, as in the Semantic Segment Anything project
-(Chen et al., 2023). So things that touch are told apart, and their outlines are those of the masks.
+Masks have no class: each gets that of most of its pixels, as in the Semantic Segment Anything project (Chen et al.,
+2023). So touching things are separate, and their outlines are those of the masks.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ with extra("image"):
 
 _FILES = "--depth FILE, --semantics FILE and --masks FILE need no network"
 _DEPTH, _SEMANTIC, _MASK = "depth network", "semantic network", "mask network"
-_PATIENCE = 10.0  # s, that the hub has to answer
-_SATURATED = 0.95  # of the largest depth that a network knows; it does not tell what is further away
-# Estimates, but for the score, which is a little less than that of SAM's own generator of masks.
-_SPACING = 16  # pixels between points that are asked for
+_PATIENCE = 10.0  # s, the time limit of the hub
+_SATURATED = 0.95  # of the largest depth of a network; it cannot measure larger ones
+# Estimates, except the score, which is a little below that of SAM's own generator of masks.
+_SPACING = 16  # pixels between the points of prompts
 _MOST_POINTS = 128
 _POINTS_AT_ONCE = 16
-_SCORE = 0.8  # a network's own estimate of how right a mask is
+_SCORE = 0.8  # a network's own estimate of the quality of a mask
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,7 +42,7 @@ class DepthNetwork:
 
     @classmethod
     def from_pretrained(cls, name: str | os.PathLike[str], *, device: str = "cpu") -> DepthNetwork:
-        """That of an id or in a folder; raises `CheckpointError`, also for one whose depth has no unit."""
+        """The network of an id or in a folder; raises `CheckpointError`, also for one whose depth has no unit."""
         processor = load_pretrained(_DEPTH, "AutoImageProcessor", name)
         network = load_network(_DEPTH, "AutoModelForDepthEstimation", name, device)
         if getattr(network.config, "depth_estimation_type", "metric") != "metric":
@@ -51,7 +51,7 @@ class DepthNetwork:
 
     @torch.inference_mode()
     def __call__(self, pixels: np.ndarray) -> np.ndarray:
-        """Depth f32 [H, W] [m] of pixels u8 [H, W, 3]; 0 where it is not known, as in the sky."""
+        """Depth f32 [H, W] [m] of pixels u8 [H, W, 3]; 0 if unknown, as in the sky."""
         inputs = self.processor(images=pixels, return_tensors="pt").to(self.network.device)
         outputs = self.network(**inputs)
         (found,) = self.processor.post_process_depth_estimation(outputs, target_sizes=[pixels.shape[:2]])
@@ -73,10 +73,10 @@ class SemanticNetwork:
 
     @classmethod
     def from_pretrained(cls, name: str | os.PathLike[str], *, device: str = "cpu") -> SemanticNetwork:
-        """That of an id or in a folder; raises `CheckpointError`, also for one whose labels name no known class.
+        """The network of an id or in a folder; raises `CheckpointError`, also for one whose labels name no known class.
 
-        EoMT, Mask2Former, OneFormer, SegFormer and others; what its labels are called says their classes, and 19 labels
-        without a name are the train ids of Cityscapes.
+        EoMT, Mask2Former, OneFormer, SegFormer and others; the names of its labels give their classes, and 19 labels
+        without names are the train ids of Cityscapes.
         """
         config = load_pretrained(_SEMANTIC, "AutoConfig", name)
         universal = type(config) in auto_class("MODEL_FOR_UNIVERSAL_SEGMENTATION_MAPPING")
@@ -88,10 +88,10 @@ class SemanticNetwork:
 
     @torch.inference_mode()
     def __call__(self, pixels: np.ndarray) -> np.ndarray:
-        """Class ids u8 [H, W] of pixels u8 [H, W, 3]; 0 for the sky and for labels that name no known class."""
+        """Class ids u8 [H, W] of pixels u8 [H, W, 3]; 0 for the sky and for labels of no known class."""
         task = {"task_inputs": ["semantic"]} if hasattr(self.processor, "tokenizer") else {}
         inputs = self.processor(images=pixels, return_tensors="pt", **task)
-        offsets = inputs.pop("patch_offsets", None)  # of the squares that EoMT cuts a wide picture into
+        offsets = inputs.pop("patch_offsets", None)  # of the squares into which EoMT cuts a wide picture
         outputs = self.network(**inputs.to(self.network.device))
         if offsets is not None:
             outputs.patch_offsets = offsets
@@ -119,7 +119,7 @@ class MaskNetwork:
 
     @classmethod
     def from_pretrained(cls, name: str | os.PathLike[str], *, device: str = "cpu") -> MaskNetwork:
-        """That of an id or in a folder; raises `CheckpointError`."""
+        """The network of an id or in a folder; raises `CheckpointError`."""
         processor = load_pretrained(_MASK, "AutoProcessor", name)
         return cls(os.fspath(name), load_network(_MASK, "AutoModelForMaskGeneration", name, device), processor)
 
@@ -133,7 +133,7 @@ class MaskNetwork:
 
     @torch.inference_mode()
     def _masks(self, pixels: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The best mask of each point, bool [M, H, W], with its score [M]; without those of a low score."""
+        """The best mask of each point, bool [M, H, W], with its score [M]; masks with a low score are left out."""
         masks, scores = [], []
         embeddings = None
         for first in range(0, len(points), _POINTS_AT_ONCE):
@@ -155,7 +155,7 @@ class MaskNetwork:
 
 
 def _points_on_things(labels: np.ndarray) -> np.ndarray:
-    """Places [M, 2] (column, row) on things, on a grid, which is wider where there would be too many."""
+    """Places [M, 2] (column, row) on things, on a grid, which gets wider if there would be too many."""
     spacing = _SPACING
     while True:
         half = spacing // 2
@@ -174,10 +174,10 @@ def auto_class(name: str) -> Any:
 
 
 def load_pretrained(kind: str, class_name: str, name: str | os.PathLike[str], **options: Any) -> Any:
-    """What a class of transformers loads from a folder or, where there is none, from the hub or its cache.
+    """The object that a class of transformers loads from a folder or, if there is none, from the hub or its cache.
 
-    `kind` is what the message calls it. Weights are read from safetensors files alone, and code of others is never run.
-    Raises `CheckpointError` where it is not there or does not fit.
+    `kind` is its name in the message. Weights are read from safetensors files alone, and foreign code is never run.
+    Raises `CheckpointError` if it is missing or does not fit.
     """
     loader, source = auto_class(class_name), os.fspath(name)
     try:
@@ -190,12 +190,12 @@ def load_pretrained(kind: str, class_name: str, name: str | os.PathLike[str], **
         return loader.from_pretrained(source, **options)
     except CheckpointError:
         raise
-    except Exception as error:  # whatever the library and those below it raise on files of others
+    except Exception as error:  # the library and those below it raise anything on foreign files
         raise CheckpointError(f"{kind} {source!r} cannot be loaded: {_first_line(error)}; {_FILES}") from None
 
 
 def _find_on_hub(kind: str, source: str) -> None:
-    """Raise `CheckpointError` where the hub does not have a network or cannot be reached: transformers itself would ask
+    """Raise `CheckpointError` if the hub does not have a network or cannot be reached: transformers itself would try
     six times, and log each."""
     with extra():
         import huggingface_hub

@@ -1,7 +1,7 @@
-"""Points -> classes: a range-image network that says what each return of a scan is.
+"""Points -> classes: a range-image network that predicts the class of each return of a scan.
 
 Points are put on a spherical grid (RangeNet++, Milioto et al., IROS 2019), so the scan may be of any sensor within the
-grid's view; a convolutional encoder and decoder labels the grid, and the labels are projected back to the points.
+grid's view. A convolutional encoder and decoder labels the grid, and the labels are projected back to the points.
 """
 
 from __future__ import annotations
@@ -26,28 +26,35 @@ from lidardraft.semantics import NUM_CLASSES
 
 # Log depth, x, y, height over the ground twice, intensity and whether it is known, validity, normal up and to the ray.
 FEATURES = 10
-SURE = 0.5  # how probable a predicted class must be to stand for a label
+SURE = 0.5  # the least probability of a predicted class that replaces a label
 _SIDEWAYS = 2  # which of them is y
-_WINDOW = 2  # columns and rows around a point's pixel where its label may come from
-_AROUND = ((1, 1), (2, 3))  # axes of [K, H, W], and how far along each a pixel's neighbours have a say
-_LIKE = 0.5, 0.01  # m, and of the range: from about so near by returns are of the same class
-# Rows, and columns, before and after a pixel, of the pairs that a normal is taken of; a grid may have rows of no beam.
+_WINDOW = 2  # columns and rows around a point's pixel that may give its label
+_AROUND = ((1, 1), (2, 3))  # axes of [K, H, W], and the reach of a pixel's neighbours along each
+_LIKE = 0.5, 0.01  # m, and of the range: returns about this near are of the same class
+# Rows, and columns, before and after a pixel, of the pairs for a normal; a grid may have rows without a beam.
 _PAIRS = ((1, 1), (1, 2), (2, 1), (2, 2)), ((1, 1), (2, 2), (3, 3))
-_STEEP = 0.1  # of the range, and m: by which two returns of a surface differ at most, a pixel apart
-_FITTED = 8192  # points that the ground is fitted to, at most
-_SPREADS = (1.0, 0.7, 0.5, 0.35, 0.25, 0.2)  # m over the ground, to which points count as ground, step by step
-_DENSE = 30.0  # m, from which on points are as many as they are
-_REACH = 50.0  # m, beyond which the ground goes on level
-_HELD = np.diag([1e-3, 30, 30, 30, 30, 30])  # how firmly the ground stays the plane under the sensor
-_CELL = (1, 2)  # pixels that the network sees as one: thin objects are one column wide, but rarely two rows high
-_WRAPS = True  # the grid has all azimuths, whatever part of them the sensor sees
+_STEEP = 0.1  # of the range, and m: the largest difference of two returns of a surface a pixel apart
+_FITTED = 8192  # the most points for the fit of the ground
+_SPREADS = (
+    1.0,
+    0.7,
+    0.5,
+    0.35,
+    0.25,
+    0.2,
+)  # m over the ground, within which points count as ground, by steps
+_DENSE = 30.0  # m, beyond which points count fully
+_REACH = 50.0  # m, beyond which the ground is level
+_HELD = np.diag([1e-3, 30, 30, 30, 30, 30])  # how firmly the ground is held to the plane under the sensor
+_CELL = (1, 2)  # pixels that the network folds into one: thin objects are one column wide, but rarely two rows high
+_WRAPS = True  # the grid has all azimuths, even if the sensor has a part of them
 
 
 @dataclass(frozen=True, kw_only=True)
 class SphericalGrid:
     """`rows` by `columns` pixels over all azimuths and the elevations `top` to `bottom` [degrees].
 
-    The default is the 64 x 1024 image of +3 to -25 degrees that RangeNet++ projects SemanticKITTI to.
+    The default is the 64 x 1024 image of +3 to -25 degrees to which RangeNet++ projects SemanticKITTI.
     """
 
     rows: int = 64
@@ -63,7 +70,7 @@ class SphericalGrid:
             )
 
     def pixels(self, points: np.ndarray) -> np.ndarray:
-        """The flat pixel i64 [N] of each point [N, 3]; those above or below the view belong to the row at the edge."""
+        """The flat pixel i64 [N] of each point [N, 3]; points above or below the view are in the row at the edge."""
         x, y, z = points.T
         elevation = np.rad2deg(np.arctan2(z, np.hypot(x, y)))
         row = np.floor((self.top - elevation) * (self.rows / (self.top - self.bottom))).astype(np.int64)
@@ -71,17 +78,17 @@ class SphericalGrid:
         return np.clip(row, 0, self.rows - 1) * self.columns + column
 
     def nearest(self, points: np.ndarray, pixels: np.ndarray) -> np.ndarray:
-        """The index i64 [H, W] of the nearest of the points in each pixel, -1 where there is none."""
+        """The index i64 [H, W] of the nearest point in each pixel, -1 if there is none."""
         index = np.full(self.rows * self.columns, -1, dtype=np.int64)
         order = np.argsort(-np.einsum("nk,nk->n", points, points), kind="stable")  # the last one written stays
         index[pixels[order]] = order
         return index.reshape(self.rows, self.columns)
 
     def back_project(self, points: np.ndarray, pixels: np.ndarray, index: np.ndarray) -> np.ndarray:
-        """Of each point [N], which flat pixel around its own, `pixels` [N], has the point in `index` [H, W] that is
-        nearest to it in depth.
+        """For each point [N], the flat pixel around its own, `pixels` [N], whose point in `index` [H, W] is nearest to
+        it in depth.
 
-        Points that are hidden behind another of their pixel would else take the label of what hides them.
+        Points hidden behind another in their pixel would else get the label of that one.
         """
         depth = np.linalg.norm(points, axis=1)
         image = np.where(index < 0, np.inf, depth[index])
@@ -90,7 +97,7 @@ class SphericalGrid:
         steps = [(r, c) for r in range(-_WINDOW, _WINDOW + 1) for c in range(-_WINDOW, _WINDOW + 1)]
         for r, c in sorted(steps, key=lambda step: abs(step[0]) + abs(step[1])):
             at = np.clip(row + r, 0, self.rows - 1), (column + c) % self.columns
-            # A neighbour has to be nearer by more than the own pixel's return may be off.
+            # A neighbour has to be nearer by more than the error of the own pixel's return.
             off = np.abs(image[at] - depth) + 0.1 * (abs(r) + abs(c))
             better = off < best
             best = np.where(better, off, best)
@@ -102,7 +109,7 @@ class SphericalGrid:
 class SegmenterConfig:
     """The form of the network: the channels of each stage, which has half the rows and columns of the one before.
 
-    Raises `LidarDraftError` where there is no stage, or the columns of the grid do not pair up.
+    Raises `LidarDraftError` if there is no stage, or the columns of the grid do not pair up.
     """
 
     grid: SphericalGrid = field(default_factory=SphericalGrid)
@@ -125,7 +132,7 @@ class SegmenterConfig:
 
 
 class Segmenter(Network):
-    """Labels scans; `forward` works on features, `label_points` and `label` on what sensors give."""
+    """Labels scans; `forward` works on features, `label_points` and `label` on sensor data."""
 
     SCHEMA = "lidardraft.segmenter/2"
 
@@ -166,12 +173,12 @@ class Segmenter(Network):
     def predict(
         self, points: np.ndarray, intensity: np.ndarray | None, mount_height: float
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Class ids u8 [N] of sensor-frame points [N, 3] with intensities [N] in [0, 1], where these are known, and how
-        probable each is, f32 [N].
+        """Class ids u8 [N] of sensor-frame points [N, 3] with intensities [N] in [0, 1], None if unknown, and the
+        probability of each, f32 [N].
 
-        The scan and its mirror image are labelled, and their probabilities averaged, then those of near returns
-        (a bilateral filter, as the votes of RangeNet++'s nearest neighbours are). `mount_height` [m] is that of the
-        sensor over the road. Raises `LayoutError` where the arrays do not fit.
+        The scan and its mirror image are labelled, and their probabilities averaged; then those of near returns are
+        averaged (a bilateral filter, as the votes of RangeNet++'s nearest neighbours are). `mount_height` [m] is that
+        of the sensor over the road. Raises `LayoutError` if the arrays do not fit.
         """
         points = np.asarray(points, dtype=np.float32)
         if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
@@ -196,12 +203,12 @@ class Segmenter(Network):
     def label_points(
         self, points: np.ndarray, intensity: np.ndarray | None, mount_height: float, *, least: float = 0.0
     ) -> np.ndarray:
-        """The class ids of `predict`, 0 where these are less probable than `least`."""
+        """The class ids of `predict`, 0 if they are less probable than `least`."""
         label, probability = self.predict(points, intensity, mount_height)
         return np.where(probability < least, np.uint8(0), label)
 
     def label(self, image: RangeImage) -> np.ndarray:
-        """The label image u8 [H, W] of a scan of any sensor: 0 where there is no return."""
+        """The label image u8 [H, W] of a scan of any sensor; 0 without a return."""
         label = np.zeros(image.sensor.shape, dtype=np.uint8)
         intensity = None if image.intensity is None else image.intensity[image.valid]
         label[image.valid] = self.label_points(image.points(), intensity, image.sensor.mount_height)
@@ -209,9 +216,9 @@ class Segmenter(Network):
 
 
 def features(points: np.ndarray, intensity: np.ndarray | None, mount_height: float, index: np.ndarray) -> np.ndarray:
-    """What the network is told, f32 [FEATURES, H, W], of points [N, 3] at the pixels that `index` [H, W] gives them.
+    """The input of the network, f32 [FEATURES, H, W], for points [N, 3] at the pixels that `index` [H, W] gives them.
 
-    Intensities are taken relative to their mean, for their scale is each sensor's own.
+    Intensities are relative to their mean, as each sensor has its own scale.
     """
     valid = index >= 0
     if len(points) == 0:
@@ -232,10 +239,10 @@ def features(points: np.ndarray, intensity: np.ndarray | None, mount_height: flo
 
 
 def averaged(probability: Tensor, xyz: Tensor) -> Tensor:
-    """Probabilities [K, H, W], each the mean of those of the pixels around, weighted by how near their returns lie to
-    its own, xyz [3, H, W].
+    """Probabilities [K, H, W], each the mean over the pixels around, weighted by the distance of their returns to its
+    own, xyz [3, H, W].
 
-    Where nothing returned xyz is 0, which is far from all that has.
+    Without a return xyz is 0, which is far from all returns.
     """
     scale = 2 * (_LIKE[0] + _LIKE[1] * xyz.norm(dim=0)) ** 2
     for axis, reach in _AROUND:
@@ -258,9 +265,9 @@ def mirrored(x: Tensor) -> Tensor:
 def ground_heights(points: np.ndarray, mount_height: float) -> np.ndarray:
     """The height [m] of the ground, f64 [N], at points [N, 3] in the sensor's frame: a paraboloid through low points.
 
-    Sensors stand tilted and roads are crowned: heights over this are alike in all recordings, heights over a level
-    plane are not. Least squares, from that plane on, in which what lies off the ground counts less and less, above it,
-    where objects are, less than below.
+    Sensors are tilted and roads are crowned: heights over this surface are alike in all recordings, heights over a
+    level plane are not. A least-squares fit starts from that plane. Points off the ground count less and less, and
+    those above it, as on objects, less than those below.
     """
     some = points[:: len(points) // _FITTED + 1]
     basis, height = _paraboloid(some), some[:, 2].astype(np.float64)
@@ -281,7 +288,7 @@ def _paraboloid(points: np.ndarray) -> np.ndarray:
 
 
 def _normals(xyz: np.ndarray, valid: np.ndarray, depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of the surface at each pixel: |z| of its normal, and |cosine| to the ray; 0 where unknown."""
+    """|z| of the surface normal at each pixel, and its |cosine| to the ray; 0 if unknown."""
     across, there = _slope(xyz, valid, depth, 1)
     down, below = _slope(xyz, valid, depth, 0)
     normal = np.cross(across, down)
@@ -293,8 +300,8 @@ def _normals(xyz: np.ndarray, valid: np.ndarray, depth: np.ndarray) -> tuple[np.
 
 
 def _slope(xyz: np.ndarray, valid: np.ndarray, depth: np.ndarray, axis: int) -> tuple[np.ndarray, np.ndarray]:
-    """The step from a pixel to the next, by least squares over pairs of returns of like range on either side, and where
-    there is one: wide, or the noise of ranges would be the slope."""
+    """The step from a pixel to the next, by least squares over pairs of returns of similar range on either side, and
+    whether there is one. The pairs are wide, as else the noise of ranges would dominate."""
     total, count = np.zeros_like(xyz), np.zeros(valid.shape, dtype=np.float32)
     for back, on in _PAIRS[axis]:
         (before, after), (near, far), (one, other) = (

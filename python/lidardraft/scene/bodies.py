@@ -1,4 +1,4 @@
-"""Shapes compiled for casting, with their surfaces: sets of them are joined, and moved, without compiling them anew."""
+"""Shapes compiled for casting, with their surfaces. Sets of them are joined and moved without a new compilation."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ from lidardraft.scene.surfaces import Surfaces
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Bodies:
-    """Shapes [P] as they were given, what they are compiled to, and their surfaces.
+    """Shapes [P] as given, their compiled scene, and their surfaces.
 
-    Brightness and free paths follow from ids, so that a shape keeps them wherever it is and whatever is beside it.
-    Those that stand `as_given` can be pickled; the copy is compiled anew.
+    Brightness and free paths follow from ids: a shape keeps them wherever it is and whatever is beside it. Only shapes
+    that are `as_given` can be pickled; the copy is compiled again.
     """
 
     primitives: tuple[Primitive, ...]
@@ -32,7 +32,7 @@ class Bodies:
 
     @classmethod
     def of(cls, layout: Layout, wetness: float = 0.0) -> Bodies:
-        """The shapes of a layout, on ground as wet as that."""
+        """The shapes of a layout, with a `wetness` of its ground from 0 to 1."""
         surfaces = Surfaces.from_layout(layout, wetness=wetness, by_id=True)
         return cls(layout.primitives, compiled(layout.primitives, by_id=True), surfaces, as_given=True)
 
@@ -45,13 +45,13 @@ class Bodies:
 
     def __reduce__(self) -> tuple[Any, ...]:
         if not self.as_given:
-            raise TypeError("bodies that were joined or moved cannot be pickled; pickle what they were made of")
+            raise TypeError("bodies that were joined or moved cannot be pickled; pickle their sources")
         return Bodies._again, (self.primitives, self.surfaces, self.origin)
 
     @classmethod
     def joined(cls, parts: Sequence[Bodies], surfaces: Surfaces, origin: tuple[float, float, float]) -> Bodies:
-        """All of some, in that order, whose `surfaces` may be followed by others: a function of their shapes, where
-        these are and `origin` alone, byte for byte."""
+        """All bodies of some sets, in order, on `surfaces`, which may hold more entries after theirs. The result is a
+        function of the shapes, their poses and `origin` alone, byte for byte."""
         every = [np.arange(len(part.primitives), dtype=np.uint32) for part in parts]
         scene = _core.Scene.joined([part.scene for part in parts], every, origin)
         primitives = tuple(primitive for part in parts for primitive in part.primitives)
@@ -65,18 +65,18 @@ class Bodies:
 
     @property
     def origin(self) -> tuple[float, float, float]:
-        """The point around which they are most precise [m]."""
+        """The point around which the coordinates are most precise [m]."""
         x, y, z = self.scene.origin
         return x, y, z
 
     def moved(self, by: np.ndarray) -> Bodies:
-        """All of them moved by a rigid motion [4, 4] from where they were given."""
+        """All shapes moved by a rigid motion [4, 4] from their given poses."""
         homes = np.array([upright(p.center, p.yaw) for p in self.primitives])
         every = np.arange(len(self.primitives), dtype=np.uint32)
         return Bodies(self.primitives, self.scene.moved(every, by @ homes), self.surfaces)
 
     def scan(self, sensor: Sensor, poses: np.ndarray, seed: int, threads: int | None) -> RangeImage:
-        """What `sensor` sees from world_from_sensor `poses`, one [4, 4] or one for each column [W, 4, 4]: depth, label,
+        """The scan of `sensor` at world_from_sensor `poses`, one [4, 4] or one for each column [W, 4, 4]: depth, label,
         instance, primitive and incidence."""
         shape = (1, -1, 4, 4)
         return cast_scans(self.scene, sensor, poses.reshape(shape), None, (True, True, False), seed, threads)[0]

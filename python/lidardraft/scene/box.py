@@ -14,15 +14,15 @@ from lidardraft.scene.pose import in_upright_frame
 from lidardraft.semantics import BY_NAME
 
 THINNEST = 1e-6  # m, the least extent of a shape; rays miss shapes a millionth as thick
-FURTHEST = 1e9  # m, the limit of coordinates and extents: that of the core, which squares them in float32
+FURTHEST = 1e9  # m, the limit of coordinates and extents; the core squares them in float32
 
 
 @dataclass(frozen=True, slots=True)
 class Box:
-    """An oriented box around one object: center and size (length, width, height) [m], yaw [rad]. That of a flat thing,
-    such as a person on a sheet, is flat too; negative extents are refused.
+    """An oriented box around one object: center and size (length, width, height) [m], yaw [rad]. Extents may be 0, as
+    for a person on a sheet, but not negative.
 
-    `velocity` [m/s] is that over the ground along the axes of the box's frame; None where it is not known.
+    `velocity` [m/s] is that over the ground along the axes of the box's frame; None if it is not known.
 
     Raises `LayoutError` naming the box and the invalid value.
     """
@@ -56,17 +56,18 @@ class Box:
         return replace(self, center=tuple(center.tolist()), yaw=math.remainder(yaw, math.tau), velocity=velocity)
 
     def raised(self, height: float) -> Box:
-        """The box `height` [m] further up, as from the sensor's frame to the road."""
+        """The box moved up by `height` [m], as from the sensor's frame to the road's."""
         x, y, z = self.center
         return replace(self, center=(x, y, z + height))
 
     def contains(self, points: np.ndarray, margin: float = 0.0) -> np.ndarray:
-        """Which points [N, 3] are in the box, or within `margin` [m] of its sides, bool [N]."""
+        """Whether each of the points [N, 3] is in the box, or within `margin` [m] of its sides: bool [N]."""
         away = np.abs(in_upright_frame(points, self.center, self.yaw))
         return np.asarray((away <= np.array(self.size) / 2 + margin).all(axis=1))
 
     def corners(self) -> np.ndarray:
-        """f64 [8, 3]: four below, then the four above them, each from the left rear clockwise, seen from above."""
+        """f64 [8, 3]: the four lower corners, then the four above them, each from the left rear clockwise, seen from
+        above."""
         signs = np.array([(x, y, z) for z in (-1, 1) for x, y in ((-1, 1), (1, 1), (1, -1), (-1, -1))])
         x, y, z = (signs * np.array(self.size) / 2).T
         cos, sin = math.cos(self.yaw), math.sin(self.yaw)
@@ -74,7 +75,8 @@ class Box:
 
 
 def check_id(id: object) -> None:
-    """Raise `LayoutError` unless an id is a non-empty string that cannot steer the terminal it is printed on."""
+    """Raise `LayoutError` unless an id is a non-empty string of printable characters: others could control a
+    terminal."""
     if not (isinstance(id, str) and id and id.isprintable()):
         raise LayoutError(f"id is {id!r}; it must be a non-empty string of printable characters")
 

@@ -1,4 +1,4 @@
-"""Checks of a layout that name each fault, its objects and its size. A layout that fails them can still be cast."""
+"""Checks of a layout. Each finding names the fault, its objects and its size; the layout can still be cast."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from lidardraft.semantics import BY_NAME, CLASSES, GROUND
 
 VEHICLE_LABELS = ("car", "truck", "bus", "train", "motorcycle")
 EGO_SIZE = (4.5, 2.0, 2.0)  # m around the origin, standing on the road
-MAX_RANGE = 210.0  # m, what the furthest-seeing presets reach, and the far ends of what stands there
+MAX_RANGE = 210.0  # m, the longest range of the presets, with the far ends of objects at that range
 OVERLAP_TOLERANCE = 0.02  # m
 GROUND_TOLERANCE = 0.15  # m, a kerb
-_LEVEL = 0.01  # m over the bottom of an object: parts that low stand on the ground, as all legs of an animal do
+_LEVEL = 0.01  # m over the bottom of an object: parts as low as that touch the ground, as all legs of an animal do
 
-# Smallest and largest (length, width, height) [m] of the classes that are counted.
+# Smallest and largest (length, width, height) [m] of each thing class.
 SIZE_RANGES = {row.name: row.limits for row in CLASSES if row.limits}
 
 
@@ -39,7 +39,7 @@ def check(layout: Layout) -> list[Finding]:
 
 
 def overlap(layout: Layout) -> list[Finding]:
-    """Parts of different objects that run into each other; boxes stand for meshes, ground is left out."""
+    """Parts of different objects that overlap. A mesh counts as its box; ground is left out."""
     standing = {primitive.id: primitive for primitive in layout if primitive.label not in GROUND}
     findings, before = list[Finding](), Solids()
     for solid in map(Solid.from_primitive, standing.values()):
@@ -53,7 +53,7 @@ def overlap(layout: Layout) -> list[Finding]:
 
 
 def grounded(layout: Layout) -> list[Finding]:
-    """Objects that float over the ground or are sunk into it, measured under their lowest part that fits best."""
+    """Objects that float over the ground or are sunk into it, measured under the lowest part that fits best."""
     ground = LayoutGround(layout)
     findings = []
     for name, parts in objects(layout).items():
@@ -67,9 +67,9 @@ def grounded(layout: Layout) -> list[Finding]:
 
 
 def on_road(layout: Layout) -> list[Finding]:
-    """Vehicles whose middle is not over a primitive labelled road; silent about a layout without any.
+    """Vehicles whose middle is not over a primitive labelled road; no findings if the layout has no road.
 
-    Motorcycles may stand on sidewalks, and trams run on rails of their own.
+    Motorcycles may be on sidewalks, and trams have their own tracks.
     """
     road, paved = (LayoutGround(layout, labels=labels) for labels in (("road",), ("road", "sidewalk")))
     if not road.primitives:
@@ -85,12 +85,12 @@ def on_road(layout: Layout) -> list[Finding]:
 
 
 def size(layout: Layout) -> list[Finding]:
-    """Things smaller or larger than their class can be."""
+    """Things smaller or larger than the limits of their class."""
     return [finding for box in layout.boxes() for finding in _size_of(box)]
 
 
 def ego_clear(layout: Layout) -> list[Finding]:
-    """Primitives inside the ego vehicle, where the sensor stands."""
+    """Primitives inside the ego vehicle, which carries the sensor."""
     ego = Solid.from_primitive(EGO)
     solids = [Solid.from_primitive(primitive) for primitive in layout if primitive.label not in GROUND]
     return [
@@ -101,7 +101,7 @@ def ego_clear(layout: Layout) -> list[Finding]:
 
 
 def in_range(layout: Layout) -> list[Finding]:
-    """Objects whose middle is out of reach."""
+    """Objects whose middle is farther away than any sensor reaches."""
     findings = []
     for primitive in layout:
         distance = math.hypot(*primitive.center[:2])
@@ -112,7 +112,7 @@ def in_range(layout: Layout) -> list[Finding]:
 
 
 def numbered(layout: Layout) -> list[Finding]:
-    """Things without a number, which get no box, and numbers of two classes, which get one box for both."""
+    """Things without an instance, which get no box, and instances shared by two classes, which get one box for both."""
     findings = []
     owners: dict[int, Primitive] = {}
     for primitive in layout:
@@ -139,19 +139,19 @@ def objects(layout: Layout) -> dict[str, list[Primitive]]:
 
 
 class LayoutGround:
-    """The surfaces of a layout that things stand on; of several over a point the highest counts."""
+    """The ground surfaces of a layout; the highest counts if several are over a point."""
 
     def __init__(self, primitives: Iterable[Primitive], labels: Sequence[str] = GROUND) -> None:
         self.primitives = [primitive for primitive in primitives if primitive.label in labels]
         self._meshes = {p.id: primitive_mesh(p) for p in self.primitives if p.shape == "mesh"}
 
     def at(self, x: float, y: float) -> tuple[float, str] | None:
-        """Height [m] and label of the ground at a point, or None where there is none."""
+        """Height [m] and label of the ground at a point, or None if there is none."""
         surfaces = [(height, p.label) for p in self.primitives if (height := self._height_of(p, x, y)) is not None]
         return max(surfaces, default=None)
 
     def height(self, x: float, y: float) -> float:
-        """Height of the ground [m]; 0, the road under the ego, where there is none."""
+        """Height of the ground [m]; 0, the road under the ego, if there is none."""
         surface = self.at(x, y)
         return 0.0 if surface is None else surface[0]
 
@@ -167,7 +167,7 @@ class LayoutGround:
 
 
 def _highest_over(triangles: np.ndarray, x: float, y: float) -> float | None:
-    """The highest z over (x, y) of triangles [F, 3, 3], by barycentric coordinates; None where there is none."""
+    """The highest z over (x, y) of triangles [F, 3, 3], by barycentric coordinates; None if there is none."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     u, v, w = (b - a)[:, :2], (c - a)[:, :2], np.array([x, y]) - a[:, :2]
     area = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]

@@ -1,4 +1,4 @@
-"""Names of modelled objects, materials and collections: the class that they say, and which are parts of one object."""
+"""Names of modelled objects, materials and collections: which class they name, and which are parts of one object."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from collections.abc import Iterable, Mapping
 from lidardraft.errors import LayoutError, check_type, one_of, printable
 from lidardraft.semantics import BY_NAME
 
-# The words that say a class, and some its kind too (`objects/kinds.py`): of two in one name the last
-# one counts ("street lamp").
+# Words that name a class, and some of them its kind too (`objects/kinds.py`). If a name has two, the last one counts
+# ("street lamp").
 _WORDS = {
     "road": "road street asphalt tarmac lane highway motorway carriageway driveway intersection junction crossroads "
     "crossroad roundabout crosswalk zebra marking markings crossing",
@@ -45,7 +45,7 @@ _WORDS = {
     "other cone": "cone",
 }
 _MEANING = {word: meaning for meaning, words in _WORDS.items() for word in words.split()}
-# Pairs of words that mean something else than their last word.
+# Pairs of words with another meaning than their last word.
 _PAIRS = {
     ("traffic", "light"): "traffic-light",
     ("traffic", "lights"): "traffic-light",
@@ -61,7 +61,7 @@ _PAIRS = {
     ("fire", "hydrant"): "other",
     ("traffic", "cone"): "other cone",
 }
-# Words for parts, and the words after which they add nothing: the wall of a house is a building.
+# Words for parts, and the words that they add nothing to: the wall of a house is a building.
 _PARTS = {"wall": ("building", "house", "garage", "shop", "office", "tower"), "gate": ("house",), "post": ("sign",)}
 _MANY = ("people",)  # plurals without -s
 _PLURAL = re.compile(r"(?<=[a-z]{2})(?:(?<=ch|sh|ss)es|(?<!s)s)$")
@@ -70,7 +70,7 @@ OUTRIGHT = "class:"  # before the class, in a name that says nothing else
 
 
 def check_classes(classes: Mapping[str, str]) -> None:
-    """Raises `LayoutError` where `classes` gives a name an unknown class."""
+    """Raises `LayoutError` if `classes` maps a name to an unknown class."""
     check_type("classes", classes, Mapping)
     for key, value in classes.items():
         if value not in BY_NAME or value == "none":
@@ -78,10 +78,10 @@ def check_classes(classes: Mapping[str, str]) -> None:
 
 
 def class_of(names: Iterable[str], classes: Mapping[str, str]) -> str | None:
-    """The class that the first name with a class says; None where none has one.
+    """The class of the first name that has one; None if none has.
 
-    `classes` says it of whole names, with or without Blender's number behind them, and comes before all words; then
-    comes a name that says it outright, "class:car".
+    `classes` maps whole names, with or without Blender's number suffix, and takes precedence over all words. Next come
+    names that state a class outright, "class:car".
     """
     known = list(names)
     for name in known if classes else ():
@@ -95,7 +95,7 @@ def class_of(names: Iterable[str], classes: Mapping[str, str]) -> str | None:
 
 
 def kind_of(names: Iterable[str], label: str) -> str | None:
-    """The kind of the class `label` that the first telling one of some names says; None where none does."""
+    """The kind of class `label` in the first of the names that has one; None if none has."""
     meanings = [_meaning(name).partition(" ") for name in names]
     return next((kind for found, _, kind in meanings if found == label and kind), None)
 
@@ -107,21 +107,21 @@ def words_of(name: str) -> list[str]:
 
 
 def without_number(name: str) -> str:
-    """The name without the number that Blender puts behind a name that is taken: "Car.001" is Car."""
+    """The name without the number that Blender appends to a name in use: "Car.001" is Car."""
     return re.sub(r"\.\d+$", "", name[:500])
 
 
 def id_of(name: str) -> str:
-    """The id of an object of that name: control characters are spelled out, and a dot before a number becomes "_", as
-    "Car.001" is another car and not a part of one."""
+    """The id of an object with that name. Control characters are spelled out, and a dot before a number becomes "_":
+    "Car.001" is another car, not a part of one."""
     return re.sub(r"\.(?=\d+$)", "_", printable(name))
 
 
 def whole_and_part(name: str) -> tuple[str, str]:
-    """The object that a name says it is a part of, and the part; where it says none, the name itself and "":
-    "car_1.body" and "car_1_wheel" are parts of car_1.
+    """The object that a name makes this a part of, and the part; the name itself and "" if there is none: "car_1.body"
+    and "car_1_wheel" are parts of car_1.
 
-    "Lane1_Car_a" says another class than a lane and is not a part of it; A4 in "car_A4_red" does not number a car.
+    "Lane1_Car_a" names another class than a lane, so it is not a part of it; A4 in "car_A4_red" does not number a car.
     """
     numbered = [match for match in _NUMBERED.finditer(name[:200]) if class_of_last_word(match[1])]
     if numbered:
@@ -139,7 +139,7 @@ def says_many(name: str) -> bool:
 
 
 def class_of_last_word(name: str) -> str | None:
-    """The class that the last word of a name says of one object: "Red car_2" is a car, "Car_body" may be a part."""
+    """The class that the last word of a name gives to one object: "Red car_2" is a car, "Car_body" may be a part."""
     *_, last = words_of(name) or [""]
     return None if last in _MANY else _MEANING.get(last, "").partition(" ")[0] or None
 
@@ -149,7 +149,7 @@ def _class_of_words(name: str) -> str | None:
 
 
 def _meaning(name: str) -> str:
-    """The class that the words of a name say, and behind a space its kind; nothing where they say none."""
+    """The class that the words of a name mean, then a space and its kind, if any; "" if they mean none."""
     words = [_singular(word) for word in words_of(name)]
     found = ""
     for before, word in zip(["", *words], words, strict=False):

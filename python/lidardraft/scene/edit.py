@@ -1,4 +1,4 @@
-"""Edits of a layout; each returns a new one and leaves the old as it is.
+"""Edits of a layout; each returns a new layout and leaves the old one unchanged.
 
 A pattern is a glob on ids or on names of objects: `car_*`, `*.crown`, `tree_3` (all parts of that tree).
 """
@@ -19,16 +19,16 @@ from lidardraft.semantics import BY_NAME
 
 
 def select(layout: Layout, pattern: str = "*", *, label: str | None = None) -> tuple[Primitive, ...]:
-    """The primitives that match, in the layout's order; none if none does."""
+    """The matching primitives, in the layout's order; an empty tuple if none matches."""
     check_type("pattern", pattern, str)
     return tuple(p for p in layout if _matches(p, pattern) and label in (None, p.label))
 
 
 def add(layout: Layout, *primitives: Primitive) -> Layout:
-    """With more primitives at the end.
+    """The layout with more primitives at the end.
 
-    What can be counted, such as a car, and has instance 0 gets a free number, one for all parts of an object. Raises
-    `LayoutError` where an id is taken, or the instance is another object's.
+    A thing with instance 0, such as a car, gets a free instance, one for all parts of an object. Raises `LayoutError`
+    if an id is taken, or if the instance belongs to another object.
     """
     for primitive in primitives:
         check_type("a primitive", primitive, Primitive)
@@ -52,7 +52,7 @@ def add(layout: Layout, *primitives: Primitive) -> Layout:
 
 
 def remove(layout: Layout, pattern: str) -> Layout:
-    """Without the primitives that match; raises `LayoutError` where none does."""
+    """The layout without the matching primitives; raises `LayoutError` if none matches."""
     gone = {primitive.id for primitive in _existing(layout, pattern)}
     return dataclasses.replace(layout, primitives=tuple(p for p in layout if p.id not in gone))
 
@@ -60,9 +60,9 @@ def remove(layout: Layout, pattern: str) -> Layout:
 def move(
     layout: Layout, pattern: str, by: tuple[float, float, float] = (0.0, 0.0, 0.0), *, turn: float = 0.0
 ) -> Layout:
-    """With the objects that match shifted `by` [m] and each turned about its own middle [rad, counter-clockwise].
+    """The layout with the matching objects shifted `by` [m], each turned about its own middle [rad, counter-clockwise].
 
-    An object moves whole, also when only a part of it matches. Raises `LayoutError` where none does.
+    An object moves as a whole, even if only a part of it matches. Raises `LayoutError` if none matches.
     """
     if not are_numbers(by, 3):
         raise LayoutError(f"by is {by!r}; it must be three finite numbers of metres, along x, y and z")
@@ -78,9 +78,9 @@ def move(
 
 
 def replace(layout: Layout, pattern: str, **fields: Any) -> Layout:
-    """With new values for `fields` of the primitives that match, as in `replace(layout, "car_1", label="truck")`.
+    """The layout with new values for `fields` of the matching primitives: `replace(layout, "car_1", label="truck")`.
 
-    Raises `LayoutError` where none matches, and for an unknown field or an invalid value.
+    Raises `LayoutError` if none matches, and for an unknown field or an invalid value.
     """
     names = [field.name for field in dataclasses.fields(Primitive)]
     unknown = set(fields) - set(names)
@@ -106,7 +106,7 @@ def _existing(layout: Layout, pattern: str) -> tuple[Primitive, ...]:
 
 
 def _middle(parts: list[Primitive]) -> tuple[float, float]:
-    """Of the parts' centres, weighted by area seen from above: a small part does not pull the pivot away."""
+    """The mean of the parts' centres, weighted by area seen from above: a small part does not pull the pivot away."""
     areas = [part.size[0] * part.size[1] or 1e-9 for part in parts]
     total = sum(areas)
     x = sum(area * part.center[0] for area, part in zip(areas, parts, strict=True)) / total
@@ -121,7 +121,7 @@ def moved_part(part: Primitive, middle: tuple[float, float], by: tuple[float, fl
 
 
 def placed(primitives: Iterable[Primitive], place: Place) -> Iterator[Primitive]:
-    """The primitives of a frame that stands at a place."""
+    """The primitives of a frame that is at `place`, in the frame around it."""
     if not any(place):
         yield from primitives
         return

@@ -1,7 +1,7 @@
-"""From clean returns to those that a real sensor reports: `observe` applies the effects of a `SensorModel`.
+"""From clean returns to the returns that a real sensor reports: `observe` applies the effects of a `SensorModel`.
 
-The effects are in the core, `rust/core/sensor_model/effects.rs` and `receiver.rs`: one function an effect, in the order
-of the light.
+The effects are in the core, `rust/core/sensor_model/effects.rs` and `receiver.rs`: one function for each, in the order
+in which light meets them.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from lidardraft.scene.sensor_model import SensorModel, beam_fan
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather, first_particle, fog_echo
 
-_TILT_STREAM = 3  # random numbers of the tilts of a unit
+_TILT_STREAM = 3  # the stream of random numbers for the beam tilts of a unit
 _OBSERVED = ("depth", "intensity", "incidence", "instance", "primitive", "label")
 
 
@@ -38,15 +38,16 @@ def observe(
     poses: np.ndarray | None = None,
     threads: int | None = None,
 ) -> RangeImage:
-    """What `sensor` reports of the clean image cast of `layout`, with intensity, primitive and incidence.
+    """The scan that `sensor` reports from a clean cast of `layout`, with intensity, primitive and incidence.
 
-    The image is cast by `sub_rays(sensor, model)`, with primitive and incidence; or by the sensor itself, which needs
-    no `sensor` here: then a beam is one ray. `model` is by default `sensor.assumed_model`.
-    `Surfaces.from_layout(layout)`, made once and given instead of the layout, saves time where one layout is scanned
-    often (and holds the wetness of its ground). `poses` are those of the cast, world_from_sensor [4, 4], or [W, 4, 4]
-    with one for each column: what surfaces send back differs from place to place in the world, which by default is the
-    sensor's frame. `threads` is how many threads may be used, by default as many as there
-    are cores; the scan is the same for any number.
+    `image` is a cast of `sub_rays(sensor, model)` with primitive and incidence. It may also be a cast of the sensor
+    itself, with one ray a beam; then `sensor` may be left out. `model` is by default `sensor.assumed_model`. If a
+    layout is scanned often, pass `Surfaces.from_layout(layout)`, made once, instead of it; it includes the wetness of
+    the ground.
+
+    `poses` are those of the cast: world_from_sensor [4, 4], or [W, 4, 4] with one for each column. The response of a
+    surface varies with the place in the world, which by default is the sensor's frame. `threads` is the largest number
+    of threads, by default the number of cores; the scan is the same for any number.
 
     Raises `SensorError` for an image of another sensor or without primitive and incidence.
     """
@@ -78,7 +79,7 @@ def observe(
         seed=int(rng.bit_generator.random_raw()) >> 1,
         threads=threads or 0,
     )
-    if sensor.blocked:  # fog has an echo where the cast has none, and casts of others do not know the vehicle
+    if sensor.blocked:  # fog echoes without a hit, and other casts ignore the vehicle
         blank_pixels(images_of(scan), sensor.blocked_pixels)
     return scan
 
@@ -87,9 +88,9 @@ def observe(
 def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
     """The sensor whose beams are the sub-rays of `sensor`: row h * S + s is sub-ray s of beam h.
 
-    Cast this one, and give the image to `observe` with `sensor`. Sub-rays spread in azimuth, not across the beam, so
-    that beams share their columns: at elevation e they are cos(e) closer. They look where the unit's beams look, which
-    is not quite where the table says and `observe` puts the returns. Raises `SensorError` where the beams of `sensor`
+    Cast this sensor, and pass the image to `observe` with `sensor`. Sub-rays spread in azimuth, not across the beam, so
+    that beams share their columns: at elevation e they are cos(e) closer. They follow the beams of the unit, which
+    differ a little from the table by which `observe` places the returns. Raises `SensorError` if the beams of `sensor`
     are so close that their sub-rays would cross.
     """
     if model.rays_per_beam == 1 and not model.tilt_spread:
@@ -120,7 +121,7 @@ def sub_rays(sensor: Sensor, model: SensorModel) -> Sensor:
 
 
 def beam_tilts(sensor: Sensor, model: SensorModel) -> np.ndarray:
-    """The angle by which each beam of this unit looks higher than the table of its sensor says, f64 [H], rad.
+    """The angle [rad] by which each beam of this unit points higher than its sensor's table states: f64 [H].
 
     `tilt_spread` holds for beams a degree or more apart; the tilts of closer beams shrink in proportion.
     """

@@ -1,4 +1,4 @@
-"""The intent of a layout: what was asked for, and which of its objects answers it."""
+"""The intent of a layout: the request, and the objects that answer it."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ACTIVITIES = ("empty", "quiet", "busy")
 
 
 def check_speed(name: str, speed: float | None) -> None:
-    """Raises `LayoutError` where a speed [m/s] is invalid."""
+    """Raises `LayoutError` if a speed [m/s] is invalid."""
     fits = speed is None or (is_number(speed) and 0.0 <= speed <= MAX_SPEED)
     check_that(fits, name, speed, f"0 to {MAX_SPEED:g} m/s")
 
@@ -33,12 +33,12 @@ def _check_text(name: str, value: object) -> None:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Asked:
-    """What was asked of one object, or of the ego vehicle; None where nothing was.
+    """The request for one object, or for the ego vehicle; a field is None if the request leaves it open.
 
-    `group` is the number of the group that it was asked for with, `kind` what it was called, as in "pickup". It is
-    `counted` where a number of them was asked for, and not some or many. `heading` is one of HEADINGS, relative to the
-    ego's; `motion`, one of MOTIONS, and `speed` [m/s] are how it moves in a sequence, where it `overtakes` groups of
-    these numbers. `paint` is one of PAINTS. Raises `LayoutError` on an invalid value.
+    `group` is the number of its group in the request, `kind` the noun used, as in "pickup". `counted` is True if the
+    request gave a number, and not some or many. `heading` is one of HEADINGS, relative to the ego's. `motion`, one of
+    MOTIONS, and `speed` [m/s] are its motion in a sequence; it `overtakes` the groups of these numbers. `paint` is one
+    of PAINTS. Raises `LayoutError` on an invalid value.
     """
 
     group: int | None = None
@@ -65,15 +65,15 @@ NOTHING = Asked()
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Intent:
-    """What was asked of a layout; None where nothing was.
+    """The request that a layout answers; a field is None if the request leaves it open.
 
-    `sentence` is the text that it was made from. `road` is the kind of the road, `district` where it lies, as a street
-    does or a sentence says, `activity`, one of ACTIVITIES, how much goes on there, and `weather` one of
-    `scene.weather.WEATHERS`. One more of the kinds in `denied` would contradict what was asked. `objects` says what
-    was asked of each object, by its name; those that a layout does not have, it leaves out. `ego` is the ego vehicle.
-    `around` is the district of the street that `surround` has added.
+    `sentence` is the text of the request. `road` is the kind of the road. `district` is its surroundings, as a street
+    or a sentence gives them. `activity`, one of ACTIVITIES, is how busy it is; `weather` is one of
+    `scene.weather.WEATHERS`. One more object of a kind in `denied` would contradict the request. `objects` maps names
+    of objects to the request for each; names that the layout lacks are ignored. `ego` is the ego vehicle. `around` is
+    the district of the street that `surround` has added.
 
-    `headed` is whether the yaw of an object says where its front is; a clustering of points knows no front from back.
+    `headed` is whether the yaw of an object gives its front; a clustering of points cannot tell front from back.
     Raises `LayoutError` on an invalid value.
     """
 
@@ -101,22 +101,22 @@ class Intent:
         check_that(whole, "objects", self.objects, "an `Asked` for each name")
 
     def of(self, name: str) -> Asked:
-        """What was asked of an object, or of "ego"."""
+        """The request for an object, or for "ego"."""
         return self.ego if name == "ego" else self.objects.get(name, NOTHING)
 
     def only(self, names: Set[str]) -> Intent:
-        """The same of those objects alone."""
+        """The intent of the named objects alone."""
         if self.objects.keys() <= names:
             return self
         return replace(self, objects={name: asked for name, asked in self.objects.items() if name in names})
 
     def renamed(self, names: Mapping[str, str]) -> Intent:
-        """The same with other names of objects."""
+        """The intent with other names of objects."""
         return replace(self, objects={names.get(name, name): asked for name, asked in self.objects.items()})
 
     @classmethod
     def of_spec(cls, spec: Mapping[str, Any], objects: Mapping[str, int]) -> Intent:
-        """The intent of the JSON of a `SceneSpec`, where each of the `objects` is of the group of that number."""
+        """The intent of the JSON of a `SceneSpec`; `objects` maps each object to the number of its group."""
         road, settings = spec.get("road", {}), ("district", "activity", "weather")
         of_group = [_asked_of(number, group) for number, group in enumerate(spec.get("groups", ()))]
         counted = [one.kind for one in of_group if one.counted and one.kind]
@@ -132,7 +132,7 @@ class Intent:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The intent as JSON types; fields that say nothing are left out."""
+        """The intent as JSON types; fields with nothing to say are left out."""
         said: dict[str, Any] = write_as(self)
         return said
 
@@ -148,7 +148,7 @@ NOTHING_ASKED = Intent()
 
 
 def _asked_of(number: int | None, group: Mapping[str, Any]) -> Asked:
-    """What the group of that number of a spec asks of each of its objects."""
+    """The request of a spec's group, with its `number`, for each of its objects."""
     names = ("kind", "heading", "motion", "speed", "paint")
     fields: dict[str, Any] = {name: group.get(name) for name in names}
     overtakes = tuple(group.get("references", ())) if fields["motion"] == "overtakes" else ()

@@ -1,4 +1,4 @@
-"""Labels for a generated scan, from scans of the layout that it was generated from, and the layout itself."""
+"""Labels for a generated scan, from scans of its layout and from the layout itself."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _GROWTH = 0.3  # m; how far outside a shape of the layout a point still belongs 
 
 
 def agrees(scan: RangeImage, other: RangeImage) -> np.ndarray:
-    """bool [H, W]: where both have a return, and at the same distance within 0.5 m or 5 % of the other's."""
+    """bool [H, W]: True if both have a return, at the same distance within 0.5 m or 5 % of the other's."""
     if scan.sensor.shape != other.sensor.shape:
         raise SensorError(f"one scan is {scan.sensor.shape}, the other {other.sensor.shape}; both need one sensor")
     tolerance = np.maximum(ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE * other.depth)
@@ -27,12 +27,12 @@ def agrees(scan: RangeImage, other: RangeImage) -> np.ndarray:
 
 
 def label_by_agreement(scan: RangeImage, known: Sequence[RangeImage], layout: Layout, pose: np.ndarray) -> RangeImage:
-    """`scan` with label and instance: those of the first of the `known` images whose range agrees, else those of the
-    smallest shape of the layout whose box, grown by 0.3 m, holds the point, else its own. `pose` is world_from_sensor
-    [4, 4] of all images, or that of each column [W, 4, 4].
+    """`scan` with label and instance of the first of the `known` images whose range agrees. Other points get those of
+    the smallest shape of the layout whose box, grown by 0.3 m, holds them; the rest keep their own. `pose` is
+    world_from_sensor of all images: [4, 4], or one for each column [W, 4, 4].
 
-    The box of an ellipsoid or a cylinder stands for it: its corners are close to it. A mesh is not known to fill the
-    box around it, so it labels only where the ranges agree.
+    An ellipsoid or a cylinder counts as its box, whose corners are close to it. A mesh may be hollow in its box, so it
+    labels points only where the ranges agree.
     """
     near = np.zeros(scan.sensor.shape, dtype=bool)
     label, instance = scan.label.copy(), scan.instance.copy()

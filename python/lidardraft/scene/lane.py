@@ -14,18 +14,18 @@ from lidardraft.scene.line import Line
 from lidardraft.scene.pose import Place
 
 LANE_KINDS = ("driving", "aisle", "parking", "shoulder", "cycling", "sidewalk")
-_TURNING, _SIDEWAYS, _EASING = 5.0, 2.5, 1.5  # m/s in a turn at most, m/s2 sideways there, and on the way to it
+_TURNING, _SIDEWAYS, _EASING = 5.0, 2.5, 1.5  # m/s in a turn at most, m/s2 sideways in it, and braking before it
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Lane:
-    """A lane of a road, or a way through several (`RoadNetwork.ways`): its middle `line` in the direction of travel.
+    """A lane of a road, or a way through several (`RoadNetwork.ways`): its center `line` in the direction of travel.
 
-    `kind` is one of LANE_KINDS, `width` [m] is that of all of it, `speed` [m/s] the limit. `left` and `right` are the
-    ids of lanes of the same direction beside it, `successors` those that begin where it ends, `junction` is the id of
-    the one that it leads through. Those who give way wait `stop` [m] along it. One that turns, "left" or "right", does
-    so from and to along it: `bend` [m]. One that is `closed` ends where nobody can drive on, as at a kerb. Raises
-    `LayoutError` naming the lane and an invalid value.
+    `kind` is one of LANE_KINDS, `width` [m] the full width, `speed` [m/s] the limit. `left` and `right` are the ids of
+    adjacent lanes of the same direction, `successors` those of the lanes that begin at its end. `junction` is the id of
+    the junction that it leads through. Traffic that gives way waits at `stop` [m] along it. A lane that turns, "left"
+    or "right", does so between the two places of `bend` [m] along it. A `closed` lane ends without a way on, as at a
+    kerb. Raises `LayoutError` naming the lane and an invalid value.
     """
 
     id: str
@@ -54,7 +54,7 @@ class Lane:
             check_that(on_it, "stop", self.stop, f"0 to {self.line.length:.1f} m")
 
     def limit(self, along: float) -> float:
-        """The speed [m/s] at a place along it from which a turn can be taken."""
+        """The speed [m/s] at a place `along` [m] from which the turn can still be taken."""
         if along >= self.bend[1]:
             return math.inf
         radius = (self.bend[1] - self.bend[0]) / (math.pi / 2)
@@ -62,14 +62,14 @@ class Lane:
         return math.sqrt(turning + 2 * _EASING * max(0.0, self.bend[0] - along))
 
     def leads_along(self, lane: Lane) -> bool:
-        """Whether a way leads through a lane."""
+        """Whether this way leads through `lane`."""
         along, left = self.line.along_across(lane.line.spaced(5)[1:-1])
         return bool((np.abs(left) < lane.width / 4).all() and (np.diff(along) > 0.0).all())
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Junction:
-    """Where lanes meet: `lanes` are the ids of those that lead through it, its turns."""
+    """A meeting of lanes: `lanes` are the ids of those that lead through it, its turns."""
 
     id: str
     lanes: tuple[str, ...]
@@ -81,7 +81,7 @@ class Junction:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Crossing:
-    """Where people cross a road: a rectangle around `place`, with its extents [m] in that frame."""
+    """A crossing for people: a rectangle around `place`, with its extents [m] in that frame."""
 
     id: str
     place: Place
@@ -90,7 +90,7 @@ class Crossing:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Signal:
-    """A light or a sign at `place` (x, y [m], yaw) that those in `lanes` obey: who has to waits there."""
+    """A light or a sign at `place` (x, y [m], yaw) that traffic in `lanes` obeys, and waits at."""
 
     id: str
     place: Place
@@ -100,7 +100,7 @@ class Signal:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Pavement:
-    """A paved rectangle around `place`, of a length and width [m], with the label "road" or "sidewalk"."""
+    """A paved rectangle around `place`, with its length and width [m] and the label "road" or "sidewalk"."""
 
     place: Place
     size: tuple[float, float]

@@ -1,7 +1,7 @@
 """The layout: semantic shapes in metres, and its JSON.
 
-Frame: right-handed, x forward, y left, z up; the road under the ego vehicle is z = 0, the ego stands at the origin and
-looks along +x. Every shape is a unit shape scaled by `size`, turned by `yaw` about z and moved to `center`.
+Frame: right-handed, x forward, y left, z up. The road under the ego vehicle is z = 0; the ego is at the origin and
+faces +x. Every shape is a unit shape scaled by `size`, turned by `yaw` about z and moved to `center`.
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ from lidardraft.semantics import BY_NAME
 SCHEMA = "lidardraft.layout/2"
 SHAPES = ("box", "ellipsoid", "cylinder", "plane", "mesh")
 _INSTANCE_LIMIT = 2**16 - 1  # a SemanticKITTI label file holds 16 bits of instance
-AROUND = "around/"  # what the ids of surroundings begin with (`surround`)
+AROUND = "around/"  # the prefix of ids of surroundings (`surround`)
 MORE = ("material", "extinction", "open")  # fields that few primitives have
 _HEAD = ("provenance", "coverage", "roads", "intent", "notes")
-MOST_PRIMITIVES = 100_000  # which are read in a second or two
+MOST_PRIMITIVES = 100_000  # read in a second or two
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
@@ -60,8 +60,8 @@ class Primitive:
     stuff and the number of the object, shared by its parts, for things. `material` refines the class's surface (a name
     of `scene.materials`); None is the class's own. `mesh` holds the vertices of shape "mesh" within the unit box.
 
-    `extinction` [1/m] makes it a medium, as a crown is: a ray travels 1 / extinction in it on average before it
-    returns, or leaves it on the other side (Beer and Lambert's law); a large one is nearly solid, None is solid. A
+    `extinction` [1/m] makes it a medium, such as a crown. A ray travels 1 / extinction in it on average before it
+    returns, or leaves it on the other side (law of Beer and Lambert). A large value is nearly solid, None is solid. A
     plane, or a mesh that is not closed, has no inside and cannot be a medium.
 
     An `open` shape fills space that the source leaves open, such as the lawn around a sentence's road: a completed scan
@@ -133,7 +133,7 @@ class Primitive:
 
     @classmethod
     def unchecked(cls, **values: Any) -> Primitive:
-        """A primitive of values that are known to be valid; it is made six times as fast without the checks."""
+        """A primitive of values known to be valid, made six times as fast without the checks."""
         primitive = object.__new__(cls)
         for name, value in (_DEFAULTS | values).items():
             object.__setattr__(primitive, name, value)
@@ -143,7 +143,7 @@ class Primitive:
     def from_mesh(cls, vertices: np.ndarray, faces: np.ndarray, *, label: str, id: str, **fields: Any) -> Primitive:
         """A mesh primitive from vertices [V, 3] in metres in the layout's frame; `center` and `size` are its bounds.
 
-        Vertices that no face uses are left out.
+        Vertices without a face are left out.
         """
         mesh = TriangleMesh(vertices, faces)
         used = np.bincount(mesh.faces.ravel(), minlength=len(mesh.vertices)) > 0
@@ -163,7 +163,7 @@ class Primitive:
         )
 
     def to_dict(self) -> dict[str, Any]:
-        """The primitive as JSON types; what has a default only where it differs."""
+        """The primitive as JSON types; optional fields only if they differ from their defaults."""
         required = ("shape", "center", "size", "yaw", "label", "id", "instance")
         fields: dict[str, Any] = {name: getattr(self, name) for name in required}
         fields |= {"center": list(self.center), "size": list(self.size)}
@@ -173,12 +173,13 @@ class Primitive:
         return fields
 
     def more(self) -> dict[str, Any]:
-        """Those of `MORE` that it has."""
+        """The fields of `MORE` that it has."""
         return {name: value for name in MORE if (value := getattr(self, name))}
 
     @classmethod
     def from_dict(cls, fields: Mapping[str, Any]) -> Primitive:
-        """The inverse of `to_dict`; raises `FormatError` where a field is missing or unknown, else `LayoutError`."""
+        """The inverse of `to_dict`; raises `FormatError` for a missing or unknown field, `LayoutError` for an invalid
+        one."""
         fields = dict(fields)
         with named(str(fields.get("id", "a primitive"))):
             required = ("shape", "center", "size", "label", "id")
@@ -196,10 +197,10 @@ _DEFAULTS = {row.name: row.default for row in fields(Primitive) if row.default i
 class Layout:
     """An ordered set of primitives with distinct ids.
 
-    `provenance` says where it came from (sentence, seed, source; JSON types only); nothing depends on it. `coverage` is
-    the part of the azimuth [rad] that the source saw, (from, to) counter-clockwise, or None for all of it. `roads` are
-    the roads, where they are known, and `intent` is what was asked for. `notes` say what of the input was not
-    understood, left out or assumed, and what cannot be seen: a line each. Raises `LayoutError` on invalid values.
+    `provenance` is its origin (sentence, seed, source; JSON types only); nothing depends on it. `coverage` is the part
+    of the azimuth [rad] that the source covers, (from, to) counter-clockwise, or None for all of it. `roads` are the
+    roads, if known; `intent` is the request. `notes`, a line each, say which input was not understood, left out or
+    assumed, and what a sensor cannot see. Raises `LayoutError` on invalid values.
     """
 
     primitives: tuple[Primitive, ...] = ()
@@ -246,14 +247,14 @@ class Layout:
         return any(one in (primitive.id, primitive) for primitive in self)
 
     def __getitem__(self, id: str) -> Primitive:
-        """The primitive of that id; raises `UnknownNameError`, a `KeyError`, where there is none."""
+        """The primitive with that id; raises `UnknownNameError`, a `KeyError`, if there is none."""
         for primitive in self.primitives:
             if primitive.id == id:
                 return primitive
         raise self.unknown(id)
 
     def unknown(self, pattern: str) -> UnknownNameError:
-        """The error for an id or pattern that no primitive has."""
+        """The error for an id or pattern without a primitive."""
         names = list(dict.fromkeys(map(object_of, self)))
         parts = [primitive.id for primitive in self if object_of(primitive) == pattern]
         near = "" if parts else did_you_mean([*names, *(primitive.id for primitive in self)], pattern)
@@ -262,7 +263,7 @@ class Layout:
         return UnknownNameError(f"no primitive has the id {pattern!r}{known}")
 
     def noted(self, *lines: str) -> Layout:
-        """The layout with those more notes that it does not have yet."""
+        """The layout with those of the lines that are not among its notes yet."""
         more = tuple(line for line in lines if line not in self.notes)
         return replace(self, notes=self.notes + more) if more else self
 
@@ -280,14 +281,14 @@ class Layout:
         return json.dumps(self.head(), allow_nan=False)[:-1] + ', "primitives": [\n  ' + rows + "\n]}\n"
 
     def head(self) -> dict[str, Any]:
-        """All but the primitives, as JSON types: with these it travels in models and scripts."""
+        """All but the primitives, as JSON types; models and scripts carry it beside their shapes."""
         more = {"roads": self.roads and self.roads.to_dict(), "intent": self.intent.to_dict(), "notes": [*self.notes]}
         known = {name: value for name, value in more.items() if value}
         return {"schema": SCHEMA, "provenance": self.provenance, "coverage": self.coverage, **known}
 
     @classmethod
     def from_json(cls, text: str) -> Layout:
-        """Raises `FormatError` where the text is not the JSON of a layout, `LayoutError` on an invalid value."""
+        """Raises `FormatError` if the text is not the JSON of a layout, `LayoutError` on an invalid value."""
         head = parse_document(text, SCHEMA, ("primitives",), _HEAD, older=(SCHEMA_1,))
         rows = head.pop("primitives")
         if not isinstance(rows, list):
@@ -297,7 +298,7 @@ class Layout:
 
     @classmethod
     def with_head(cls, primitives: Iterable[Primitive], head: Mapping[str, Any]) -> Layout:
-        """The layout of primitives and what `head` gave, also in an earlier version of lidardraft."""
+        """The layout of primitives and a `head`, which an earlier version of lidardraft may have written."""
         check_schema(head.get("schema", SCHEMA_1), SCHEMA, (SCHEMA_1,))
         check_fields(head, (), ("schema", *_HEAD))
         fields = {name: head[name] for name in _HEAD if name in head}
@@ -310,7 +311,7 @@ class Layout:
         return cls(tuple(primitives), **fields)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the JSON of `to_json`; raises `FormatError` where it is more than `load` reads."""
+        """Write the JSON of `to_json`; raises `FormatError` if it is larger than `load` accepts."""
         meshes = [primitive.mesh for primitive in self.primitives if primitive.mesh is not None]
         with named(path):
             check_lists(sum(len(mesh.vertices) + len(mesh.faces) for mesh in meshes))  # before they become text
@@ -320,14 +321,14 @@ class Layout:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Layout:
-        """As `from_json`, of a file; the errors name it."""
+        """The layout in a JSON file, as in `from_json`; errors name the file."""
         text = read_text(path)
         with named(path):
             return cls.from_json(text)
 
 
 def object_of(primitive: Primitive) -> str:
-    """The name of the object that a primitive is a part of: its id up to the first dot."""
+    """The name of the object of a primitive: its id up to the first dot."""
     return primitive.id.split(".", 1)[0]
 
 
@@ -357,7 +358,7 @@ def corners_around(parts: Sequence[Primitive], yaw: float) -> tuple[list[float],
 
 
 def primitive_mesh(primitive: Primitive) -> TriangleMesh:
-    """The primitive as triangles in the layout's frame; round shapes as polyhedra whose vertices lie on the surface."""
+    """The primitive as triangles in the layout's frame; the vertices of round shapes lie on the surface."""
     unit = primitive.mesh if primitive.mesh is not None else unit_mesh(primitive.shape)
     vertices = unit.vertices * primitive.size
     cos, sin = np.cos(primitive.yaw), np.sin(primitive.yaw)

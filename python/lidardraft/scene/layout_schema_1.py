@@ -1,5 +1,5 @@
-"""Layouts of the schema "lidardraft.layout/1": what a later one has fields for was in the provenance. No other code
-reads a provenance for its meaning."""
+"""Layouts of the schema "lidardraft.layout/1", whose provenance holds what later schemas have fields for. No other
+code gives meaning to a provenance."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from lidardraft.scene.road_network import RoadNetwork
 from lidardraft.scene.street import StreetFrame
 
 SCHEMA_1 = "lidardraft.layout/1"
-_CLUSTERINGS = ("cloud", "point cloud")  # sources whose boxes know no front from back
+_CLUSTERINGS = ("cloud", "point cloud")  # sources whose boxes do not tell front from back
 
 
 def converted(provenance: dict[str, Any]) -> dict[str, Any]:
-    """The roads, the intent and the notes of a layout, by the names of its fields; raises `LidarDraftError` where they
-    are not as lidardraft wrote them."""
+    """The roads, the intent and the notes of a layout, by the names of its fields; raises `LidarDraftError` if they are
+    not as lidardraft writes them."""
     with named("provenance"), expecting("what lidardraft writes"):
         return {"roads": _roads(provenance), "intent": _intent(provenance), "notes": tuple(_notes(provenance))}
 
@@ -56,6 +56,6 @@ def _notes(provenance: dict[str, Any]) -> Iterator[str]:
 
 
 def _lines(provenance: dict[str, Any], name: str) -> list[str]:
-    """The lines of that name; none where others wrote something else there."""
+    """The lines of that name; an empty list if it holds no list."""
     lines = provenance.get(name)
     return list(map(str, lines)) if isinstance(lines, list | tuple) else []

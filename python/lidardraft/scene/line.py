@@ -1,4 +1,4 @@
-"""The line that a road, a lane or a drawn strip is measured from: along it, and to its left."""
+"""A line that places on a road, a lane or a drawn strip are measured from: along it, and to its left."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ from lidardraft.scene.pose import finite_array, rotation
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Line:
-    """A line through `middle` f64 [S, 2], S of 2 or more: straight between its points [m].
+    """A polyline through `middle` f64 [S, 2] [m], with S of 2 or more.
 
     `normals` f64 [S, 2] point to its left, `along` f64 [S] are the distances [m] of the points from the first.
-    `heights` f64 [S] [m] are those of the surface on the line, `camber` f64 [S] is its slope to the left.
+    `heights` f64 [S] [m] are those of the surface on the line, `camber` f64 [S] is the slope of the surface to the
+    left.
     """
 
     middle: np.ndarray
@@ -29,7 +30,7 @@ class Line:
 
     @classmethod
     def through(cls, points: Any, camber: Any = None) -> Line:
-        """That through points [S, 2 or 3], level where they have no heights; raises `LayoutError` where it is none."""
+        """The line through points [S, 2 or 3], level if they are 2D; raises `LayoutError` if they do not form one."""
         points = finite_array("points", points, "S", "2 or 3")
         if len(points) < 2 or points.shape[1] not in (2, 3):
             raise LayoutError(f"points has shape {points.shape}; it must be [S, 2] or [S, 3], with S of 2 or more")
@@ -59,17 +60,18 @@ class Line:
 
     @property
     def length(self) -> float:
-        """In plan [m]."""
+        """The length in plan [m]."""
         return float(self.along[-1])
 
     def at(self, along: Any, across: Any = 0.0) -> np.ndarray:
-        """x, y [..., 2] of places along and across [m], numbers or arrays that have one shape."""
+        """x, y [..., 2] of places along and across [m], numbers or arrays of one shape."""
         place = [np.interp(along, self.along, self.middle[:, k]) for k in (0, 1)]
         normal = [np.interp(along, self.along, self.normals[:, k]) for k in (0, 1)]
         return np.stack([p + across * n for p, n in zip(place, normal, strict=True)], axis=-1)
 
     def along_across(self, points: np.ndarray, *, beyond: bool = True) -> tuple[np.ndarray, np.ndarray]:
-        """Along and across [N] of points [N, 2]; also before its begin and `beyond` its end, as if it went on there."""
+        """Along and across [N] [m] of points [N, 2]; the line goes on before its start and, with `beyond`, past its
+        end."""
         lengths = np.diff(self.along)
         ahead, left = (np.diff(self.middle, axis=0) / lengths[:, None]).T
         x, y = (points[:, None, k] - self.middle[None, :-1, k] for k in (0, 1))
@@ -84,7 +86,7 @@ class Line:
         return self.along[best] + clipped[row, best], across[row, best]
 
     def nearest(self, x: float, y: float) -> tuple[float, float]:
-        """The point of a straight line nearest to x, y [m], or the nearest of the points of a bent one."""
+        """The point nearest to x, y [m]: of the line if it is straight, else one of its vertices."""
         if len(self.middle) == 2:
             (a, b), (c, d) = self.middle.tolist()
             length = self.length
@@ -94,7 +96,7 @@ class Line:
         return float(self.middle[nearest, 0]), float(self.middle[nearest, 1])
 
     def heading(self, along: Any) -> Any:
-        """The direction [rad] at places along it, a number or an array."""
+        """The direction [rad] at places along the line, a number or an array."""
         x, y = (np.interp(along, self.along, self.normals[:, k]) for k in (0, 1))
         return np.arctan2(-x, y)
 
@@ -103,7 +105,7 @@ class Line:
         return np.interp(along, self.along, self.heights) + across * np.interp(along, self.along, self.camber)
 
     def normal(self, along: float) -> np.ndarray:
-        """The direction [3] straight up from the surface there, of length 1."""
+        """The unit normal [3] of the surface at a place along the line, upwards."""
         k = int(np.clip(np.searchsorted(self.along, along, side="right") - 1, 0, len(self.along) - 2))
         grade = (self.heights[k + 1] - self.heights[k]) / (self.along[k + 1] - self.along[k])
         a, b = (float(np.interp(along, self.along, self.normals[:, j])) for j in (0, 1))
@@ -112,11 +114,11 @@ class Line:
         return normal / np.linalg.norm(normal)
 
     def spaced(self, count: int) -> np.ndarray:
-        """`count` points f64 [count, 2] of it, from end to end."""
+        """`count` evenly spaced points f64 [count, 2], from end to end."""
         return self.at(np.linspace(0.0, self.length, count))
 
     def moved(self, place: tuple[float, float, float]) -> Line:
-        """The line of a frame that stands at a place, as those around see it."""
+        """The line of a frame that is at `place`, in the frame around it."""
         x, y, yaw = place
         turn = rotation(yaw)
         return Line(self.middle @ turn + (x, y), self.normals @ turn, self.along, self.heights, self.camber)

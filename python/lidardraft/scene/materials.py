@@ -1,33 +1,33 @@
-"""Surfaces: how much of a 905 nm pulse comes back, and where to.
+"""Surfaces: how much of a 905 nm pulse comes back, and in which direction.
 
-Sources of `MATERIALS`, by column; where several are named the value is typical of them, not any one sample's:
+Sources of `MATERIALS`, by column; a value with several sources is typical of them, not of one sample:
 
 - `reflectance`: the ECOSTRESS spectral library (Meerdink et al., Remote Sensing of Environment 230, 2019) at 0.9 um for
   mineral, wooden, metal and vegetable surfaces, soil and asphalt; NIST's skin reference (Cooksey and Allen, SPIE 8734,
   2013) for skin; dyed cloth is bright in the near infrared whatever its colour. Car paint and rubber are
-  such that the medians and quartiles of the Pandar64 in PandaSet come out (docs/explanation/sensor-model.md). Dark
-  paint is a gloss black under a clear coat: two dark cars beside Ouster's OS1-128 send back whole sides at 10 m, and
-  0.010 to 0.015 give the quartiles of PandaSet's cars. Road paint is worn or full of glass beads, all of a street
-  alike: the brightest hundredth of recorded roads reads 2 to 13 times their median.
+  such that the medians and quartiles of the Pandar64 in PandaSet come out, see docs/explanation/sensor-model.md. Dark
+  paint is a gloss black under a clear coat: two dark cars beside Ouster's OS1-128 return whole sides at 10 m, and 0.010 to
+  0.015 give the quartiles of PandaSet's cars. Road paint is worn or full of glass beads, all of a street alike: the
+  brightest hundredth of recorded roads reads 2 to 13 times their median.
 - `roughness`: Oren and Nayar's slope spread [rad]; 0.35 of walls and 1 of asphalt are fitted to the fall of PandaSet's
   intensities with incidence, the others lie between by analogy.
 - `specular`, `rms_slope`: Fresnel reflectance at normal incidence (0.04 for an index of 1.5, clear coats and glass; 0.6
   for chromium) and root mean square slope of the facets, as in the laser radar cross-sections of Steinvall (Applied
   Optics 39, 2000). Metallic paint (mid-paint) is a lobe of flakes, fitted to PandaSet's cars; other slopes are
-  our estimates.
-- `transmission`: float glass of 4 to 6 mm at 905 nm, two-way for what is seen behind; solar control coatings take more.
+  estimates.
+- `transmission`: float glass of 4 to 6 mm at 905 nm, two-way for objects behind it; solar control coatings take more.
   Car glass absorbs heat: of visible light at least 0.70 passes (UN regulation 43), at 905 nm less; 0.32 for it and 0.45
   for windows, with tints that differ from pane to pane, are such that they read as dark as PandaSet's do.
 - `retroreflection`: the coefficients of EN 12899-1 (class RA2, white, 0.2 and 5 degrees: 250 cd/lx/m2); a white surface
   that faces the sensor has 1 / pi of these units.
 - `rms_height`: of grass from the rows of terrain in PandaSet within 15 m, whose returns lie 4 mm off the line between
-  their neighbours in height (5 mm root mean square) and 38 mm in range (8 to 17 mm); of bark, gravel and soil our
+  their neighbours in height (5 mm root mean square) and 38 mm in range (8 to 17 mm); of bark, gravel and soil
   estimates.
-- `variation`, `grain`: the spread between objects of one material (dirt, age, colour), our estimate, and within one
-  from firing to firing, beside what the sensor adds (`speckle`): such that neighbouring readings of PandaSet
+- `variation`, `grain`: the spread between objects of one material (dirt, age, colour), an estimate, and within one
+  from firing to firing, in addition to the sensor's (`speckle`): such that neighbouring readings of PandaSet
   (roads, sidewalks, walls, leaves) and of ika's VLP-32C differ as recorded, see docs/explanation/sensor-model.md.
 - `texture`: the share of `SensorModel.texture`, which is fitted to asphalt: of walls a half, such that as few of their
-  readings are over 2.5 medians as recorded; of what is made in one piece, paint, glass or cloth, none.
+  readings are over 2.5 medians as recorded; of seamless surfaces, paint, glass or cloth, none.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ import numpy as np
 from lidardraft.semantics import CLASSES
 
 _COAT = 0.04  # Fresnel reflectance of a dielectric of index 1.5 at normal incidence
-# A leaf that is met is met with a density of its projected area: the mean cosine of a spherical distribution of leaf
+# A ray meets a leaf with a density of its projected area: the mean cosine of a spherical distribution of leaf
 # angles (G = 1/2; Ross, The radiation regime and architecture of plant stands, 1981) is then 2/3.
 _LEAF = 2.0 / 3.0
 # Entrance angles of EN 12899-1: RA2 has 250, 150 and 110 cd/lx/m2 at 5, 30 and 40 degrees.
@@ -49,13 +49,13 @@ _RETRO_FALL = 3.3
 
 @dataclass(frozen=True, slots=True)
 class Material:
-    """Shares of the light of 905 nm; see the module for units and sources.
+    """Shares of light at 905 nm; see the module for units and sources.
 
     `reflectance` is the diffuse share, `specular` that of a mirror whose facets have slopes of `rms_slope` (root mean
-    square), `transmission` what passes through once, `retroreflection` the peak of what is sent back to its source over
-    that of a white surface. `variation` is the relative spread of the whole between objects, `grain` that from pixel to
-    pixel of one object, `texture` the share that it has of the world's texture; `rms_height` [m] is the standard
-    deviation of the heights of its surface from return to return.
+    square). `transmission` is the share that passes through once. `retroreflection` is the peak of the light returned
+    to its source over that of a white surface. `variation` is the relative spread of the whole between objects, `grain`
+    that from pixel to pixel of one object. `texture` is its share of the world's texture; `rms_height` [m] is the
+    standard deviation of the heights of its surface from return to return.
     """
 
     name: str
@@ -130,15 +130,15 @@ _BY_CLASS = {
     "other": "plaster",
 }
 
-# The material of a class where a primitive names none, by class id.
+# The material of a class for primitives without one, by class id.
 CLASS_MATERIALS: tuple[Material, ...] = tuple(MATERIAL_BY_NAME[_BY_CLASS[row.name]] for row in CLASSES)
 
 
 def diffuse_response(material: Material, cosine: np.ndarray) -> np.ndarray:
-    """The diffuse light that comes back where it came from, over that of a white surface that faces the sensor.
+    """The diffuse light returned to its source, relative to a white surface that faces the sensor.
 
     Oren and Nayar (SIGGRAPH 1994) with light and eye in one place: rough surfaces lose less at grazing incidence than
-    Lambert's cosine says. Under a clear coat it is what Fresnel (after Schlick, 1994) lets in and out again.
+    Lambert's cosine says. A clear coat transmits by Fresnel (after Schlick, 1994) on the way in and out.
     """
     variance = material.roughness**2
     a, b = 1.0 - 0.5 * variance / (variance + 0.33), 0.45 * variance / (variance + 0.09)
@@ -147,7 +147,7 @@ def diffuse_response(material: Material, cosine: np.ndarray) -> np.ndarray:
 
 
 def specular_response(material: Material, cosine: np.ndarray) -> np.ndarray:
-    """What the facets that face the sensor mirror back: Beckmann's distribution of slopes."""
+    """The light that facets facing the sensor mirror back: Beckmann's distribution of slopes."""
     if not material.specular:
         return np.zeros_like(cosine)
     cosine = np.maximum(cosine, 1e-3)
@@ -156,20 +156,20 @@ def specular_response(material: Material, cosine: np.ndarray) -> np.ndarray:
 
 
 def retro_response(material: Material, cosine: np.ndarray) -> np.ndarray:
-    """What cube corners and glass beads send back, less the further they are turned away."""
+    """The light that cube corners and glass beads return, less the further they are turned away."""
     return material.retroreflection * cosine**_RETRO_FALL
 
 
 def response(material: Material, cosine: np.ndarray) -> np.ndarray:
-    """All that comes back at incidences of these cosines, over a white surface that faces the sensor."""
+    """All returned light at incidences of these cosines, relative to a white surface that faces the sensor."""
     return diffuse_response(material, cosine) + specular_response(material, cosine) + retro_response(material, cosine)
 
 
 def leaf_response(material: Material) -> float:
-    """What comes back from a medium of small surfaces that face every way alike."""
+    """The light returned by a medium of small surfaces in all directions alike."""
     return _LEAF * material.reflectance
 
 
 def fresnel(cosine: np.ndarray) -> np.ndarray:
-    """The share that a coat of index 1.5 mirrors away."""
+    """The share that a coat of index 1.5 mirrors away, by the cosine of incidence."""
     return _COAT + (1.0 - _COAT) * (1.0 - cosine) ** 5

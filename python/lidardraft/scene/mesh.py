@@ -1,4 +1,4 @@
-"""Triangle meshes, and the shapes of a layout as such: for preview, export and reference. No rays here."""
+"""Triangle meshes, and the shapes of a layout as meshes: for preview, export and reference. No rays here."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from lidardraft import _core
 from lidardraft.errors import LayoutError
 from lidardraft.files import regular_size
 
-_TURNED = 1e-9  # of a polygon's area, by which rounding may turn a triangle around
-_JITTER = 1e-11  # of its extent, by which the corners of a polygon are off their lines when it is cut
-_LINE = 1e-12  # m2 of a triangle, per square metre of the mesh's extent, below which it is only a line
+_TURNED = 1e-9  # of a polygon's area: rounding may turn a smaller triangle around
+_JITTER = 1e-11  # of its extent: the corners of a polygon are off their lines by this when it is cut
+_LINE = 1e-12  # m2 of a triangle, per square metre of the mesh's extent; a smaller one is only a line
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -62,7 +62,7 @@ class TriangleMesh:
 
     @classmethod
     def unchecked(cls, vertices: np.ndarray, faces: np.ndarray) -> TriangleMesh:
-        """A mesh of contiguous arrays of its types that are known to be right, for meshes by the ten thousand."""
+        """A mesh of contiguous arrays of the right types, known to be valid, for meshes by the ten thousand."""
         mesh = object.__new__(cls)
         vertices.flags.writeable = faces.flags.writeable = False
         object.__setattr__(mesh, "vertices", vertices)
@@ -79,10 +79,10 @@ class TriangleMesh:
 
 
 def unit_vertices(vertices: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Middle [3] and extents [3] of vertices [V, 3], and the vertices where the box around them is the unit box."""
+    """Middle [3] and extents [3] of vertices [V, 3], and the vertices scaled so that their box is the unit box."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle, extent = (low + high) / 2, high - low
-    # Clipped by rounding alone: in a mesh that is flat along an axis the extent is as small as the rounding.
+    # Clipped for rounding alone: in a mesh that is flat along an axis the extent is as small as the rounding.
     return middle, extent, np.clip((vertices - middle) / np.where(extent > 0, extent, 1.0), -0.5, 0.5)
 
 
@@ -100,7 +100,7 @@ def has_surface(vertices: np.ndarray, faces: np.ndarray) -> bool:
 def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
     """Object name, material name and mesh of each object of a Wavefront OBJ file, in the file's own frame and unit.
 
-    Raises `FormatError` where the file is missing, broken or empty.
+    Raises `FormatError` if the file is missing, broken or empty.
     """
     regular_size(path)
     return [
@@ -109,16 +109,16 @@ def read_obj(path: str | PathLike[str]) -> list[tuple[str, str, TriangleMesh]]:
     ]
 
 
-@np.errstate(all="ignore")  # of places too far away, which are refused elsewhere
+@np.errstate(all="ignore")  # of coordinates too large, which are refused elsewhere
 def triangles_of(
     vertices: np.ndarray, corners: np.ndarray, counts: np.ndarray, *, tick: Callable[[], object] = lambda: None
 ) -> np.ndarray:
-    """The triangles int64 [F, 3] of polygons among vertices float64 [V, 3], each of so many of the `corners` as
-    `counts` says, 3 or more. N corners become N - 2 triangles; where corners are on a line, some are lines.
+    """The triangles int64 [F, 3] of polygons among vertices float64 [V, 3]. `counts`, each 3 or more, are the numbers
+    of `corners` of the polygons. N corners become N - 2 triangles; some are lines if corners are collinear.
 
-    A fan around the first corner covers a polygon once, unless it crosses itself, where all of the fan turns as the
-    polygon does, by areas along its normal (Newell's). Other polygons, which are concave, are cut into ears; for each
-    of them `tick` is called, which may raise.
+    A fan around the first corner covers a polygon once if the whole fan turns as the polygon does, by areas along its
+    normal (Newell's), and if the polygon does not cross itself. Other polygons, the concave ones, are cut into ears.
+    `tick` is called for each of those, and may raise.
     """
     corners, counts = corners.astype(np.int64), counts.astype(np.int64)
     first = np.repeat(np.cumsum(counts) - counts, counts - 2)
@@ -141,12 +141,12 @@ def triangles_of(
 
 def _ears(polygon: np.ndarray, normal: np.ndarray) -> np.ndarray:
     """The triangles [N - 2, 3] of the corners [N, 3] of a polygon around a normal [3]."""
-    from mapbox_earcut import triangulate_float64  # which few models need
+    from mapbox_earcut import triangulate_float64  # few models need it
 
     across = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
     flat = (polygon - polygon[0]) @ np.stack([across, np.cross(normal, across)], axis=1)
     flat /= np.abs(flat).max()
-    # What is exactly on a line would be left out, and with it edges that other faces have.
+    # earcut would leave out corners exactly on a line, and with them edges that other faces have.
     flat += _JITTER * np.sin(flat[:, ::-1] / _JITTER**0.5)
     found = triangulate_float64(flat, np.array([len(flat)], dtype=np.uint32)).reshape(-1, 3)
     triangles = np.zeros((len(flat) - 2, 3), dtype=np.int64)  # those without extent are passed over
@@ -155,7 +155,8 @@ def _ears(polygon: np.ndarray, normal: np.ndarray) -> np.ndarray:
 
 
 def unit_mesh(shape: str) -> TriangleMesh:
-    """The triangles of a box, plane, cylinder or ellipsoid within the unit box; vertices of round ones lie on them."""
+    """The triangles of a box, plane, cylinder or ellipsoid in the unit box; vertices of round shapes are on the
+    surface."""
     return _UNIT_MESHES[shape]
 
 

@@ -1,4 +1,4 @@
-"""A mesh with its place becomes a primitive: a box, ellipsoid, cylinder or plane, where it is an upright one."""
+"""A mesh with its pose becomes a primitive: a box, ellipsoid, cylinder or plane if it is an upright one."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from lidardraft.scene.box import FURTHEST, THINNEST
 from lidardraft.scene.layout import Primitive
 from lidardraft.scene.mesh import TriangleMesh, has_surface, unit_vertices
 
-_LEAN = 1e-6  # the sine of the angle by which a shape may lean, or its axes miss the right angle, and be upright
-_OFF = 1e-4  # of its extents, by which vertices may miss a shape: files hold them in float32
-MOST_RECOGNISED = 10_000  # vertices of a mesh that may be a simple shape
-_ROUND_VERTICES = 20  # that a sphere or a cylinder has at least
-_ROUND_VOLUME = 0.85  # of the round shape, that a polyhedron within it has at least
+_LEAN = 1e-6  # the sine of the angle by which an upright shape may lean, or its axes miss the right angle
+_OFF = 1e-4  # of its extents: how far vertices may be off a shape, as files hold them in float32
+MOST_RECOGNISED = 10_000  # vertices of a mesh that is compared with simple shapes
+_ROUND_VERTICES = 20  # the least vertices of a sphere or a cylinder
+_ROUND_VOLUME = 0.85  # of the round shape: the least volume of a polyhedron in its place
 
 
 def placed_mesh(
@@ -24,8 +24,8 @@ def placed_mesh(
 ) -> Primitive | None:
     """The primitive of vertices [V, 3] and triangles [F, 3] under the map `matrix` [4, 4]; None if it has no surface.
 
-    `shape` is theirs where it is known; else it is recognised. `fields` are those of a primitive: label, id and so on.
-    Raises `LayoutError` where a coordinate or an extent exceeds `FURTHEST`.
+    `shape` is the shape, if known; else it is recognised. `fields` are those of a primitive: label, id and so on.
+    Raises `LayoutError` if a coordinate or an extent exceeds `FURTHEST`.
     """
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     middle, extent = (low + high) / 2, high - low
@@ -54,7 +54,7 @@ def in_unit_box(
 ) -> Primitive | None:
     """The mesh primitive of a `size` [3] whose vertices fill the box from `low` to `high`; None without a surface.
 
-    `size` holds for an axis along which all vertices are equal, where it is left out.
+    If all vertices are equal along an axis, the size along it becomes 0.
     """
     extent = high - low
     size = np.where(extent > 0, size, 0.0)
@@ -65,14 +65,14 @@ def in_unit_box(
 
 
 def recognised_shape(vertices: np.ndarray, faces: np.ndarray) -> str:
-    """The shape that vertices [V, 3] and triangles [F, 3] are but for place and size; large meshes are none."""
+    """The shape of vertices [V, 3] and triangles [F, 3] in any pose and size; "mesh" if there are too many vertices."""
     if len(vertices) > MOST_RECOGNISED:
         return "mesh"
     return shape_of(unit_vertices(vertices)[2], faces)
 
 
 def shape_of(unit: np.ndarray, faces: np.ndarray) -> str:
-    """The shape that vertices [V, 3], of which the outermost are at 1/2 on each axis, and triangles [F, 3] are."""
+    """The shape of triangles [F, 3] of vertices [V, 3], the outermost of which are at 1/2 on each axis."""
     radius = np.hypot(unit[:, 0], unit[:, 1])
     a, b, c = unit[faces].transpose(1, 0, 2)
     (ux, uy, uz), (vx, vy, vz) = (b - a).T, (c - a).T
@@ -92,10 +92,10 @@ def shape_of(unit: np.ndarray, faces: np.ndarray) -> str:
 
 
 def size_and_yaw(linear: np.ndarray, shape: str) -> tuple[list[float], float] | None:
-    """Full extents and yaw of a unit `shape` under a linear map [3, 3]; None where what results leans or is sheared."""
+    """Full extents and yaw of a unit `shape` under a linear map [3, 3]; None if the result leans or is sheared."""
     lengths = np.linalg.norm(linear, axis=0)
     small = _LEAN * lengths.max()
-    if shape == "ellipsoid":  # any map makes an ellipsoid of a ball
+    if shape == "ellipsoid":  # any map turns a ball into an ellipsoid
         squared = linear @ linear.T
         if abs(squared[2, :2]).max() > small * lengths.max():
             return None

@@ -23,7 +23,7 @@ def finite_array(name: str, values: Any, *shape: int | str) -> np.ndarray:
 
 
 def as_array(name: str, values: Any, *shape: int | str) -> np.ndarray:
-    """Like `finite_array`, for values that the core looks at."""
+    """Like `finite_array`, for values that the core checks."""
     try:
         array = np.ascontiguousarray(values, dtype=np.float64)
     except (TypeError, ValueError):
@@ -41,14 +41,14 @@ def _written(shape: tuple[int | str, ...]) -> str:
 
 
 def upright(center: tuple[float, float, float], yaw: float) -> np.ndarray:
-    """The pose [4, 4] of what stands at `center`, turned by `yaw` about z."""
+    """The pose [4, 4] of an upright object at `center`, turned by `yaw` [rad] about z."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     x, y, z = center
     return np.array([(cos, -sin, 0.0, x), (sin, cos, 0.0, y), (0.0, 0.0, 1.0, z), (0.0, 0.0, 0.0, 1.0)])
 
 
 def moved_by_column(poses: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Points [H, W, 3], of which each column is moved by its pose of [W, 4, 4]: f64 [H, W, 3]."""
+    """Points [H, W, 3] with each column moved by its pose of [W, 4, 4]: f64 [H, W, 3]."""
     x, y, z = points[..., 0], points[..., 1], points[..., 2]
     moved = np.empty_like(points)
     for axis, (a, b, c, offset) in enumerate(poses[:, :3].transpose(1, 2, 0)):
@@ -57,35 +57,36 @@ def moved_by_column(poses: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def rotation(yaw: float) -> np.ndarray:
-    """The matrix [2, 2] that takes points [..., 2] of what is turned by `yaw` to those around: points @ rotation."""
+    """The matrix [2, 2] that takes points [..., 2] from a frame turned by `yaw` to the frame around: points @
+    rotation."""
     cos, sin = math.cos(yaw), math.sin(yaw)
     return np.array([[cos, sin], [-sin, cos]])
 
 
-Place = tuple[float, float, float]  # x, y [m] and yaw [rad] of what stands upright
+Place = tuple[float, float, float]  # x, y [m] and yaw [rad] of an upright object
 _Metres = TypeVar("_Metres", float, np.ndarray)
 
 
 def point_at(place: Place, ahead: _Metres, left: _Metres) -> tuple[_Metres, _Metres]:
-    """x, y of the point `ahead` and `left` [m] of the middle of what stands at a place."""
+    """x, y of the point `ahead` and `left` [m] of the middle of an object at `place`."""
     x, y, yaw = place
     cos, sin = math.cos(yaw), math.sin(yaw)
     return x + cos * ahead - sin * left, y + sin * ahead + cos * left
 
 
 def in_frame(inner: Place, outer: Place) -> Place:
-    """A place in a frame as those around that see it, for whom the frame stands at `outer`."""
+    """A place in a frame that is at `outer`, as a place in the frame around it."""
     return *point_at(outer, *inner[:2]), outer[2] + inner[2]
 
 
 def place_around(place: Place) -> Place:
-    """The place of what is around a frame in that frame."""
+    """The place of the surrounding frame, in the frame that is at `place`."""
     x, y, yaw = place
     return *point_at((0.0, 0.0, -yaw), -x, -y), -yaw
 
 
 def in_upright_frame(points: np.ndarray, center: tuple[float, float, float], yaw: float) -> np.ndarray:
-    """Points [N, 3] as what stands at `center`, turned by `yaw` about z, has them: f64 [N, 3]."""
+    """Points [N, 3] in the frame of an object at `center`, turned by `yaw` about z: f64 [N, 3]."""
     pose = upright(center, yaw)
     local: np.ndarray = (points - pose[:3, 3]) @ pose[:3, :3]
     return local

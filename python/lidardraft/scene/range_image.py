@@ -1,4 +1,4 @@
-"""Range images, cast and generated alike: one scan, or a batch with one array for each image."""
+"""Range images, cast or generated: one scan, or a batch with one array for each image."""
 
 from __future__ import annotations
 
@@ -41,8 +41,8 @@ class RangeImage:
     sensor. No return is depth 0, label 0, instance 0, intensity 0, incidence 0, primitive -1, normal 0, and False in
     `valid`.
 
-    In an image taken with a pose for each column (rolling shutter), the sensor frame is that of each column: `points()`
-    are as skewed as those of a real sensor on the move.
+    In an image with a pose for each column (rolling shutter), the sensor frame is that of each column: `points()` are
+    as skewed as those of a real sensor on the move.
     """
 
     sensor: Sensor
@@ -59,7 +59,7 @@ class RangeImage:
 
     @classmethod
     def unchecked(cls, sensor: Sensor, **images: np.ndarray) -> RangeImage:
-        """The image of arrays that are known to fit `sensor`; checking every pixel would take longer than the scan."""
+        """The image of arrays known to fit `sensor`; to check every pixel would take longer than the scan."""
         image = object.__new__(cls)
         image.__dict__.update(images, sensor=sensor)
         return image
@@ -77,14 +77,14 @@ class RangeImage:
 
     @property
     def valid(self) -> np.ndarray:
-        """bool [H, W]: where there is a return."""
+        """bool [H, W]: True for each pixel with a return."""
         return self.depth > 0
 
     def points(self, poses: np.ndarray | None = None) -> np.ndarray:
         """The returns in the sensor frame, f32 [N, 3], row by row; `image.label[image.valid]` is in the same order.
 
-        With `poses`, the world_from_sensor [W, 4, 4] that each column was taken from, they come in the world frame,
-        f64 [N, 3], and what moved is the sensor, not the world. Raises `LayoutError` where these have another shape.
+        With `poses`, the world_from_sensor [W, 4, 4] of each column, the points are in the world frame, f64 [N, 3]; the
+        sensor moved, not the world. Raises `LayoutError` if `poses` has another shape.
         """
         points, returns = self.sensor.pattern.points(self.depth), np.flatnonzero(self.depth > 0)
         if poses is not None:
@@ -93,20 +93,20 @@ class RangeImage:
         return points.astype(np.float32) if poses is None else points
 
     def keep(self, where: np.ndarray) -> RangeImage:
-        """The image with returns only where the mask [H, W] is True."""
+        """The image with the returns for which the mask [H, W] is True."""
         kept = {name: image.copy() for name, image in images_of(self).items()}
         blank_pixels(kept, ~where)
         return RangeImage.unchecked(self.sensor, **kept)
 
     def times(self) -> np.ndarray:
-        """How long after the first column each return was taken, f32 [N], s, in the order of `points`."""
+        """The time [s] of each return after the first column, f32 [N], in the order of `points`."""
         times: np.ndarray = self.sensor.column_times().astype(np.float32)[np.nonzero(self.valid)[1]]
         return times
 
     def beams(self) -> np.ndarray:
         """The beam (ring) of each return, u16 [N], in the order of `points`; beam 0 is the highest, the image's row 0.
 
-        Other software often counts rings from the lowest beam: there this ring is H - 1 - ring.
+        Other software often counts rings from the lowest beam: its ring is H - 1 - ring.
         """
         return np.nonzero(self.valid)[0].astype(np.uint16)
 
@@ -120,7 +120,7 @@ class RangeImage:
         instance: np.ndarray | None = None,
         intensity: np.ndarray | None = None,
     ) -> RangeImage:
-        """The image of sensor-frame points [N, 3]; the nearest wins a pixel, points out of view are left out.
+        """The image of sensor-frame points [N, 3]. A pixel keeps its nearest point; points out of view are left out.
 
         The inverse of `points`. `label`, `instance` and `intensity` hold one value a point [N].
         """
@@ -130,7 +130,7 @@ class RangeImage:
         if not np.isfinite(points).all():
             raise LayoutError(f"point {np.flatnonzero(~np.isfinite(points).all(axis=1))[0]} is not finite")
         row, column, depth = sensor.pattern.project(points)
-        # Written from far to near: of several points in a pixel the last one written, the nearest, stays.
+        # Written from far to near: the nearest of several points in a pixel is written last and stays.
         order = np.argsort(-depth, kind="stable")
         order = order[row[order] >= 0]
         pixels = row[order], column[order]
@@ -159,14 +159,14 @@ class RangeImage:
         )
 
     def save(self, path: str | os.PathLike[str], **more: Any) -> None:
-        """Write sensor and images, and `more` arrays, to a .npz file."""
+        """Write sensor and images, and the arrays `more`, to a .npz file."""
         arrays: dict[str, Any] = {"sensor": np.array(self.sensor.to_json()), **images_of(self), **more}
         with written_whole(path) as temporary, temporary.open("wb") as file:
             np.savez_compressed(file, **arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> RangeImage:
-        """Raises `FormatError` where the file is not a range image, `SensorError` on an invalid value in an image."""
+        """Raises `FormatError` if the file is not a range image, `SensorError` on an invalid value in an image."""
         with array_files.opened(path) as archive:
             sensor = Sensor.from_json(array_files.read_text(archive, "sensor"))
             images = {
@@ -199,7 +199,7 @@ class RangeImageBatch:
 
     @classmethod
     def unchecked(cls, sensor: Sensor, **images: np.ndarray) -> RangeImageBatch:
-        """The batch of arrays that are known to fit `sensor`, as in `RangeImage.unchecked`."""
+        """The batch of arrays known to fit `sensor`, as in `RangeImage.unchecked`."""
         batch = object.__new__(cls)
         batch.__dict__.update(images, sensor=sensor)
         return batch
@@ -228,12 +228,12 @@ class RangeImageBatch:
 
 
 def images_of(scan: RangeImage | RangeImageBatch) -> dict[str, np.ndarray]:
-    """The images that there are, by name."""
+    """The images that are not None, by name."""
     return {name: image for name in IMAGES if (image := getattr(scan, name, None)) is not None}
 
 
 def _check_images(scan: RangeImage | RangeImageBatch, count: tuple[int, ...] = ()) -> None:
-    """Raises `SensorError` where images [*count, H, W] do not fit the sensor or hold impossible values."""
+    """Raises `SensorError` if images [*count, H, W] do not fit the sensor or hold invalid values."""
     for name, image in images_of(scan).items():
         shape = (*count, *_shape(scan.sensor, name))
         if image.shape != shape or image.dtype != IMAGES[name]:
@@ -249,15 +249,15 @@ def _shape(sensor: Sensor, name: str) -> tuple[int, ...]:
     return (*sensor.shape, 3) if name == "normal" else sensor.shape
 
 
-# The core writes as much at once: a line of the processor's cache, and no more than one if images begin with one.
+# The core writes a cache line at once; images aligned to one need no second line.
 _LINE = 64  # bytes
 
 
 def new_images(shape: tuple[int, ...], primitive: bool, incidence: bool, normal: bool) -> dict[str, np.ndarray]:
-    """What a scan writes, not yet written: depth, label, instance and those asked for, each [*shape]."""
+    """Uninitialised buffers of a scan: depth, label, instance and the requested optional images, each [*shape]."""
     pixels = math.prod(shape)
-    # One block of memory for all: the allocator hands out one block of this size again and again, and gives several
-    # back to the system, which takes longer to make new pages of zeros than the core to scan.
+    # One block of memory for all: the allocator reuses one block of this size again and again, but returns several to
+    # the system, which then takes longer to make new pages of zeros than the core takes to scan.
     block = np.empty(pixels * (9 + 4 * primitive + 4 * incidence + 12 * normal) + _LINE, np.uint8)
     images, start = {}, -block.__array_interface__["data"][0] % _LINE
     optional = [n for n, wanted in (("primitive", primitive), ("incidence", incidence), ("normal", normal)) if wanted]
@@ -268,7 +268,7 @@ def new_images(shape: tuple[int, ...], primitive: bool, incidence: bool, normal:
 
 
 def blank_images(shape: tuple[int, ...], primitive: bool, incidence: bool, normal: bool) -> dict[str, np.ndarray]:
-    """Those of `new_images`, without a return anywhere."""
+    """The images of `new_images`, all pixels without a return."""
     images = new_images(shape, primitive, incidence, normal)
     for name, image in images.items():
         image.fill(-1 if name == "primitive" else 0)
@@ -276,7 +276,7 @@ def blank_images(shape: tuple[int, ...], primitive: bool, incidence: bool, norma
 
 
 def blank_pixels(images: Mapping[str, np.ndarray], pixels: np.ndarray) -> None:
-    """Write no return into `images` [..., H, W] and [..., H, W, 3] where `pixels` [H, W] is True."""
+    """Clear the returns of `images` [..., H, W] and [..., H, W, 3] for which `pixels` [H, W] is True."""
     for name, image in images.items():
         where = pixels[..., None] if name == "normal" else pixels
         np.copyto(image, image.dtype.type(-1 if name == "primitive" else 0), where=where)

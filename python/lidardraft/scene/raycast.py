@@ -1,4 +1,4 @@
-"""Casts of a layout: scans of sensors and any rays. The rays are in the core."""
+"""Casts of a layout: scans of sensors, and single rays. The rays are in the core."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
 
 _OPTIONAL = ("primitive", "incidence", "normal")
-_NEAREST = 1e-3  # m: surfaces too near to be measured hide others too
+_NEAREST = 1e-3  # m: surfaces too near to be measured still occlude others
 
 
 def backends() -> list[str]:
-    """What this machine can cast scans with, the fastest first: some of "avx512", "avx2", "portable", and always
-    "reference".
+    """The backends that this machine can cast scans with, the fastest first: some of "avx512", "avx2", "portable", and
+    always "reference".
     """
     return _core.backends()
 
@@ -52,34 +52,35 @@ class Hits:
 
     @property
     def valid(self) -> np.ndarray:
-        """bool [R]: which rays hit something."""
+        """bool [R]: True for each ray that hits something."""
         return self.primitive >= 0
 
     def points(self) -> np.ndarray:
-        """Where the rays of `valid` hit, f64 [N, 3], in their order."""
+        """The hit points of the rays that are `valid`, f64 [N, 3], in their order."""
         hit = self.valid
         along = self.directions[hit] / np.linalg.norm(self.directions[hit], axis=1, keepdims=True)
         points: np.ndarray = self.origins[hit] + along * self.distance[hit, None]
         return points
 
     def keep(self, where: np.ndarray) -> Hits:
-        """Those of the rays where the mask [R] is True."""
+        """The hits of the rays for which the mask [R] is True."""
         return Hits(*(getattr(self, field.name)[where] for field in fields(self)))
 
 
 class Raycaster:
     """A layout compiled once, to be scanned from many poses.
 
-    `layout` is the layout as it was compiled: `move` changes what is cast, and leaves `layout` as it is. Copies, also
-    those in other processes, are compiled again, with all that was moved.
+    `layout` is the layout as compiled: `move` changes the casts, but not `layout`. Copies, also those in other
+    processes, are compiled again, with all moves.
 
-    `seed` decides how far rays travel in media (`Primitive.extinction`): a pure function of seed, primitive, row and
-    column of a scan, or number of a ray. The primitive counts by its number in the layout or, with `by_id`, by its id:
-    then rays travel as far as before in those that stay when others come and go. `threads` is how many threads a call
-    may use, by default as many as there are cores (`RAYON_NUM_THREADS`); results are the same bit for bit for any
-    number. Images are written into `out`, an image or batch of the same sensor made by an earlier call or by `empty`,
-    and `out` is returned; it says which of the optional images are written. Nothing is written before all is checked.
-    Raises `LayoutError` on poses of another shape or not rigid, `SensorError` on an `out` that does not go with the
+    `seed` decides how far rays travel in media (`Primitive.extinction`), as a pure function of seed, primitive, and row
+    and column of a scan or number of a ray. A primitive counts by its number in the layout or, with `by_id`, by its id:
+    then free paths in it stay the same when other primitives come and go. `threads` is the largest number of threads of
+    a call, by default the number of cores (`RAYON_NUM_THREADS`); results are the same bit for bit for any number.
+
+    Images are written into `out` and `out` is returned. It is an image or batch of the same sensor, made by an earlier
+    call or by `empty`, and decides which optional images are written. Everything is checked before anything is written.
+    Raises `LayoutError` on poses of another shape or not rigid, `SensorError` on an `out` that does not fit the
     call, and `TypeError` on one whose arrays cannot be written in place.
     """
 
@@ -102,11 +103,11 @@ class Raycaster:
         seed: int = 0,
         threads: int | None = None,
     ) -> RangeImage:
-        """What `sensor` sees from `pose`, world_from_sensor [4, 4]; by default on its mount over the origin.
+        """The scan of `sensor` at `pose`, world_from_sensor [4, 4]; by default on its mount over the origin.
 
-        `poses` [W, 4, 4] instead are those of each column: a rolling shutter, as of a sensor that moves while it sweeps
-        (`Sensor.poses_in_motion`). The image has depth, label and instance, and what else is asked for; they lie in one
-        block of memory, which each of them keeps alive.
+        `poses` [W, 4, 4] gives each column its own pose instead: a rolling shutter, as of a sensor that moves while it
+        sweeps (`Sensor.poses_in_motion`). The image has depth, label, instance and the requested optional images; they
+        share one block of memory, which each of them keeps alive.
         """
         world_from_sensor = _pose_of_scan(sensor, pose, poses)
         optional = (primitive, incidence, normal)
@@ -126,7 +127,7 @@ class Raycaster:
         seed: int = 0,
         threads: int | None = None,
     ) -> RangeImageBatch:
-        """What `sensor` sees from each of `poses` [N, 4, 4], or [N, W, 4, 4] with one for each column.
+        """The scans of `sensor` at `poses` [N, 4, 4], or [N, W, 4, 4] with one for each column.
 
         Image i is that of `scan` with pose i and `seed` + i, bit for bit; the threads share the scans.
         """
@@ -144,7 +145,7 @@ class Raycaster:
         seed: int = 0,
         threads: int | None = None,
     ) -> Hits:
-        """What any rays hit first, up to `max_range` [m].
+        """The first hits of any rays, up to `max_range` [m].
 
         `directions` are [R, 3], `origins` one for all of them [3], or one for each [R, 3], in the world frame.
         Directions need not have length 1. Raises `LayoutError` on a ray that is not finite or has no direction, and on
@@ -161,12 +162,12 @@ class Raycaster:
         return Hits(origins, directions, *found)
 
     def move(self, id: str, pose: np.ndarray) -> None:
-        """Let an object (all parts that share `id` up to the dot), or the one primitive `id`, stand elsewhere.
+        """Move an object (all parts that share `id` up to the dot), or the one primitive `id`.
 
-        `pose` is where it stands in the world, world_from_object [4, 4], rigid, tilted if need be. The object's frame
-        is that of its box: the centre and yaw of a primitive, and of several parts those of the box around them in
-        `layout`, which `Layout.boxes` gives. Nothing else is compiled anew. Raises `LayoutError` on an id that the
-        layout does not have and on a pose that is not rigid.
+        `pose` is its new pose in the world, world_from_object [4, 4], rigid; it may be tilted. The object's frame is
+        that of its box: the centre and yaw of a primitive, or of the box around several parts in `layout`, as
+        `Layout.boxes` gives it. Nothing else is compiled again. Raises `LayoutError` on an id that the layout does not
+        have and on a pose that is not rigid.
         """
         pose = finite_array("pose", pose, 4, 4)
         indices = self._indices(id)
@@ -195,7 +196,7 @@ class Raycaster:
 
     @cached_property
     def _parts(self) -> dict[str, list[int]]:
-        """The indices of each object's parts, by its name."""
+        """The indices of the parts of each object, by its name."""
         parts: dict[str, list[int]] = {}
         for index, primitive in enumerate(self.layout):
             parts.setdefault(object_of(primitive), []).append(index)
@@ -203,7 +204,7 @@ class Raycaster:
 
 
 def compiled(primitives: Sequence[Primitive], *, by_id: bool) -> _core.Scene:
-    """What the core casts of shapes; `by_id` is that of `Raycaster`."""
+    """The core's scene of the shapes; `by_id` is that of `Raycaster`."""
     return _core.Scene(
         **columns_of(primitives),
         meshes=[(p.mesh.vertices, p.mesh.faces) for p in primitives if p.mesh is not None],
@@ -213,7 +214,7 @@ def compiled(primitives: Sequence[Primitive], *, by_id: bool) -> _core.Scene:
 
 
 def columns_of(primitives: Sequence[Primitive]) -> dict[str, np.ndarray]:
-    """What the core knows of each of P shapes: a column [P] or [P, 3] of each field but meshes and media."""
+    """The P shapes as the core takes them: a column [P] or [P, 3] for each field but meshes and media."""
     return {
         "shapes": np.array([SHAPES.index(p.shape) for p in primitives], dtype=np.uint8),
         "centers": np.array([p.center for p in primitives], dtype=np.float64).reshape(-1, 3),
@@ -237,7 +238,7 @@ def raycast(
     seed: int = 0,
     threads: int | None = None,
 ) -> RangeImage:
-    """What `sensor` sees of `layout`: `Raycaster(layout).scan(sensor, pose, ...)`."""
+    """The scan of `layout` by `sensor`: `Raycaster(layout).scan(sensor, pose, ...)`."""
     return Raycaster(layout).scan(
         sensor,
         pose,
@@ -252,10 +253,10 @@ def raycast(
 
 
 def with_vehicle(sensor: Sensor, vehicle: Layout) -> Sensor:
-    """The sensor with `blocked` as a vehicle hides it: every ray that meets `vehicle`, in the layout frame, where the
-    sensor stands on its mount over the origin.
+    """The sensor with `blocked` set to the rays that meet `vehicle`, which is in the layout frame; the sensor is on its
+    mount over the origin.
 
-    `detail(Layout((box,)))` makes a vehicle with a roof, a bonnet and windows of a box of class car.
+    `detail(Layout((box,)))` makes a vehicle with a roof, a bonnet and windows from a box of class car.
     """
     near = replace(sensor, min_range=_NEAREST, blocked=(), model=None)
     hidden = raycast(vehicle, near, sensor.pose()).valid
@@ -290,7 +291,7 @@ def cast_scans(
         if len(out) != count:
             raise SensorError(f"out holds {len(out)} images; there are {count} poses")
     images: dict[str, Any] = images_of(out)
-    if count:  # images without a pixel all lie at one address, which looks like memory that is shared
+    if count:  # images without a pixel all have one address, which looks like shared memory
         scene.scan(sensor.pattern, world_from_sensor, **images, seed=seed, threads=threads or 0)
     if sensor.blocked:
         blank_pixels(images, sensor.blocked_pixels)
@@ -316,7 +317,7 @@ def _poses_of_batch(sensor: Sensor, poses: np.ndarray) -> np.ndarray:
 def _axes(values: np.ndarray) -> int:
     try:
         return np.ndim(values)
-    except ValueError:  # a ragged list, of which `as_array` tells
+    except ValueError:  # a ragged list, which `as_array` reports
         return 0
 
 
@@ -338,7 +339,7 @@ def _check_out(out: RangeImageBatch, sensor: Sensor, asked: tuple[bool, bool, bo
 
 
 def _parts_in_object(parts: list[Primitive]) -> np.ndarray:
-    """object_from_part [M, 4, 4] of the parts as the layout has them."""
+    """object_from_part [M, 4, 4] of the parts, as in the layout."""
     box = box_around(parts)
     poses: np.ndarray = inverse(upright(box.center, box.yaw)) @ np.array([upright(p.center, p.yaw) for p in parts])
     return poses

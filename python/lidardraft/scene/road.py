@@ -1,4 +1,4 @@
-"""A road as a frame (along, across), shared by everything that places objects beside one."""
+"""A road as a frame (along, across), shared by all code that places objects beside one."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from lidardraft.errors import LayoutError
 
 LEFT, RIGHT = 1, -1  # sides of a road: the sign of `across`
 SIDES = (RIGHT, LEFT)
-PARKING_STRIP = 2.2  # m, the room of cars parked along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
+PARKING_STRIP = 2.2  # m, room for cars parked along the kerb: RASt 06 has 2.0 m and 0.25 m to moving traffic
 TERRAIN_HEIGHT = -0.05  # below the road, so that the road covers it
 KERB_HEIGHT = 0.12  # usual European kerb face, 10 to 15 cm
 _STRAIGHT = 1e-9  # 1/m, the curvature below which a road is straight
@@ -30,7 +30,7 @@ RING = 8.0  # m, the width of a roundabout's lane: 6.5 to 9 m in the German guid
 
 @dataclass(frozen=True, slots=True)
 class PavedArea:
-    """A paved rectangle of a road's frame, beside the road: from and to along, from and to across [m]."""
+    """A paved rectangle beside a road, in the road's frame: from and to along, from and to across [m]."""
 
     along: tuple[float, float]
     across: tuple[float, float]
@@ -41,14 +41,16 @@ class Road:
     """A road of constant curvature under the ego vehicle, right-hand traffic, with at most one crossing road.
 
     `along` [m] runs in the ego's direction with the ego at 0; `across` [m] is positive to the left with the centreline
-    at 0. `lanes` counts the ego's direction, and the other one too unless `oncoming_lanes` says otherwise (then the
-    centreline is the middle of all lanes); the ego drives in number `ego_lane`, counted from the kerb. `parking` is the
-    width [m] of the strip for parked vehicles (or of the hard shoulder) along each kerb. `curvature` [1/m] is positive
-    for a left bend. `junction` is the `along` of the middle of the crossing road, or None; `side_roads` are the sides
-    on which it leaves, `LEFT` or `RIGHT`. The road goes on `half_length` [m] either way. `median` is the width [m] of
-    the strip between the directions, `roundabout_radius` the outer radius [m] of a roundabout in the junction (or
-    None), `paved_areas` what is paved beside the road, such as a car park. With `one_way` all `lanes` lead in the ego's
-    direction, on both sides of the centreline.
+    at 0. `lanes` counts the ego's direction, and the other one too unless `oncoming_lanes` differs (then the centreline
+    is the middle of all lanes). The ego drives in lane `ego_lane`, counted from the kerb. `parking` is the width [m] of
+    the strip for parked vehicles (or of the hard shoulder) along each kerb. `curvature` [1/m] is positive for a left
+    bend.
+
+    `junction` is the `along` of the middle of the crossing road, or None; `side_roads` are the sides on which it
+    leaves, `LEFT` or `RIGHT`. The road extends `half_length` [m] either way. `median` is the width [m] of the strip
+    between the directions. `roundabout_radius` is the outer radius [m] of a roundabout in the junction, or None.
+    `paved_areas` are beside the road, such as a car park. With `one_way` all `lanes` lead in the ego's direction, on
+    both sides of the centreline.
     """
 
     lanes: int = 1
@@ -100,12 +102,12 @@ class Road:
 
     @property
     def oncoming(self) -> int:
-        """How many lanes lead against the ego's direction."""
+        """The number of lanes against the ego's direction."""
         return 0 if self.one_way else self.lanes if self.oncoming_lanes is None else self.oncoming_lanes
 
     @property
     def _half_lanes(self) -> float:
-        """Half of all lanes."""
+        """Half the number of all lanes."""
         return (self.lanes + self.oncoming) / 2
 
     @property
@@ -115,7 +117,7 @@ class Road:
 
     @property
     def verge(self) -> float:
-        """Distance from the centreline to where sidewalks end and gardens begin [m]."""
+        """Distance from the centreline to the outer edge of the sidewalk [m]."""
         return self.edge + self.sidewalk
 
     def lane(self, number: int, direction: int = 1) -> float:
@@ -132,7 +134,7 @@ class Road:
     def at(self, along: Any, across: Any) -> tuple[Any, Any, Any]:
         """x, y [m] and heading [rad] of the layout's frame; the ego is in the middle of its lane at x = y = 0.
 
-        For numbers, or for arrays that broadcast.
+        Takes numbers, or arrays that broadcast.
         """
         bend, ego = self.curvature, self.lane(self.ego_lane)
         heading = bend * along
@@ -157,11 +159,11 @@ class Road:
         return arc_tangent(sign * x, sign * inward) / bend, 1.0 / bend - sign * functions.hypot(x, inward)
 
     def points(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """x, y [..., 2] of the layout's frame, of places along and across [m] that broadcast."""
+        """x, y [..., 2] in the layout's frame of places along and across [m], which broadcast."""
         return np.stack(np.broadcast_arrays(*self.at(along, across)[:2]), axis=-1)
 
     def in_junction(self, along: float, margin: float = 0.0) -> bool:
-        """Whether `along` lies where the crossing road or the roundabout (with sidewalks) passes."""
+        """Whether `along` is within the crossing road or the roundabout (with sidewalks)."""
         half = self.verge if self.roundabout_radius is None else self.roundabout_radius + self.sidewalk
         return self.junction is not None and abs(along - self.junction) < half + margin
 
@@ -180,5 +182,5 @@ class Road:
 
 
 def _functions(value: float | np.ndarray) -> ModuleType:
-    """Where the sines of a number or an array are taken from: for a single number, numpy's take ten times as long."""
+    """The module of sines for a number or an array: for a single number, numpy takes ten times as long."""
     return np if isinstance(value, np.ndarray) else math

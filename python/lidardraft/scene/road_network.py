@@ -1,4 +1,4 @@
-"""The roads of a layout: their lanes, junctions, crossings and signals, and what a planner asks of them."""
+"""The roads of a layout: lanes, junctions, crossings and signals, and the queries of planners."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from lidardraft.scene.line import Line
 from lidardraft.scene.pose import Place, in_frame
 from lidardraft.scene.street import StreetFrame
 
-MEETS = 0.5  # m that a lane may end from where its successor begins
-_STRAIGHT_ON, _BACK = math.pi / 4, 3 * math.pi / 4  # rad by which one who turns does so, and who goes back
-_CHANGE = 20.0  # m that a change of lanes counts as much as, in a route
+MEETS = 0.5  # m, the largest distance from the end of a lane to the start of its successor
+_STRAIGHT_ON, _BACK = math.pi / 4, 3 * math.pi / 4  # rad, the least angles of a turn and of a U-turn
+_CHANGE = 20.0  # m, the cost of a lane change in a route
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,15 +44,15 @@ _FIELDS: dict[str, Any] = {
 
 
 class RoadNetwork:
-    """The roads of a layout, in its frame: a `street`, whose lanes follow from it, or all that a map holds.
+    """The roads of a layout, in its frame: a `street`, which determines its lanes, or all elements of a map.
 
-    `lanes`, `junctions`, `crossings`, `signals` and `paved` areas refer to each other by ids, and may lie over each
-    other, on several levels. `drawn` are the primitives that show the roads; None are those of `street.road`
-    (`scene.road_surfaces`). A street rises and falls as its `ground` does, whose height f64 [N] at points [N, 2] is
-    asked for when somebody needs it. Nothing of a network is ever changed.
+    `lanes`, `junctions`, `crossings`, `signals` and `paved` areas refer to each other by ids, and may overlap on
+    several levels. `drawn` are the primitives that show the roads; None means those of `street.road`
+    (`scene.road_surfaces`). A street follows its `ground`, a function from points [N, 2] to heights f64 [N], called
+    when needed. Networks are immutable.
 
-    Raises `LayoutError` for an id that is unknown or given twice, for lanes that do not meet their successors, and for
-    a street with other lanes.
+    Raises `LayoutError` for an unknown or repeated id, for lanes that do not meet their successors, and for a street
+    with other lanes.
     """
 
     def __init__(
@@ -76,7 +76,7 @@ class RoadNetwork:
 
     @cached_property
     def street(self) -> StreetFrame | None:
-        """The street, if it is one."""
+        """The street, or None for a map."""
         return self._flat if self._flat is None or self._ground is None else self._flat.over(self._ground)
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -93,17 +93,17 @@ class RoadNetwork:
 
     @property
     def junctions(self) -> tuple[Junction, ...]:
-        """Where they meet."""
+        """The meetings of lanes."""
         return self._made[1]
 
     @property
     def signals(self) -> tuple[Signal, ...]:
-        """Lights and signs."""
+        """The lights and signs."""
         return self._made[2]
 
     @property
     def crossings(self) -> tuple[Crossing, ...]:
-        """Where people cross, with the zebras of a street."""
+        """The crossings for people, with the zebras of a street."""
         return self._crossings if self._flat is None else (*self._crossings, *self._flat.crossings())
 
     def _check(self) -> None:
@@ -135,14 +135,14 @@ class RoadNetwork:
 
     @cached_property
     def _bounds(self) -> np.ndarray:
-        """Of each lane's line: its lowest and highest x, y [L, 2, 2]."""
+        """The lowest and highest x, y of each lane's line, [L, 2, 2]."""
         return np.array([(lane.line.middle.min(axis=0), lane.line.middle.max(axis=0)) for lane in self.lanes])
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, RoadNetwork) and self.to_dict() == other.to_dict()
 
     def lane(self, id: str) -> Lane:
-        """The lane of that id; raises `UnknownNameError`, a `KeyError`, where there is none."""
+        """The lane with that id; raises `UnknownNameError`, a `KeyError`, if there is none."""
         if id not in self._by_id:
             raise UnknownNameError(f"no lane has the id {id!r}{did_you_mean(self._by_id, id)}")
         return self._by_id[id]
@@ -156,10 +156,10 @@ class RoadNetwork:
         *,
         kinds: Iterable[str] | None = ("driving",),
     ) -> tuple[Lane, float, float]:
-        """The lane nearest to x, y [m], and how far along it and to the left of its middle [m] that is.
+        """The lane nearest to x, y [m], and the place's distances along it and to the left of its middle [m].
 
-        Where lanes lie over each other, `z` [m] picks the level. With a `yaw` [rad], lanes that lead elsewhere, by more
-        than a quarter turn, do not count. Raises `LayoutError` where the network has no lane of one of `kinds`.
+        If lanes overlap, `z` [m] picks the level. With a `yaw` [rad], lanes whose direction differs by more than a
+        quarter turn do not count. Raises `LayoutError` if the network has no lane of one of `kinds`.
         """
         wanted, place = None if kinds is None else set(kinds), np.array([[x, y]])
         away = np.hypot(*np.maximum(self._bounds[:, 0] - place, place - self._bounds[:, 1]).clip(0.0).T)
@@ -181,13 +181,13 @@ class RoadNetwork:
         return best
 
     def successors(self, lane: Lane) -> tuple[Lane, ...]:
-        """The lanes that begin where it ends."""
+        """The lanes that begin at the end of this one."""
         return tuple(self._by_id[id] for id in lane.successors)
 
     def route(self, start: str, end: str) -> tuple[Lane, ...]:
-        """The shortest way over successors and lanes beside from one lane, by its id, to another, both included.
+        """The shortest route over successors and adjacent lanes from one lane to another, by id, both included.
 
-        Raises `UnknownNameError` for an unknown id, and `LayoutError` where no way leads there.
+        Raises `UnknownNameError` for an unknown id, and `LayoutError` if there is no route.
         """
         first, last = self.lane(start), self.lane(end)
         before, open_ends = dict[str, str](), [(0.0, first.id, "")]
@@ -209,19 +209,20 @@ class RoadNetwork:
         raise LayoutError(f"no way leads from lane {start} to lane {end}")
 
     def height(self, x: float, y: float, z: float | None = None) -> float:
-        """The height [m] of the road at x, y, of the level nearest to `z`: that of its nearest lane of any kind."""
+        """The height [m] of the road at x, y, on the level nearest to `z`: that of the nearest lane of any kind."""
         lane, along, left = self.nearest_lane(x, y, z, kinds=None)
         return float(lane.line.height(along, min(max(left, -lane.width / 2), lane.width / 2)))
 
     def normal(self, x: float, y: float, z: float | None = None) -> np.ndarray:
-        """The direction [3] up from the road at x, y, of the level nearest to `z`."""
+        """The upward unit normal [3] of the road at x, y, on the level nearest to `z`."""
         lane, along, _ = self.nearest_lane(x, y, z, kinds=None)
         return lane.line.normal(along)
 
     def ways(self) -> tuple[Lane, ...]:
-        """What drivers follow: a lane straight on through junctions, and one over each turn, in which several are one.
+        """The paths that drivers follow: straight on through junctions, and one over each turn; each joins several
+        lanes.
 
-        Those of a street are sampled as its sequences are; of other networks, lanes are joined at their ends.
+        Those of a street are sampled as in its sequences; in other networks, lanes are joined at their ends.
         """
         if self.street is not None:
             ring = self.street.road.roundabout_radius is not None
@@ -260,7 +261,7 @@ class RoadNetwork:
             yield replace(_joined([*ring, self._by_id[out]], *ring), speed=self._by_id[out].speed)
 
     def _along(self, first: Lane, last: Lane) -> list[Lane]:
-        """The lanes from one in a roundabout to one that leaves it."""
+        """The lanes from one in a roundabout to one that leaves it, both included."""
         lanes = [first]
         while lanes[-1] is not last:
             after = lanes[-1].successors
@@ -268,7 +269,7 @@ class RoadNetwork:
         return lanes
 
     def _chain(self, middle: Lane, before: Mapping[str, Lane]) -> list[Lane]:
-        """The lanes through which one leads on, straight where it can, and from as far before it."""
+        """The lanes that lead on from `middle`, straight if possible, and those that lead to it."""
         chain = [middle]
         while (lane := before.get(chain[0].id)) is not None and lane not in chain:
             chain.insert(0, lane)
@@ -279,7 +280,7 @@ class RoadNetwork:
         return chain
 
     def moved(self, place: Place) -> RoadNetwork:
-        """The network of a frame that stands at a place, as those around see it; `drawn` is that of its own frame."""
+        """The network of a frame that is at `place`, in the frame around it; `drawn` stays in its own frame."""
         if self.street is not None:
             return self.but(street=replace(self.street, place=in_frame(self.street.place, place)))
         parts = {
@@ -289,11 +290,11 @@ class RoadNetwork:
         return self.but(lanes=tuple(replace(lane, line=lane.line.moved(place)) for lane in self.lanes), **parts)
 
     def but(self, **fields: Any) -> RoadNetwork:
-        """The same network, but for some of what it is made from."""
+        """The network with some of its fields replaced."""
         return RoadNetwork(**{**self._fields(), **fields})
 
     def _fields(self) -> dict[str, Any]:
-        """What the network is made from: a street without the lanes that follow from it."""
+        """The fields that make the network: a street without the lanes derived from it."""
         lanes, junctions, signals = self._given
         given = {"lanes": lanes, "junctions": junctions, "signals": signals, "crossings": self._crossings}
         return {name: given[name] if name in given else getattr(self, name) for name in _FIELDS}
@@ -312,12 +313,12 @@ class RoadNetwork:
 
 
 def _turned(before: Line, after: Line) -> float:
-    """By how much one turns [rad] from the end of a line to the begin of another."""
+    """The change of heading [rad] from the end of a line to the start of another."""
     return math.remainder(float(after.heading(0.0) - before.heading(before.length)), math.tau)
 
 
 def _joined(chain: Sequence[Lane], middle: Lane, *more: Lane) -> Lane:
-    """The lanes of a chain as one, that turns as the middle one does, or as several in a row do."""
+    """The lanes of a chain as one lane, with the turn of the middle one, or that of several in a row."""
     lines = [np.array(lane.line.written()["points"]) for lane in chain]
     starts = np.cumsum([0.0, *(lane.line.length for lane in chain)]).tolist()
     stops = [start + lane.stop for start, lane in zip(starts, chain, strict=False) if lane.stop is not None]

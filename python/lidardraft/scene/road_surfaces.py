@@ -13,7 +13,7 @@ from lidardraft.scene.road_network import Drawn
 
 _SEGMENT = 2.0  # m; the chord of a 50 m bend leaves the arc by 1 cm
 _EXTENT = 200.0
-_SEEN_MEDIAN = 1.0  # m, the width of a median from which it has a surface of its own
+_SEEN_MEDIAN = 1.0  # m; a wider median has its own surface
 
 
 def road_surfaces(road: Road) -> list[Primitive]:
@@ -34,7 +34,7 @@ def road_surfaces(road: Road) -> list[Primitive]:
 
 
 def drawn(primitives: Iterable[Primitive]) -> tuple[Drawn, ...]:
-    """Those primitives that show roads, as a network has them."""
+    """The primitives that show roads, as a network refers to them."""
     found = []
     for primitive in primitives:
         if primitive.label == "road" and primitive.material is None:
@@ -75,7 +75,7 @@ def _side_road(road: Road, junction: float, side: int) -> Primitive:
 def _strip(
     road: Road, id: str, label: str, span: tuple[float, float], across: tuple[float, float], top: float
 ) -> Primitive:
-    """The surface between two distances along and across: a plane or box where it is straight, else a mesh."""
+    """The surface between two distances along and across: a plane or box if the road is straight, else a mesh."""
     if road.curvature == 0.0:
         x, y, _ = road.at((span[0] + span[1]) / 2, (across[0] + across[1]) / 2)
         return slab(x, y, span[1] - span[0], across[1] - across[0], 0.0, top, label, id)
@@ -85,13 +85,13 @@ def _strip(
 
 
 def terrain(reach: float) -> Primitive:
-    """The ground that everything lies on, so far [m] to each side of the ego vehicle."""
+    """The ground under everything, `reach` [m] to each side of the ego vehicle."""
     center, size = (0.0, 0.0, TERRAIN_HEIGHT), (2 * reach, 2 * reach, 0.0)
     return Primitive(shape="plane", center=center, size=size, label="terrain", id="terrain", open=True)
 
 
 def slab(x: float, y: float, length: float, width: float, yaw: float, top: float, label: str, id: str) -> Primitive:
-    """A straight strip around x, y: a plane on the ground, or a box that rises from the terrain to `top` [m]."""
+    """A straight strip around x, y: a plane on the ground, or a box from the terrain up to `top` [m]."""
     height = top - TERRAIN_HEIGHT if top > 0.0 else 0.0
     shape, center, size = "box" if height else "plane", (x, y, top - height / 2), (length, width, height)
     return Primitive(shape=shape, center=center, size=size, yaw=yaw, label=label, id=id)
@@ -104,7 +104,7 @@ def profile_of(low: float, high: float, top: float) -> list[tuple[float, float]]
 
 
 def ribbon(rows: np.ndarray, label: str, id: str) -> Primitive:
-    """The mesh between cross sections float64 [N, P, 3] that follow each other."""
+    """The mesh between consecutive cross sections float64 [N, P, 3]."""
     count, width, _ = rows.shape
     a = (np.arange(count - 1)[:, None] * width + np.arange(width - 1)).ravel()
     faces = np.stack([a, a + 1, a + 1 + width, a, a + 1 + width, a + width], axis=1)

@@ -1,4 +1,4 @@
-"""A layout made ready for one sensor: the way from a layout to what that sensor reports of it."""
+"""A layout prepared for one sensor: from the layout to the sensor's scans."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from lidardraft.scene.weather import Weather
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Scanner:
-    """A unit of a sensor, and the layout that it scans: compiled, and with its surfaces in `weather`.
+    """One unit of a sensor, and the layout that it scans: compiled, with its surfaces in `weather`.
 
-    `threads` is how many threads a scan may use, by default as many as there are cores; the scan is the same for any
+    `threads` is the largest number of threads of a scan, by default the number of cores; the scan is the same for any
     number.
     """
 
@@ -43,8 +43,8 @@ class Scanner:
         by_id: bool = False,
         threads: int | None = None,
     ) -> Scanner:
-        """`model` is by default `sensor.assumed_model`, `weather` a clear and dry day. With `by_id` a
-        primitive keeps its brightness and its free paths when it is moved, and when others come and go."""
+        """`model` is by default `sensor.assumed_model`, `weather` a clear and dry day. With `by_id` a primitive keeps
+        its brightness and its free paths when it is moved, and when others come and go."""
         weather = Weather() if weather is None else weather
         check_type("weather", weather, Weather)
         surfaces = Surfaces.from_layout(layout, wetness=weather.wetness, by_id=by_id)
@@ -52,8 +52,8 @@ class Scanner:
         return cls(sensor, model, Raycaster(layout, by_id=by_id), surfaces, weather, threads)
 
     def cast(self, poses: np.ndarray, seed: int) -> RangeImage:
-        """The clean returns of all sub-rays from world_from_sensor `poses`: one [4, 4], or one for each column
-        [W, 4, 4]."""
+        """The clean returns of all sub-rays from world_from_sensor `poses`: one [4, 4], or one for each column [W, 4,
+        4]."""
         rays = sub_rays(self.sensor, self.model)
         pose, poses_of_columns = (poses, None) if np.ndim(poses) == 2 else (None, poses)
         return self.caster.scan(
@@ -61,7 +61,7 @@ class Scanner:
         )
 
     def observe(self, clean: RangeImage, poses: np.ndarray, seed: int | np.random.Generator) -> RangeImage:
-        """What the sensor reports of what `cast` returned from these `poses`."""
+        """The sensor's scan from the clean returns that `cast` made at these `poses`."""
         return observe(
             clean,
             self.surfaces,

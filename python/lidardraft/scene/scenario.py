@@ -1,6 +1,6 @@
-"""Scenarios: how the ego vehicle and the objects of a layout move, as values and as JSON; and the tracks they make.
+"""Scenarios: the motions of the ego vehicle and of objects, as values and as JSON; and their tracks.
 
-A motion is a value. What a scenario does not name moves by its kind (`simulation.motion`).
+Objects without a motion in the scenario move by their kind (`simulation.motion`).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _FURTHEST = 1e5  # m
 
 @dataclass(frozen=True, slots=True)
 class Straight:
-    """Ahead along its heading with a constant `speed` [m/s], backwards if it is negative; 0 stands."""
+    """Ahead along its heading at a constant `speed` [m/s]; backwards if it is negative, parked if it is 0."""
 
     speed: float
 
@@ -39,13 +39,13 @@ class Straight:
 
 @dataclass(frozen=True, slots=True)
 class AlongLane:
-    """Along the lane it stands in, at `speed` [m/s] (None: that of the road and the kind) where the way is free.
+    """Along the lane under it, at `speed` [m/s] while the way is free; None is the speed of the road and the kind.
 
-    `later` are changes of the speed, (time [s], speed) each. It keeps `gap` [m] plus the way of `headway` [s] to
-    whoever is ahead, by the Intelligent Driver Model (Treiber, Hennecke and Helbing, Physical Review E 62, 2000), and
-    stops before junctions as lights and signs have it, unless it need not give way. At the junction it may `turn`
-    "left" or "right". Who `overtakes` goes beside its lane, and returns to it once it has passed somebody.
-    It halts beside the place `halt` x, y [m], as a bus at its stop, for some seconds.
+    `later` are changes of the speed, (time [s], speed) each. It keeps `gap` [m] plus the way of `headway` [s] to the
+    vehicle ahead, by the Intelligent Driver Model (Treiber, Hennecke and Helbing, Physical Review E 62, 2000). With
+    `gives_way` it stops before junctions as lights and signs demand. At the junction it may `turn` "left" or "right".
+    If it `overtakes`, it drives beside its lane, and returns to it after it has passed another. It stops for some
+    seconds beside the place `halt` x, y [m], as a bus at its stop.
     """
 
     speed: float | None = None
@@ -76,8 +76,9 @@ class AlongLane:
 
 @dataclass(frozen=True, slots=True)
 class Walk:
-    """Straight to the place `to`, x and y [m] of the layout, at `speed` [m/s] from the time `start` [s] on. Before it
-    `crosses` roads, from and to so far [m] before that place, it waits until it can."""
+    """Straight to the place `to`, x and y [m] of the layout, at `speed` [m/s] from the time `start` [s] on. `crosses`
+    are stretches of road, each from and to a distance [m] before that place; it waits before each until it can
+    cross."""
 
     to: tuple[float, float]
     speed: float = 1.4
@@ -95,8 +96,8 @@ class Walk:
 
 @dataclass(frozen=True, slots=True)
 class Waypoints:
-    """Through `points`, rows of time [s], x, y [m] and, in all rows or in none, yaw [rad]; without yaw it looks where
-    it goes. The path is smooth (PCHIP); before the first point and after the last it stands."""
+    """Through `points`, rows of time [s], x, y [m] and, in all rows or in none, yaw [rad]; without yaw it faces its
+    direction of travel. The path is smooth (PCHIP); it stands still before the first point and after the last."""
 
     points: tuple[tuple[float, ...], ...]
 
@@ -112,20 +113,20 @@ _KINDS: dict[str, type[Motion]] = {"straight": Straight, "lane": AlongLane, "wal
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """The motions of the ego vehicle and of objects, by their names or by patterns of them (`around/*`; the first
-    that matches counts, a name before all patterns). What is not named moves by its kind."""
+    """The motions of the ego vehicle and of objects, by names or by patterns of them ("around/*"). A name takes
+    precedence over patterns, then the first match counts. Objects without a match move by their kind."""
 
     ego: Motion | None = None
     actors: Mapping[str, Motion] = field(default_factory=dict)
 
     def of(self, name: str) -> Motion | None:
-        """The motion of an object; None where it has none of its own."""
+        """The motion of an object; None if it has none of its own."""
         if name in self.actors:
             return self.actors[name]
         return next((motion for pattern, motion in self.actors.items() if fnmatchcase(name, pattern)), None)
 
     def check_names(self, names: Sequence[str]) -> None:
-        """Raises `LayoutError` on a name or pattern that none of the layout's objects has, but for "*"."""
+        """Raises `LayoutError` on a name or pattern that matches no object of the layout; "*" always passes."""
         for pattern in self.actors:
             if pattern not in names and not any(fnmatchcase(name, pattern) for name in [*names, "*"]):
                 known = did_you_mean(names, pattern) or f"; it has {', '.join(names[:8]) or 'none'}"
@@ -139,7 +140,7 @@ class Scenario:
 
     @classmethod
     def from_json(cls, text: str) -> Scenario:
-        """Raises `FormatError` where the text is not the JSON of a scenario, `LayoutError` on an invalid value."""
+        """Raises `FormatError` if the text is not the JSON of a scenario, `LayoutError` on an invalid value."""
         document = parse_document(text, SCHEMA, (), ("ego", "actors"))
         ego = document.get("ego")
         rows = check_object(document.get("actors", {}))
@@ -152,7 +153,7 @@ class Scenario:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Scenario:
-        """As `from_json`, of a file; the errors name it."""
+        """The scenario in a JSON file, as in `from_json`; errors name the file."""
         text = read_text(path)
         with named(path):
             return cls.from_json(text)
@@ -160,9 +161,9 @@ class Scenario:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Track:
-    """Where something is: `places` f64 [K, 4], x, y, z [m] and yaw [rad, without jumps], at `times` f64 [K] [s].
+    """Places over time: `places` f64 [K, 4], x, y, z [m] and yaw [rad, without jumps], at `times` f64 [K] [s].
 
-    It is straight in between, and stands before the first and after the last time.
+    Places are interpolated linearly, and constant before the first and after the last time.
     """
 
     times: np.ndarray
@@ -177,14 +178,14 @@ class Track:
         return np.stack([np.interp(times, self.times, column) for column in self.places.T], axis=-1)
 
     def rate(self, time: float, span: float) -> np.ndarray:
-        """The mean velocities [m/s] and yaw rate [rad/s] over `span` [s] around one of its times, f64 [4]."""
+        """The mean velocities [m/s] and yaw rate [rad/s] over `span` [s] around one of the times, f64 [4]."""
         ends = np.clip([time - span / 2, time + span / 2], self.times[0], self.times[-1])
         before, after = self.at(ends)
         rate: np.ndarray = (after - before) / (ends[1] - ends[0])
         return rate
 
     def moves(self) -> bool:
-        """Whether it is ever elsewhere."""
+        """Whether the place ever changes."""
         return bool((np.ptp(self.places, axis=0) > 1e-6).any())
 
 
@@ -200,7 +201,7 @@ def _place(name: str, place: Any) -> tuple[float, float]:
 
 
 def _rows(name: str, rows: Any, widths: tuple[int, ...]) -> tuple[tuple[float, ...], ...]:
-    """Rows of numbers of one of the widths, whose first are times that run forwards."""
+    """Rows of numbers of one of the widths; the first numbers are increasing times."""
     form = " or ".join(map(str, widths))
     if not isinstance(rows, list | tuple | np.ndarray) or not all(
         any(are_numbers(row, width) for width in widths) and len(row) == len(rows[0]) for row in rows
@@ -218,7 +219,7 @@ def _rows(name: str, rows: Any, widths: tuple[int, ...]) -> tuple[tuple[float, .
 
 
 def _written(motion: Motion) -> str:
-    """The JSON of a motion; numbers of numpy are floats there."""
+    """The JSON of a motion; numpy numbers become floats."""
     (name,) = (name for name, kind in _KINDS.items() if type(motion) is kind)
     fields = ((field, getattr(motion, field.name)) for field in dataclasses.fields(motion))
     said = {field.name: value for field, value in fields if value != field.default}

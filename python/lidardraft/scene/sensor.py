@@ -1,4 +1,4 @@
-"""Sensors: a table of beams, their columns, and where the sensor stands. The trigonometry is in the core."""
+"""Sensors: a table of beams, their columns, and the mount of the sensor. The trigonometry is in the core."""
 
 from __future__ import annotations
 
@@ -20,15 +20,15 @@ from lidardraft.scene import beam_tables
 from lidardraft.scene.pose import finite_array, rotations, upright
 from lidardraft.scene.sensor_model import MODELS, SensorModel
 
-# Where a beam starts: the columns of the core's `origins` [H, 3].
+# The origin of a beam: the columns of the core's `origins` [H, 3].
 _ORIGINS = ("origin_forwards", "origin_lefts", "origin_heights")
 _QUANTITIES = ("azimuth_start", "azimuth_span", "min_range", "max_range", "mount_height", "range_sigma", "sweep_time")
 _HIGHEST = 1e9  # m, the core's limit of coordinates
-_LONGEST_NAME = 100  # characters, which stand in pictures
-# Elevations closer than this are of the same beam [rad]: tables are rounded, and the beams of every preset are further
+_LONGEST_NAME = 100  # characters; names appear in pictures
+# Elevations closer than this [rad] are of the same beam: tables are rounded, and the beams of every preset are further
 # apart.
 _SAME_BEAM = 1e-3
-# The largest width of a beam, over the distance to the next, at which sub-rays do not cross however beams are tilted.
+# The largest width of a beam, over the distance to the next, at which sub-rays do not cross at any tilt of the beams.
 _FILL = 0.6
 
 Blocked = tuple[tuple[tuple[float, float], ...], ...]
@@ -38,14 +38,15 @@ Blocked = tuple[tuple[tuple[float, float], ...], ...]
 class Sensor:
     """A spinning LiDAR: H beams, row 0 the highest, by `columns` firings.
 
-    Angles in radians, lengths in metres. Column w looks to the azimuth
-    `azimuth_start - (w + 1/2) * azimuth_span / columns` plus the beam's own of `azimuth_offsets`: pixel centres,
-    decreasing, the seam behind the car. A beam starts `origin_forwards` ahead, `origin_lefts` to the left and
-    `origin_heights` over the sensor's origin, seen along its azimuth: the lasers turn with the head. These tables hold
-    one value a beam, or nothing for zeros. A whole sweep of all columns takes `sweep_time` [s]; 0 is a flash.
-    `mount_height` is the height of the sensor's origin over the road; `range_sigma` the standard deviation of its
-    range noise. `blocked` are, for each beam, intervals of azimuth [rad] from a start counter-clockwise to an end, in
-    which the vehicle is in the way and nothing returns. `model` holds the optics and receiver of one unit, if known.
+    Angles in radians, lengths in metres. The azimuth of column w is `azimuth_start - (w + 1/2) * azimuth_span /
+    columns` plus the beam's own of `azimuth_offsets`: pixel centres, decreasing, the seam behind the car. A beam starts
+    `origin_forwards` ahead, `origin_lefts` to the left and `origin_heights` over the sensor's origin, relative to its
+    azimuth: the lasers turn with the head. These tables hold one value a beam, or nothing for zeros.
+
+    A sweep of all columns takes `sweep_time` [s]; 0 is a flash. `mount_height` is the height of the sensor's origin
+    over the road; `range_sigma` the standard deviation of its range noise. `blocked` are, for each beam, intervals of
+    azimuth [rad] from a start counter-clockwise to an end, without returns because the vehicle is in the way. `model`
+    holds the optics and receiver of one unit, if known.
 
     Raises `SensorError` naming the invalid value.
     """
@@ -128,7 +129,7 @@ class Sensor:
 
     @cached_property
     def azimuths(self) -> np.ndarray:
-        """Where each pixel looks, f64 [H, W], rad; read-only."""
+        """The azimuth of each pixel, f64 [H, W], rad; read-only."""
         middles = self.azimuth_start - (np.arange(self.columns) + 0.5) * self.azimuth_span / self.columns
         azimuths: np.ndarray = np.add.outer(self.azimuth_offsets or np.zeros(len(self.elevations)), middles)
         azimuths.flags.writeable = False
@@ -136,7 +137,7 @@ class Sensor:
 
     @cached_property
     def blocked_pixels(self) -> np.ndarray:
-        """Which pixels the vehicle hides, bool [H, W]; read-only."""
+        """Whether the vehicle hides each pixel, bool [H, W]; read-only."""
         pixels = np.zeros(self.shape, dtype=bool)
         for row, intervals, azimuths in zip(pixels, self.blocked or ((),) * len(pixels), self.azimuths, strict=True):
             for start, end in intervals:
@@ -145,11 +146,12 @@ class Sensor:
         return pixels
 
     def azimuth_grid(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Row and column [H, W'] of each pixel of a grid whose columns look to one azimuth, and whether there is one.
+        """Row and column [H, W'] of each pixel of a grid whose columns have one azimuth, and whether it is in the
+        image.
 
-        Beams with offsets in azimuth look past each other in one column of the image, by up to 10 degrees. Where the
-        sensor wraps, W' is W; else the grid is wider by the columns that beams look past each other, and parts of it
-        lie outside the image.
+        Beams with azimuth offsets differ by up to 10 degrees within one column of the image. If the sensor wraps, W' is
+        W. Else the grid is wider by the largest offset in columns on either side, and parts of it are outside the
+        image.
         """
         beams, width = self.shape
         offsets = np.array(self.azimuth_offsets or [0.0] * beams)
@@ -163,7 +165,7 @@ class Sensor:
     def assumed_model(self) -> SensorModel:
         """The sensor's own model, that of its preset (`is_preset`), or typical values for any other.
 
-        Where beams of another sensor are close together, they are narrower than typical ones, so that they stay apart.
+        If the beams of another sensor are close together, they are narrower than typical ones, and stay apart.
         """
         if self.model is not None:
             return self.model
@@ -191,7 +193,7 @@ class Sensor:
 
     @property
     def wraps(self) -> bool:
-        """Whether the columns make a full turn, so that the last one is the first one's neighbour."""
+        """Whether the columns make a full turn, so that the last one is next to the first."""
         return self.azimuth_span > 2 * math.pi - 1e-9  # the core's tolerance
 
     def pose(self, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> np.ndarray:
@@ -199,7 +201,7 @@ class Sensor:
         return upright((x, y, self.mount_height), yaw)
 
     def column_times(self) -> np.ndarray:
-        """How long after the first one each column fires, f64 [W], s: column w at w / W of `sweep_time`."""
+        """The time [s] of each column after the first, f64 [W]: column w fires at w / W of `sweep_time`."""
         return np.arange(self.columns) / self.columns * self.sweep_time
 
     def poses_in_motion(
@@ -210,9 +212,9 @@ class Sensor:
     ) -> np.ndarray:
         """`world_from_sensor` of each column, [W, 4, 4], of a sensor that moves while it sweeps, for `Raycaster.scan`.
 
-        It stands at `pose` (by default on its mount) in the middle of the sweep, after half of `sweep_time`. It moves
-        with `velocity` [m/s, in the world] and turns with `angular_velocity` [rad/s, about its own axes], both
-        constant. Raises `LayoutError` on arrays of another shape or with numbers that are not finite.
+        It is at `pose` (by default on its mount) in the middle of the sweep, after half of `sweep_time`. It moves at
+        `velocity` [m/s, in the world] and turns at `angular_velocity` [rad/s, about its own axes], both constant.
+        Raises `LayoutError` on arrays of another shape or with numbers that are not finite.
         """
         pose = self.pose() if pose is None else finite_array("pose", pose, 4, 4)
         velocity = finite_array("velocity", velocity, 3)
@@ -225,13 +227,13 @@ class Sensor:
         return poses
 
     def to_json(self) -> str:
-        """All fields as JSON text, `blocked` and `model` where they are known; `from_json` gives an equal sensor."""
+        """All fields as JSON text, `blocked` and `model` if known; `from_json` gives an equal sensor."""
         fields = self.__getstate__() | {"model": self.model and self.model.to_dict()}
         return json.dumps({name: value for name, value in fields.items() if value or name not in ("blocked", "model")})
 
     @classmethod
     def from_json(cls, text: str) -> Sensor:
-        """Raises `FormatError` where the text lacks a sensor's fields, `SensorError` where a value is invalid."""
+        """Raises `FormatError` if the text lacks a sensor's fields, `SensorError` if a value is invalid."""
         fields = parse_object(text)
         check_fields(fields, ("name", "elevations", "columns"), cls.__dataclass_fields__)
         if fields.get("model") is not None:
@@ -239,12 +241,12 @@ class Sensor:
         return cls(**fields)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the JSON of `to_json`; raises `FormatError` where it cannot be written."""
+        """Write the JSON of `to_json`; raises `FormatError` if the file cannot be written."""
         write_text(path, self.to_json())
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Sensor:
-        """As `from_json`, of a file; the errors name it."""
+        """The sensor in a JSON file, as in `from_json`; errors name the file."""
         text = read_text(path)
         with named(path):
             return cls.from_json(text)
@@ -256,14 +258,15 @@ class Sensor:
 
     @classmethod
     def preset(cls, name: str) -> Sensor:
-        """The preset of that name (`presets`); raises `SensorError` where there is none."""
+        """The preset of that name (`presets`); raises `SensorError` if there is none."""
         if name not in PRESETS:
             raise SensorError(f"sensor is {name!r}; it must be {one_of(PRESETS, name)} (`Sensor.load` reads a file)")
         return PRESETS[name]
 
 
 def _checked_blocked(name: str, blocked: Any, beams: int) -> Blocked:
-    """For each beam its intervals of azimuth [rad] from a start counter-clockwise to an end; nothing for none at all.
+    """The intervals of azimuth [rad] of each beam, from a start counter-clockwise to an end; () if there are none at
+    all.
 
     Raises `SensorError` naming the sensor `name` and the invalid interval.
     """
@@ -289,7 +292,7 @@ def _beams(high: float, low: float, count: int) -> tuple[float, ...]:
 
 
 def _turned(degrees: Sequence[float] | np.ndarray) -> tuple[float, ...]:
-    """Azimuth offsets of a maker's table, which counts clockwise."""
+    """The azimuth offsets of a maker's table, which counts clockwise."""
     return _table(-np.array(degrees))
 
 
@@ -301,7 +304,8 @@ def _ouster(
     nearest: float,
     furthest: float,
 ) -> Sensor:
-    """An Ouster, of angles in degrees; its beams start `forward` [m] of the axis (lidar_origin_to_beam_origin_mm).
+    """An Ouster sensor, with angles in degrees; its beams start `forward` [m] of the axis
+    (lidar_origin_to_beam_origin_mm).
 
     Azimuths are rounded to a tenth of a degree, less than a third of a column: beams of one azimuth are cast together.
     """
@@ -326,9 +330,9 @@ PRESETS: dict[str, Sensor] = {
     sensor.name: sensor
     for sensor in (
         # Velodyne HDL-64E S2 manual: 32 upper beams 1/3 degree apart from +2, 32 lower ones 1/2 degree apart to -24.33;
-        # 2 cm, of which the lasers' own offsets are the most: errors from firing to firing are "around +-25 mm" (Chen
-        # and Chien, Sensors 12, 2012), here 3.5 standard deviations. The two blocks start 0.20 and 0.11 m over the
-        # origin: means of a published calibration (64e_s2.1-sztaki of ros-drivers/velodyne, BSD). It sees to 120 m, but
+        # 2 cm, mostly the lasers' own offsets: errors from firing to firing are "around +-25 mm" (Chen and Chien,
+        # Sensors 12, 2012), here 3.5 standard deviations. The two blocks start 0.20 and 0.11 m over the origin: means
+        # of a published calibration (64e_s2.1-sztaki of ros-drivers/velodyne, BSD). The range is 120 m, but
         # KITTI's files end at 80 m, and so do these scans. KITTI mounts it 1.73 m over the road (Geiger et al., IJRR
         # 2013); 64 x 1024 is the usual image of its scans.
         Sensor(
@@ -367,7 +371,7 @@ PRESETS: dict[str, Sensor] = {
             range_sigma=0.004,
         ),
         # Hesai Pandar64 manual: 0.3 to 200 m; 0.2 degrees of azimuth at 10 Hz. PandaSet's stands 2.1 m over the road;
-        # its noise is 4.5 mm where echoes are strong (benches/fit_sensor.py), the manual says 2 cm.
+        # its noise is 4.5 mm for strong echoes (benches/fit_sensor.py), the manual says 2 cm.
         Sensor(
             name="pandar64",
             elevations=_table(beam_tables.PANDAR64_ELEVATIONS),
@@ -380,10 +384,10 @@ PRESETS: dict[str, Sensor] = {
         ),
         # Ouster data sheets: ranges, precision; 1024 columns at 10 Hz.
         _ouster("os0-128", beam_tables.OS0_128_ELEVATIONS, beam_tables.OS0_128_AZIMUTHS, 0.02767, 0.5, 100.0),
-        # Of the sensors with 64 beams nobody's table is at hand: nominal ones, every other beam of 128.
+        # No table of a sensor with 64 beams is at hand: nominal ones, every other beam of 128.
         _ouster("os0-64", beam_tables.OS0_128_ELEVATIONS[::2], beam_tables.OS0_128_AZIMUTHS[::2], 0.02767, 0.5, 100.0),
-        # OS1-128: 45 degrees of elevation; the four columns of lasers look 2.82 degrees apart. The revision of the
-        # sample, which sees to 200 m, and revision D.
+        # OS1-128: 45 degrees of elevation; the four columns of lasers are 2.82 degrees apart. The revision of the
+        # sample, with a range of 200 m, and revision D.
         *(
             _ouster(name, np.linspace(22.5, -22.5, 128), np.resize([4.23, 1.41, -1.41, -4.23], 128), 0.015806, 0.5, far)
             for name, far in (("os1-128", 200.0), ("os1-128-d", 120.0))

@@ -21,12 +21,12 @@ _NULLABLE = ("compensation_range", "intensity_curve")  # null in a file is their
 class IntensityCurve:
     """Readings, 0 to 1, of responses: a curve for each beam, row 0 the highest, or one for all.
 
-    Each of `readings` has a value for each of `responses`, which ascend; between these knots a reading is linear in the
-    logarithm of the response, beyond them it stays. Responses are first multiplied by one of `distance_gains`, for each
-    beam or for all, which has a value for each of `distances` [m] and is linear in its logarithm between them: optics
-    have a focus. A reading below a beam's value of `cutoffs` becomes 0; without cut-offs none does.
+    Each of `readings` has a value for each of `responses`, which ascend. A reading is linear in the logarithm of the
+    response between these knots, and constant beyond them. Responses are first multiplied by a row of `distance_gains`,
+    one for each beam or one for all: optics have a focus. A row has a value for each of `distances` [m] and is linear
+    in their logarithm in between. A reading below a beam's value of `cutoffs` becomes 0.
 
-    Raises `SensorError` naming the table at fault; the core checks its values.
+    Raises `SensorError` naming the invalid table; the core checks its values.
     """
 
     responses: tuple[float, ...]
@@ -45,7 +45,7 @@ class IntensityCurve:
             object.__setattr__(self, table, tuple(_numbers(name, values) for values in lists))
 
     def check_beams(self, beams: int) -> None:
-        """Raises `SensorError` where a table does not have as many values as there are beams."""
+        """Raises `SensorError` if a table does not have one value a beam."""
         for table, others in (("readings", (1,)), ("distance_gains", (0, 1)), ("cutoffs", (0,))):
             if (found := len(getattr(self, table))) not in (beams, *others):
                 raise SensorError(f"{table} of the intensity curve has {found} values; it needs {beams}")
@@ -53,42 +53,42 @@ class IntensityCurve:
 
 @dataclass(frozen=True, kw_only=True)
 class SensorModel:
-    """The effects of one sensor; a number of 0 (or as its line says) switches an effect off.
+    """The effects of one sensor; 0 (or the value in its comment) switches an effect off.
 
-    A response of 1 is that of a white surface that faces the sensor; an echo whose power is 1 is just detected.
-    Raises `SensorError` naming the invalid value.
+    A response of 1 is that of a white surface that faces the sensor; an echo of power 1 is just detected. Raises
+    `SensorError` naming the invalid value.
     """
 
-    # This is the one place that names the numbers and their defaults: checks, files and the core read the fields.
-    # Optics: a pulse of light in a Gaussian beam.
-    rays_per_beam: int = 3  # sub-rays that stand for each beam: 3 to 19, or 1 for none
+    # The one place that names the numbers and their defaults: checks, files and the core read the fields. Optics: a
+    # pulse of light in a Gaussian beam.
+    rays_per_beam: int = 3  # sub-rays of each beam: 3 to 19, or 1 for none
     divergence_h: float = 3.0e-3  # rad, the full width of a beam at 1 / e^2
     divergence_v: float = 1.5e-3  # rad
     pulse_duration: float = 5e-9  # s
     # Receiver. An echo of power P is dropped with probability 1 - exp(-2 / P^1.25 - drop_exponent - edge_drop).
     detection_threshold: float = 0.10 / 100.0**2  # 1/m2, the response over range squared of power 1; 0 detects all
-    last_return: bool = False  # of several echoes the last is reported, not the strongest
+    last_return: bool = False  # reports the last of several echoes, not the strongest
     # Scatter of the power.
     speckle: float = 0.08  # relative, from pulse to pulse
-    texture: float = 0.32  # relative, of what surfaces send back from place to place, over 0.1 to 5 m
+    texture: float = 0.32  # relative, of the response of surfaces from place to place, over 0.1 to 5 m
     material_noise: bool = True  # materials add their own grain and roughness
     dust: float = 0.0  # depth of the stains on the window
     fading: float = 1.6  # spread of the logarithm of 2 / P^1.25 from patch to patch of a surface
     drop_exponent: float = 0.0003
-    edge_drop: float = 0.05  # only where the beam makes several echoes
+    edge_drop: float = 0.05  # only if the beam makes several echoes
     glass_transmission: bool = True  # rays pass through glass
     # Range.
     jitter: float = 0.07  # m, noise of an echo of power 1, on top of the sensor's `range_sigma`
     range_step: float = 0.002  # m, of rounding
     # Beams of one unit: the number `unit` decides how each differs from the sensor's table, with these deviations.
     unit: int = 0
-    range_offsets: tuple[float, ...] = ()  # m, of each beam, where they are known
+    range_offsets: tuple[float, ...] = ()  # m, of each beam, if known
     offset_spread: float = 0.01  # m, of other range offsets
     gain_spread: float = 0.08  # relative
     tilt_spread: float = 2.2e-3  # rad, of elevations
     # Output.
     full_scale: float = 1.0  # the response that has an intensity of 1
-    knee: float = 1.0  # the reading of a response of 1; brighter ones climb from there by their logarithm
+    knee: float = 1.0  # the reading of a response of 1; brighter ones rise from there by their logarithm
     cutoff: float = 0.0  # a lower reading becomes 0
     cutoff_spread: float = 0.0  # of the cut-off, between the beams of a unit
     levels: int = 255  # steps of the intensity; 0 is smooth
@@ -111,11 +111,11 @@ class SensorModel:
                 f"divergence is {self.divergence_h} by {self.divergence_v} rad; "
                 "it must be greater than 0, or rays_per_beam 1"
             )
-        _ = self.core  # which checks everything else
+        _ = self.core  # it checks everything else
 
     @cached_property
     def core(self) -> _core.SensorModel:
-        """The model as the core has it."""
+        """The model as the core takes it."""
         return _core.SensorModel(self, beam_fan(self)[:, 2].tolist())
 
     def __getstate__(self) -> dict[str, Any]:
@@ -123,7 +123,7 @@ class SensorModel:
         return {name: value for name, value in vars(self).items() if name != "core"}
 
     def check_beams(self, beams: int) -> None:
-        """Raises `SensorError` where a table does not have as many values as there are beams."""
+        """Raises `SensorError` if a table does not have one value a beam."""
         if len(self.range_offsets) not in (0, beams):
             raise SensorError(
                 f"range_offsets has {len(self.range_offsets)} values; it needs one for each of {beams} beams"
@@ -133,7 +133,7 @@ class SensorModel:
 
     @property
     def pulse_length(self) -> float:
-        """Echoes closer than this are one [m]: half the way of light in a pulse."""
+        """The distance [m] below which echoes merge: half the way of light in a pulse."""
         return self.core.pulse_length
 
     def to_dict(self) -> dict[str, Any]:
@@ -157,9 +157,9 @@ class SensorModel:
 
     @classmethod
     def ideal(cls) -> SensorModel:
-        """Every effect off: each ray returns what it meets, with an intensity of its response.
+        """All effects off: each ray returns its first hit, with its response as intensity.
 
-        What noise there is is the sensor's own `range_sigma`.
+        The only noise left is the sensor's own `range_sigma`.
         """
         return cls(
             rays_per_beam=1,
@@ -186,8 +186,8 @@ def beam_fan(model: SensorModel) -> np.ndarray:
 
     The array is read-only.
 
-    A Gaussian beam as a cubature: three rays of a ring have its second moments, a centre of one half and a ring at the
-    1 / e^2 radius its fourth as well.
+    A cubature of a Gaussian beam: three rays of a ring match its second moments; a centre of one half and a ring at the
+    1 / e^2 radius match its fourth as well.
     """
     rays = model.rays_per_beam
     if rays == 1:
@@ -214,7 +214,7 @@ def _numbers(name: str, values: object) -> tuple[float, ...]:
 
 
 def _as_kind_of(default: float, name: str, value: Any) -> float:
-    """The value of a field as the kind of its default: a bool, an int or a float, which is infinite only as that is."""
+    """The value of a field in the type of its default: bool, int or float, infinite only if the default is."""
     kind = type(default)
     if kind is bool:
         fits, needed = isinstance(value, bool), "true or false"
@@ -235,11 +235,11 @@ _REFLECTIVITY: dict[str, Any] = {"full_scale": 300.0, "knee": 100.0 / 255.0}
 
 
 def _ouster(degrees: float, threshold: float, jitter: float, gain: float = 0.65, speckle: float = 0.17) -> SensorModel:
-    """Ouster's: 865 nm, a beam of `degrees` at half maximum (data sheets).
+    """An Ouster sensor: 865 nm, a beam of `degrees` at half maximum (data sheets).
 
-    `threshold` is that with which as few firings on the ground are lost as in their samples: a data sheet's range is
-    that of one firing in ten, not of power 1. `gain` is that of the sample's readings on the manual's scale, `jitter`
-    [m] and `speckle` are such that the samples' noise comes out (benches/fit_sensor.py).
+    `threshold` is set so that as few firings on the ground are lost as in Ouster's samples: a data sheet's range is
+    that of one firing in ten, not of power 1. `gain` is that of the sample's readings on the manual's scale. `jitter`
+    [m] and `speckle` reproduce the noise of the samples (benches/fit_sensor.py).
     """
     width = math.radians(degrees) * _FWHM
     return SensorModel(
@@ -248,7 +248,7 @@ def _ouster(degrees: float, threshold: float, jitter: float, gain: float = 0.65,
         detection_threshold=threshold,
         range_step=0.001,
         offset_spread=0.003,
-        edge_drop=0.0,  # their samples lose no more at edges than streets do without
+        edge_drop=0.0,  # the samples lose no more at edges than streets without
         tilt_spread=0.0,  # each unit's own table comes with it
         speckle=speckle,
         jitter=jitter,
@@ -258,13 +258,13 @@ def _ouster(degrees: float, threshold: float, jitter: float, gain: float = 0.65,
 
 
 _ROOT_KNOTS = tuple(10.0 ** (k / 3.0) for k in range(-12, 4))  # of responses
-# HDL-64E S2 manual: 905 nm, 5 ns, 2 cm; pavement of 0.10 is seen to 50 m, from a roof: at 2 degrees, where it sends
-# back two thirds and its echo is stretched over three sub-rays. Of the 2 cm, a part is noise (`Sensor`); the rest stays
-# in a laser, as the 1 to 3 cm of Glennie and Lichti (Remote Sensing 2, 2010), who have the divergence too. Its units of
-# 2 mm disappear in a correction that differs along the range. Its intensity is corrected by a focal distance and slope
-# for each laser, of 3 to 20 m in published calibrations (ros-drivers/velodyne), so not beyond some tens of metres;
-# KITTI stores hundredths. Lasers set their own power (manual), so readings are compressed. By how much is not
-# published: that they grow with the root of the response, and that roads read 0.26, was set near what is known of
+# HDL-64E S2 manual: 905 nm, 5 ns, 2 cm. Pavement of 0.10 is detected to 50 m from a roof: at 2 degrees, at which it
+# returns two thirds and its echo is stretched over three sub-rays. Of the 2 cm, a part is noise (`Sensor`); the rest is
+# constant for a laser, as the 1 to 3 cm of Glennie and Lichti (Remote Sensing 2, 2010), who give the divergence too.
+# Its units of 2 mm disappear in a correction that differs along the range. Its intensity is corrected by a focal
+# distance and slope for each laser, of 3 to 20 m in published calibrations (ros-drivers/velodyne), so not beyond some
+# tens of metres; KITTI stores hundredths. Lasers set their own power (manual), so readings are compressed. By how much
+# is not published: readings that grow with the root of the response, and 0.26 for roads, are near the known values of
 # KITTI. In one calibration (64e_s2.1-sztaki, BSD) the least readings of the lasers are 0 to 90 of 255, 25 on average
 # and 22 apart; and the corrections for focus are 8 to 13 apart at 8 to 15 m: of a road's reading of 66, 0.12 to 0.20,
 # and of the response under the root 0.25 to 0.39, which is the spread of the gains.
@@ -289,8 +289,8 @@ MODELS: dict[str, SensorModel] = {
     "hdl64e": _HDL64E,
     "hdl64e-linear": _HDL64E,
     # Manuals: 3.0 by 1.5 mrad; 100 m, and 200 m of the VLP-32C, without a reflectance. ika's VLP-32C drops rays to the
-    # ground as if that were 0.10 (benches/fit_sensor.py), so it is taken for all three; and 0.022 of them at any range,
-    # some perhaps by the projection.
+    # ground as if that were 0.10 (benches/fit_sensor.py), so 0.10 serves for all three; and it drops 0.022 of them at
+    # any range, some perhaps by the projection.
     "hdl32e": SensorModel(detection_threshold=0.10 / 100.0**2, **_REFLECTIVITY),
     "vlp16": SensorModel(detection_threshold=0.10 / 100.0**2, **_REFLECTIVITY),
     "vlp32c": SensorModel(
@@ -312,8 +312,8 @@ MODELS: dict[str, SensorModel] = {
         speckle=0.06,
         full_scale=255.0 / 66.0,
     ),
-    # Samples of an OS0 and an OS1-32 of revision D, and of two OS1-128 of a later one. The others are taken for old
-    # ones; of an OS2 there is no sample: its sheet's range by the same factor as the OS1's.
+    # Samples of an OS0 and an OS1-32 of revision D, and of two OS1-128 of a later one. The others are assumed to be old
+    # ones. There is no sample of an OS2: its sheet's range by the same factor as the OS1's.
     "os0-128": _ouster(0.35, 4.5e-5, 0.07),
     "os0-64": _ouster(0.35, 4.5e-5, 0.07),
     "os1-128": _ouster(0.18, 1.7e-6, 0.077, gain=0.53, speckle=0.07),

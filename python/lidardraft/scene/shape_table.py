@@ -1,4 +1,4 @@
-"""Shapes as columns of numbers: layouts for where hundreds of shapes are made in a millisecond."""
+"""Shapes as columns of numbers, for code that makes hundreds of shapes in a millisecond."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ class ShapeTable:
     `shapes` u8 [P] indices of `SHAPES`, `centers` and `sizes` f64 [P, 3] [m], `yaws` f64 [P] [rad], `labels` u8 [P]
     class ids, `instances` u32 [P], `ids` distinct names, `meshes` those of the shapes that are meshes, in their order.
 
-    Columns of different lengths, unknown labels and repeated ids raise `LayoutError` here; impossible sizes and places
-    raise it in `scan`, where the core checks every number, and in `layout`.
+    Columns of different lengths, unknown labels and repeated ids raise `LayoutError` here. Invalid sizes and places
+    raise it in `scan`, in which the core checks every number, and in `layout`.
     """
 
     shapes: np.ndarray
@@ -77,27 +77,27 @@ class ShapeTable:
 
     @classmethod
     def from_primitives(cls, primitives: Iterable[Primitive]) -> ShapeTable:
-        """The columns of primitives; materials are not among them."""
+        """The columns of primitives, without materials."""
         rows = list(primitives)
         meshes = tuple(p.mesh for p in rows if p.mesh is not None)
         return cls(**columns_of(rows), ids=tuple(p.id for p in rows), meshes=meshes)
 
     @classmethod
     def join(cls, *tables: ShapeTable) -> ShapeTable:
-        """The shapes of several tables, one after the other."""
+        """The shapes of several tables, in order."""
         columns = {name: np.concatenate([getattr(table, name) for table in tables]) for name in _COLUMNS}
         ids = tuple(id for table in tables for id in table.ids)
         return cls(**columns, ids=ids, meshes=tuple(mesh for table in tables for mesh in table.meshes))
 
     def select(self, chosen: np.ndarray) -> ShapeTable:
-        """The chosen shapes, bool [P], alone."""
+        """The table of the chosen shapes, bool [P]."""
         meshes = [mesh for mesh, kept in zip(self.meshes, chosen[self.shapes == _MESH].tolist(), strict=True) if kept]
         columns = {name: getattr(self, name)[chosen] for name in _COLUMNS}
         ids = tuple(id for id, kept in zip(self.ids, chosen.tolist(), strict=True) if kept)
         return ShapeTable(**columns, ids=ids, meshes=tuple(meshes))
 
     def seen_from(self, x: float, y: float, yaw: float) -> ShapeTable:
-        """The shapes in the frame that stands upright at (x, y) [m] and looks along `yaw` [rad]."""
+        """The shapes in an upright frame at (x, y) [m] with heading `yaw` [rad]."""
         cos, sin = math.cos(yaw), math.sin(yaw)
         turn = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]])
         return replace(self, centers=(self.centers - (x, y, 0.0)) @ turn, yaws=self.yaws - yaw)
@@ -127,7 +127,8 @@ class ShapeTable:
         return Layout(primitives=tuple(primitives), provenance=provenance, coverage=coverage, intent=intent)
 
     def scan(self, sensor: Sensor, poses: np.ndarray, *, threads: int | None = None) -> RangeImage:
-        """As `raycast` of `self.layout({})`, bit for bit, from one pose [4, 4] or one for each column [W, 4, 4]."""
+        """The scan of these shapes from one pose [4, 4] or one for each column [W, 4, 4]; bit for bit `raycast` of
+        `self.layout({})`."""
         axes = ("N", 4, 4) if np.ndim(poses) == 3 else (4, 4)
         poses = as_array("poses", poses, *axes)
         columns = {name: getattr(self, name) for name in _COLUMNS}

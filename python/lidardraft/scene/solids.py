@@ -1,4 +1,4 @@
-"""Upright solids: how far two of them run into each other, and which of many one runs into."""
+"""Upright solids: how far two of them overlap, and which of many one overlaps with."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ import numpy as np
 
 from lidardraft.scene.layout import Primitive
 
-_CELL = 8.0  # m, of the grid that solids are found by
-_LAST = 64  # cell from the origin; it has all that is further away
+_CELL = 8.0  # m, the grid by which solids are found
+_LAST = 64  # the outermost cell from the origin; it holds everything beyond
 _ROUND = tuple((math.cos(k * math.pi / 6), math.sin(k * math.pi / 6)) for k in range(12))
 
 
 class Solid(NamedTuple):
     """An upright box: x, y of its middle, cosine and sine of its yaw, half its length and width, bottom and top [m].
 
-    One that `is_round` has the twelve corners of the ellipse in it. `id` is that of the primitive it stands for.
+    One that `is_round` has the twelve corners of the ellipse in it. `id` is that of its primitive.
     """
 
     x: float
@@ -34,7 +34,7 @@ class Solid(NamedTuple):
 
     @classmethod
     def box(cls, x: float, y: float, yaw: float, size: tuple[float, float], bottom: float, top: float) -> Solid:
-        """A box of that length and width [m]."""
+        """A box with length and width `size` [m]."""
         return cls(x, y, math.cos(yaw), math.sin(yaw), size[0] / 2, size[1] / 2, bottom, top)
 
     @classmethod
@@ -47,24 +47,24 @@ class Solid(NamedTuple):
 
     @property
     def radius(self) -> float:
-        """Of a circle around it [m]."""
+        """The radius of a circle around it [m]."""
         return math.hypot(self.half_length, self.half_width)
 
     @property
     def outline(self) -> np.ndarray:
-        """Its corners f64 [V, 2] seen from above, counter-clockwise."""
+        """The corners f64 [V, 2] seen from above, counter-clockwise."""
         unit = np.array(_ROUND if self.is_round else ((-1, -1), (1, -1), (1, 1), (-1, 1)))
         turn = np.array([[self.cos, self.sin], [-self.sin, self.cos]])
         corners: np.ndarray = unit * (self.half_length, self.half_width) @ turn + (self.x, self.y)
         return corners
 
     def widened(self, ahead: float, aside: float) -> Solid:
-        """As much longer and wider [m] at either end and side."""
+        """The solid made longer by `ahead` [m] at either end and wider by `aside` [m] on either side."""
         return self._replace(half_length=self.half_length + ahead, half_width=self.half_width + aside)
 
 
 def penetration(one: Solid, two: Solid, margin: float = 0.0) -> float:
-    """How far two solids must be moved apart until `margin` [m] beside them is free; 0 where it is.
+    """The distance [m] by which two solids must be moved apart to leave `margin` [m] between them; 0 if they have it.
 
     Separating axis theorem: two convex outlines are apart exactly when an edge normal of one of them separates them.
     """
@@ -90,9 +90,10 @@ def penetration(one: Solid, two: Solid, margin: float = 0.0) -> float:
 
 
 def _shared_of_outlines(one: np.ndarray, two: np.ndarray) -> float:
-    """How far one outline [V, 2] must be moved along a normal of an edge to leave the other [m]; below 0 it has."""
+    """How far one outline [V, 2] must be moved along an edge normal to leave the other [m]; negative if they are
+    apart."""
     edges = np.concatenate([np.roll(one, -1, axis=0) - one, np.roll(two, -1, axis=0) - two])
-    edges = edges[edges.any(axis=1)]  # a flat mesh has some of no length
+    edges = edges[edges.any(axis=1)]  # flat meshes have edges of length 0
     normals = np.stack([edges[:, 1], -edges[:, 0]]) / np.hypot(*edges.T)
     on_one, on_two = one @ normals, two @ normals
     shared = np.minimum(on_one.max(axis=0) - on_two.min(axis=0), on_two.max(axis=0) - on_one.min(axis=0))
@@ -100,7 +101,7 @@ def _shared_of_outlines(one: np.ndarray, two: np.ndarray) -> float:
 
 
 class Solids:
-    """Many solids, by the cells of a grid that they lie in."""
+    """Many solids, in the cells of a grid."""
 
     def __init__(self, solids: Iterable[Solid] = ()) -> None:
         self._cells: dict[tuple[int, int], list[Solid]] = {}
@@ -108,12 +109,12 @@ class Solids:
             self.add(solid)
 
     def add(self, solid: Solid) -> None:
-        """Keep a solid."""
+        """Add a solid."""
         for cell in _cells(solid, 0.0):
             self._cells.setdefault(cell, []).append(solid)
 
     def touching(self, solid: Solid, margin: float = 0.0) -> Iterator[Solid]:
-        """Those kept that come within `margin` [m] of a solid, some more than once."""
+        """The solids that come within `margin` [m] of a solid, some more than once."""
         for cell in _cells(solid, margin):
             for other in self._cells.get(cell, ()):
                 if penetration(solid, other, margin) > 0.0:

@@ -1,6 +1,6 @@
-"""A street: the road that the ego vehicle is on, as a frame that is filled, and the lanes that follow from it.
+"""A street: the road under the ego vehicle, as a frame to be filled, and the lanes that follow from it.
 
-**The** lanes of a road are made here, for traffic that is placed, markings, drivers and planners alike.
+**The** lanes of a road are made here, for placed traffic, markings, drivers and planners alike.
 """
 
 from __future__ import annotations
@@ -22,34 +22,34 @@ from lidardraft.scene.road import KERB_HEIGHT, LEFT, PARKING_STRIP, RIGHT, RING,
 
 # Limits [m/s] of the German road code (StVO).
 TOWN_SPEED = 50 / 3.6
-_ROUNDABOUT_SPEED = 30 / 3.6  # as is usual
+_ROUNDABOUT_SPEED = 30 / 3.6  # the usual speed
 _CAR_PARK_SPEED = 10 / 3.6  # walking speed
 _ON_FOOT = 5 / 3.6
-# Estimates of ours [m].
-_STOP = 1.5  # from where traffic waits for a light to the road that is crossed
-_GIVES_WAY = 2.0  # from where traffic waits that gives way
-_AISLE_END = 2.5  # at either end of an aisle that is not driven in
+# Estimates [m].
+_STOP = 1.5  # from the stop line at a light to the crossing road
+_GIVES_WAY = 2.0  # from the line of traffic that gives way
+_AISLE_END = 2.5  # at either end of an aisle, without traffic
 _AISLE_OFF = 1.4  # from the middle of an aisle to that of each way
 _JUNCTION_GAP = 2.0  # between the lane of a roundabout, or the road, and the lanes that lead to it
 _ZEBRA = 4.0  # along the road
-_CORNER = 1.0  # from the road that is crossed to where turns begin and end
+_CORNER = 1.0  # from the crossing road to the start and end of turns
 _SHORTEST = 12.0  # a piece of the road before or behind a roundabout
-_TWO_LANES = 6.0  # width from which a one-way street has two
-_FOUR_LANES = 6.5  # half width from which a side road has two each way
+_TWO_LANES = 6.0  # m, the least width of a one-way street with two lanes
+_FOUR_LANES = 6.5  # m, the least half width of a side road with two lanes each way
 _ONE_EACH_WAY, _TWO_EACH_WAY = (0.5,), (0.75, 0.25)  # middles of lanes in shares of the half width
-_STATION = 2.0  # between the points of a lane that bends
-_RELIEF, _SAME = 4.0, 0.05  # between the points of a lane that rises and falls; and less than that
+_STATION = 2.0  # between the points of a bent lane
+_RELIEF, _SAME = 4.0, 0.05  # between the points of a lane with relief; and a distance that counts as none
 _QUARTER = np.linspace(0.0, math.pi / 2, 17)
-_WIDE = 1.5  # times as wide as others are turns to the right, which have a corner beside them
-_INTO_RING = 0.25  # rad further on than its lane that who enters a roundabout is on the ring, and before it who leaves
-MAIN_ROAD, SIDE_ROAD, ROUNDABOUT, AISLE = "main", "side", "ring", "aisle"  # what a path leads along
+_WIDE = 1.5  # turns to the right are wider by this factor, as there is a corner beside them
+_INTO_RING = 0.25  # rad on the ring beyond the lane by which traffic enters, and before the one by which it leaves
+MAIN_ROAD, SIDE_ROAD, ROUNDABOUT, AISLE = "main", "side", "ring", "aisle"  # kinds of paths
 
 
 @dataclass(frozen=True, slots=True)
 class Path:
-    """Where traffic is placed: from (`along`, `across`) [m] of the road's frame on, `angle` [rad] against the road,
-    bent to the left by `bend` [1/m] in that frame. `speed` [m/s] is the limit, `stop` the distance from the start to
-    where traffic waits for a light, or None. It is number `number` of its `way`, from the outermost.
+    """A path for placed traffic: it starts at (`along`, `across`) [m] of the road's frame, at `angle` [rad] to the
+    road, bent to the left by `bend` [1/m] in that frame. `speed` [m/s] is the limit. `stop` is the distance from the
+    start to the stop line at a light, or None. `number` counts the paths of its `way` from the outermost.
     """
 
     kind: str
@@ -66,11 +66,11 @@ class Path:
 
     @property
     def outer(self) -> bool:
-        """Whether it is the outermost of its direction."""
+        """Whether it is the outermost path of its direction."""
         return self.number == 0
 
     def at(self, distance: float, left: float = 0.0) -> tuple[float, float, float]:
-        """Along, across [m] and angle [rad] that far from the start and `left` [m] of the middle."""
+        """Along, across [m] and angle [rad] at a `distance` [m] from the start, `left` [m] of the middle."""
         angle = self.angle + self.bend * distance
         if self.bend == 0.0:
             along = self.along + distance * math.cos(angle)
@@ -92,18 +92,18 @@ class _Offset(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class StreetFrame:
-    """The road under the ego vehicle with what a street that fills it has to know.
+    """The road under the ego vehicle, with all that is needed to fill it as a street.
 
-    The frame of the `road` stands at `place` in the layout, the land around it is `plain` [m] high. `lacks` are those
-    of its surfaces that the layout does not show: "sidewalk", "terrain", or all but in the picture with "road". Of a
-    drawn road, `paved` is what else is paved, and `ends` how far [m] along it is drawn.
+    The frame of the `road` is at `place` in the layout; the land around it is `plain` [m] high. `lacks` are its
+    surfaces that the layout does not show: "sidewalk", "terrain", or with "road" all but those in the picture. Of a
+    drawn road, `paved` is the other pavement, and `ends` how far [m] along it is drawn.
 
-    `speed` [m/s] is its limit, None that of where it leads. `parked` are the sides where cars are parked in the
-    outermost of several lanes or beside the only one (`LEFT`, `RIGHT`); None where the lanes are those of `road`. With
-    `one_way` all the room between them leads in the ego's direction. `aisles` are the middle across and from and to
-    along [m] of those of its car park, `lights` is whether the junction has traffic lights, `zebras` are where people
-    cross the road [m along]. `relief` holds, for each of its lanes and then of its ways, the height [m] and the slope
-    to the left at even distances; empty on level ground.
+    `speed` [m/s] is its limit, None that of its surroundings. `parked` are the sides (`LEFT`, `RIGHT`) with cars parked
+    in the outermost of several lanes or beside the only one; None if the lanes are those of `road`. With `one_way` all
+    the room between them leads in the ego's direction. `aisles` are those of its car park: middle across, and from and
+    to along [m]. `lights` is whether the junction has traffic lights, `zebras` are the places [m along] of crossings
+    for people. `relief` holds, for each of its lanes and then of its ways, the height [m] and the slope to the left at
+    even distances; empty on level ground.
     """
 
     road: Road
@@ -126,13 +126,13 @@ class StreetFrame:
         check_that(self.ends is None or self.ends[0] < self.ends[1], "street: ends", self.ends, "from less to more")
 
     def crossings(self) -> tuple[Crossing, ...]:
-        """Its zebras, in the frame of the layout."""
+        """The zebras, in the frame of the layout."""
         own = [in_frame(self.road.at(along, 0.0), self.place) for along in self.zebras]
         size = (_ZEBRA, 2 * self.road.edge)
         return tuple(Crossing(id=f"zebra_{number}", place=place, size=size) for number, place in enumerate(own))
 
     def over(self, height: Callable[[np.ndarray], np.ndarray]) -> StreetFrame:
-        """The same street on ground whose `height` f64 [N] is known at points [N, 2] of the layout's frame."""
+        """The street on ground with `height` f64 [N] at points [N, 2] of the layout's frame."""
         flat = replace(self, relief=())
         lines = [lane.line for lane in (*flat.lanes()[0], *flat.ways())]
         lines = [Line.through(line.spaced(max(len(line.along), 2 + int(line.length / _RELIEF)))) for line in lines]
@@ -142,7 +142,7 @@ class StreetFrame:
         return replace(self, relief=tuple(tuple(itertools.islice(rows, len(line.along))) for line in lines))
 
     def limit(self) -> float:
-        """The speed [m/s] of its traffic: that of towns where none is known."""
+        """The speed [m/s] of its traffic; that of towns if none is known."""
         return TOWN_SPEED if self.speed is None else self.speed
 
     def _offsets(self) -> list[_Offset]:
@@ -152,7 +152,7 @@ class StreetFrame:
         right = road.edge - (strip if RIGHT in parked or road.parking else 0.0)
         left = road.edge - (strip if LEFT in parked or road.parking else 0.0)
         if self.one_way:
-            # all the room between the parked cars: one lane, or two where there is width for them
+            # all the room between the parked cars: one lane, or two if it is wide enough
             middle, width = (left - right) / 2, left + right
             if width < _TWO_LANES:
                 return [_Offset(middle, 1, 0, width)]
@@ -170,7 +170,7 @@ class StreetFrame:
         return offsets
 
     def side_offsets(self) -> list[float]:
-        """How far [m] from the middle of a side road its lanes are either way, from the outermost on."""
+        """The distances [m] of a side road's lanes from its middle, either way, from the outermost on."""
         if self.parked is None:
             return [-self.road.lane(number) for number in range(self.road.lanes)]
         shares = _ONE_EACH_WAY if self.road.edge < _FOUR_LANES else _TWO_EACH_WAY
@@ -178,12 +178,12 @@ class StreetFrame:
 
     @property
     def gap(self) -> float:
-        """From the middle of the junction to where the lanes that lead to it end [m]."""
+        """The distance [m] from the middle of the junction to the ends of the lanes that lead to it."""
         radius = self.road.roundabout_radius
         return (self.road.edge if radius is None else radius) + _JUNCTION_GAP
 
     def _main_paths(self) -> Iterator[Path]:
-        """Along the whole road, in two pieces where a roundabout breaks it."""
+        """Along the whole road, in two pieces if a roundabout divides it."""
         road, gap = self.road, self.gap
         for across, direction, number, width in self._offsets():
             start, length = -direction * road.half_length, 2 * road.half_length
@@ -200,7 +200,7 @@ class StreetFrame:
             yield from (replace(whole, along=begin, length=piece) for begin, piece in pieces if piece > _SHORTEST)
 
     def _side_paths(self) -> Iterator[Path]:
-        """Those of each side road; right-hand traffic: outwards on the right seen from the junction."""
+        """The paths of each side road; right-hand traffic: outwards on the right as seen from the junction."""
         road, near = self.road, self.gap
         length, speed = road.half_length - near, min(self.limit(), TOWN_SPEED)
         stop = length - (road.verge - road.edge) - _STOP if self.lights and road.roundabout_radius is None else None
@@ -222,15 +222,15 @@ class StreetFrame:
             yield Path(ROUNDABOUT, "ring", *start, 2 * math.pi * radius, _ROUNDABOUT_SPEED, bend=1 / radius)
 
     def _aisles(self) -> Iterator[Path]:
-        """One each way in each aisle."""
+        """One path each way in each aisle."""
         for number, (across, first, last) in enumerate(self.aisles):
             rest = (last - first - 2 * _AISLE_END, _CAR_PARK_SPEED)
             yield Path(AISLE, f"aisle_{number}.with", first + _AISLE_END, across - _AISLE_OFF, 0.0, *rest)
             yield Path(AISLE, f"aisle_{number}.against", last - _AISLE_END, across + _AISLE_OFF, math.pi, *rest)
 
     def ways(self) -> tuple[Lane, ...]:
-        """What drivers follow, in the frame of the layout: along the road and its side roads, over each turn from it,
-        and, where cars are placed so, around a roundabout and along aisles."""
+        """The paths that drivers follow, in the frame of the layout: along the road and its side roads and over each
+        turn from it. If cars are placed there, also around a roundabout and along aisles."""
         paths = () if self.parked is None else (*self._ring(), *self._aisles())
         crossed = None if self.road.roundabout_radius else self.road.junction
         crossing = () if crossed is None else (*self._side_ways(), *self._turning_ways(crossed))
@@ -242,8 +242,8 @@ class StreetFrame:
         )
 
     def line(self, points: np.ndarray, number: int) -> Line:
-        """The line through points [S, 2] of the road's frame, in that of the layout, of which the relief has that
-        number."""
+        """The line in the layout's frame through points [S, 2] of the road's frame, with the relief of that
+        `number`."""
         x, y, yaw = self.place
         line = Line.through(points @ rotation(yaw) + (x, y))
         if not self.relief:
@@ -251,20 +251,21 @@ class StreetFrame:
         if not -len(self.relief) <= number < len(self.relief):
             raise LayoutError(f"street: relief is of {len(self.relief)} lines; it must be of all lanes and ways")
         stations, rows = np.linspace(0.0, line.length, len(self.relief[number])), np.array(self.relief[number])
-        bends = line.along[np.abs(line.along[:, None] - stations).min(axis=1) > _SAME]  # which stations would cut
+        bends = line.along[np.abs(line.along[:, None] - stations).min(axis=1) > _SAME]  # stations would cut these
         along = np.sort(np.concatenate([stations, bends]))
         heights, camber = (np.interp(along, stations, row) for row in rows.T)
         return Line.through(np.column_stack([line.at(along), heights]), camber)
 
     def pieces(self, gap: float | None) -> list[tuple[float, float]]:
-        """From and to along the road [m]: all of it, or what lies `gap` [m] or more from the middle of the junction."""
+        """From and to along the road [m]: all of it, or the pieces `gap` [m] or more from the middle of the
+        junction."""
         low, high = self.ends or (-self.road.half_length, self.road.half_length)
         junction = self.road.junction
         pieces = [(low, high)] if gap is None or junction is None else [(low, junction - gap), (junction + gap, high)]
         return [(low, high) for low, high in pieces if high - low > _STATION]
 
     def along(self, across: float, low: float, high: float, direction: int) -> np.ndarray:
-        """Points [S, 2] of the road's frame from place to place along the road."""
+        """Points [S, 2] of the road's frame between two places along the road."""
         stations = np.linspace(low, high, 2 if not self.road.curvature else max(2, math.ceil((high - low) / _STATION)))
         return self.road.points(stations[::direction], np.array(across))
 
@@ -275,7 +276,7 @@ class StreetFrame:
         return np.array([x, y]), rotation(heading)
 
     def _through(self) -> Iterator[_Points]:
-        """Along the road; a roundabout ends them."""
+        """Along the road; a roundabout ends the ways."""
         gap = None if self.road.roundabout_radius is None else self.gap
         for across, direction, _, width in self._offsets():
             for low, high in self.pieces(gap):
@@ -307,7 +308,7 @@ class StreetFrame:
             for turn, side in (("left", LEFT), ("right", RIGHT)):
                 if side * way not in road.side_roads:
                     continue
-                # forward and left as the driver sees it
+                # forward and left relative to the driver
                 forward = -far + (side * outer + far) * np.sin(_QUARTER)
                 left = own + (side * far - own) * (1.0 - np.cos(_QUARTER))
                 on = np.array([[side * outer, side * road.half_length]])
@@ -317,7 +318,7 @@ class StreetFrame:
                 yield points, {"turn": turn, "bend": (float(along[len(stations)]), float(along[-2]))}
 
     def _along_path(self, path: Path) -> _Points:
-        """Around a roundabout, or straight on, as side roads of bends are too."""
+        """Around a roundabout, or straight on; side roads of a bend are straight too."""
         steps = np.linspace(0.0, path.length, math.ceil(path.length / _STATION) if path.bend else 2)
         places = np.array([path.at(step)[:2] for step in steps.tolist()])
         more = {"kind": "aisle" if path.kind == AISLE else "driving", "width": path.width, "speed": path.speed}
@@ -337,21 +338,21 @@ class StreetFrame:
         return tuple(lanes), junctions, tuple(made.signals())
 
 
-_Points = tuple[np.ndarray, dict[str, Any]]  # [S, 2] of the middle of a lane, and what else is known of it
+_Points = tuple[np.ndarray, dict[str, Any]]  # the middle of a lane [S, 2], and other fields known of it
 
 
 def paths_of(street: StreetFrame) -> tuple[Path, ...]:
-    """Where traffic is placed: along the road, its side roads, its roundabout and its car park.
+    """The paths of placed traffic: along the road, its side roads, its roundabout and its car park.
 
-    The side roads of a bend, in whose frame they would widen, have none.
+    Side roads of a bend would widen in its frame, so they have none.
     """
     side_roads = () if street.road.curvature else street._side_paths()
     return (*street._main_paths(), *side_roads, *street._ring(), *street._aisles())
 
 
 class _Lanes:
-    """The lanes of a street while they are made: `points` [S, 2] of the road's frame, and what else is known of each;
-    the `entries` and `exits` of the junction, from the outermost on, on each of its legs."""
+    """The lanes of a street under construction: `points` [S, 2] of the road's frame, and the other known fields of
+    each; the `entries` and `exits` of the junction on each of its legs, from the outermost on."""
 
     def __init__(self, street: StreetFrame) -> None:
         self.street, self.road = street, street.road
@@ -373,7 +374,7 @@ class _Lanes:
         self._beside()
 
     def lane(self, id: str, number: int) -> Lane:
-        """The lane of an id, which was made as that number."""
+        """The lane of an id; `number` is its place in the order of creation."""
         line, known = self.street.line(self.points[id], number), self.known[id]
         if known.get("kind") == "sidewalk" and not self.street.relief:
             line = Line.through(np.column_stack([line.middle, np.full(len(line.along), KERB_HEIGHT)]))
@@ -399,7 +400,7 @@ class _Lanes:
         return id
 
     def _main(self, path: Path) -> None:
-        """The lane of the road itself, or those before and behind the junction."""
+        """The lane of the road itself, or its lanes before and behind the junction."""
         junction, direction = self.road.junction, 1 if path.angle == 0.0 else -1
         low, high = self.street.ends or tuple(sorted((path.along, path.along + direction * path.length)))
         if junction is None:
@@ -412,7 +413,8 @@ class _Lanes:
             legs[leg].append(self._add(path, ".in" if enters else ".out", points))
 
     def _turns(self) -> None:
-        """From each lane straight on into that of its number, and into the outer lanes of the roads to either side."""
+        """From each lane straight on into the lane of the same number, and into the outer lanes of the roads to either
+        side."""
         for entries, exits in itertools.product(self.entries.values(), self.exits.values()):
             for number, start in enumerate(entries):
                 into, away = self.points[start][-2:], self.points[exits[0]][:2]
@@ -477,8 +479,8 @@ def _heading(points: np.ndarray) -> float:
 
 
 def _bent(into: np.ndarray, away: np.ndarray, wide: float = 1.0) -> np.ndarray:
-    """Points [S, 2] of the cubic curve from the end of one line [2, 2] to the begin of another, in their directions,
-    the further along them the wider it is."""
+    """Points [S, 2] of the cubic curve from the end of one line [2, 2] to the start of another, tangent to both; it
+    follows them further for a larger `wide`."""
     start, end, t = into[1], away[0], np.linspace(0.0, 1.0, 17)[:, None]
     reach = wide * np.linalg.norm(end - start)
     first, last = (reach * (line[1] - line[0]) / np.linalg.norm(line[1] - line[0]) for line in (into, away))

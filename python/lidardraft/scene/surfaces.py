@@ -1,4 +1,4 @@
-"""The surfaces of a layout as a table: how much each primitive sends back at each incidence."""
+"""The surfaces of a layout as a table: the response of each primitive at each incidence."""
 
 from __future__ import annotations
 
@@ -19,15 +19,15 @@ from lidardraft.scene.materials import (
 )
 from lidardraft.semantics import BY_NAME
 
-# What is behind a pane (curtains, seats) is as far behind all of it: the median [m] and the spread of its logarithm,
-# estimates.
+# The distance behind a pane (curtains, seats) is the same for all of it: its median [m] and the spread of its
+# logarithm, estimates.
 _BEHIND, _BEHIND_SPREAD = 0.25, 0.6
-_TINT_SPREAD = 0.4  # of the logarithm of what passes through a pane, an estimate: coatings, tints, dirt
-_BINS = 128  # of incidence, as many as the core looks up; 0.9 degrees each
+_TINT_SPREAD = 0.4  # of the logarithm of a pane's transmission, an estimate: coatings, tints, dirt
+_BINS = 128  # of incidence, as in the core's table; 0.9 degrees each
 _FACTORS = np.array([0x9E3779B97F4A7C15, 0xC2B2AE3D27D4EB4F, 0x165667B19E3779F9], np.uint64)
 _INDEX = {material.name: i for i, material in enumerate(MATERIALS)}
-# A film of water fills the pores of porous ground, which sends back about half as much (Lekner and Dorf, Applied Optics
-# 27, 1988), and what the film mirrors never comes back to a sensor that does not face it.
+# A film of water fills the pores of porous ground, which then returns about half as much (Lekner and Dorf, Applied
+# Optics 27, 1988). The light that the film mirrors never returns to a sensor that does not face it.
 _WET_SHARE = 0.5
 _WETTED = frozenset({"asphalt", "concrete", "paving", "gravel", "soil", "road-paint", "stone"})
 
@@ -38,8 +38,7 @@ class Surfaces:
     nearly linear in the angle; 1 is a white surface that faces the sensor. Row 0 is that of no return.
 
     `transmission`, `grain`, `texture` and `rms_height`, f32 [P + 1], are those of the primitives' materials, `behind`
-    is how far behind glass the next thing is [m]. Made once for a
-    layout that is scanned often.
+    is the distance [m] from glass to the next surface behind it. Make it once for a layout that is scanned often.
     """
 
     table: np.ndarray
@@ -55,9 +54,9 @@ class Surfaces:
     ) -> Surfaces:
         """The surfaces of `layout`, its ground wet by `wetness`, 0 to 1.
 
-        Without `variation` the primitives of one material are all alike. It follows from where a primitive stands or,
-        with `by_id`, from its id: then one that is moved looks as before.
-        Raises `SensorError` where `wetness` is not 0 to 1.
+        Without `variation` the primitives of one material are all alike. Variation follows from the place of a
+        primitive or, with `by_id`, from its id: then a moved one keeps its brightness. Raises `SensorError` if
+        `wetness` is not 0 to 1.
         """
         primitives = layout.primitives
         names = [p.material or CLASS_MATERIALS[BY_NAME[p.label].id].name for p in primitives]
@@ -68,13 +67,13 @@ class Surfaces:
 
     @classmethod
     def joined(cls, parts: Sequence[Surfaces]) -> Surfaces:
-        """Those of several, one after the other."""
+        """The surfaces of several sets, in order."""
         first = [cls.from_layout(Layout()), *parts]  # the row of no return is that of the first
         columns = [[getattr(part, field.name) for part in first] for field in fields(cls)]
         return cls(*(np.concatenate([one[0], *(more[1:] for more in one[1:])]) for one in columns))
 
     def some(self, indices: np.ndarray) -> Surfaces:
-        """Those of the primitives of these indices."""
+        """The surfaces of the primitives with these indices."""
         kept = np.concatenate([[0], indices.astype(np.intp) + 1])
         return Surfaces(*(getattr(self, field.name)[kept] for field in fields(self)))
 
@@ -82,8 +81,8 @@ class Surfaces:
     def from_materials(cls, materials: np.ndarray, keys: np.ndarray, *, wetness: float = 0.0) -> Surfaces:
         """Surfaces of `materials` [P], indices of `MATERIALS`; foliage is a medium, whose leaves face every way.
 
-        How one differs from others of its material follows from `keys` u64 [P]; with 0 it is the typical one. Raises
-        `SensorError` where `wetness` is not 0 to 1.
+        `keys` u64 [P] decide how each differs from others of its material; 0 gives the typical one. Raises
+        `SensorError` if `wetness` is not 0 to 1.
         """
         return cls._made_of(materials, materials == _INDEX["foliage"], keys, wetness)
 
@@ -93,7 +92,7 @@ class Surfaces:
             raise SensorError(f"wetness is {wetness}; it must be 0 to 1")
         table = np.zeros((len(index) + 1, _BINS), np.float32)
         np.take(_responses(wetness), index, axis=0, out=table[1:])
-        # leaves face every way: the incidence on the hull of a medium says nothing
+        # leaves face every way: the incidence on the hull of a medium means nothing
         table[1:][media] = np.array([leaf_response(m) for m in MATERIALS])[index[media], None]
         if keys is not None:
             spread = np.array([m.variation for m in MATERIALS])[index]
@@ -131,7 +130,7 @@ def _keys_from_ids(primitives: tuple[Primitive, ...]) -> np.ndarray:
 
 
 def _nearly_normal(keys: np.ndarray) -> np.ndarray:
-    """A number for each key u64 [P], nearly normal, of variance 1: f64 [P]."""
+    """A nearly normal number of variance 1 for each key u64 [P]: f64 [P]."""
     mixed = keys ^ keys >> np.uint64(31)
     mixed *= np.uint64(0xBF58476D1CE4E5B9)
     mixed ^= mixed >> np.uint64(29)

@@ -1,4 +1,4 @@
-"""What a scan shows of a layout: the pixels that the layout leaves open, and how much of an object others hide."""
+"""How a scan shows a layout: the pixels that the layout leaves open, and the share of an object that others hide."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import moved_by_column
 from lidardraft.scene.range_image import RangeImage
 
-_BEFORE = 0.1  # m: what is nearer to the box than this stands in it
+_BEFORE = 0.1  # m: a return nearer to the box than this is from the box
 
 
 def occluded_shares(image: RangeImage, boxes: Sequence[Box], poses: np.ndarray | None = None) -> list[float]:
@@ -43,24 +43,24 @@ def occluded_shares(image: RangeImage, boxes: Sequence[Box], poses: np.ndarray |
 
 
 def _entries(to_box: np.ndarray, directions: np.ndarray, box: Box) -> np.ndarray:
-    """How far along each ray [N, 3] the box begins, whose centre is `to_box` [N, 3] from its start: f64 [N]; infinite
-    for rays that miss it."""
+    """The distance along each ray [N, 3] to the box, f64 [N]; infinite for rays that miss it. `to_box` [N, 3] is the
+    vector from the ray's start to the centre of the box."""
     cos, sin = math.cos(box.yaw), math.sin(box.yaw)
     axes, half = np.array([(cos, -sin, 0.0), (sin, cos, 0.0), (0.0, 0.0, 1.0)]), np.array(box.size) / 2
     centre, ahead = to_box @ axes, directions @ axes
-    ahead = np.where(ahead == 0, 1e-12, ahead)  # a ray along a side
+    ahead = np.where(ahead == 0, 1e-12, ahead)  # rays along a side
     enters = ((centre - np.sign(ahead) * half) / ahead).max(axis=1, initial=0.0)
     leaves = ((centre + np.sign(ahead) * half) / ahead).min(axis=1, initial=np.inf)
     return np.where(enters <= leaves, enters, np.inf)
 
 
 def open_pixels(layout: Layout, condition_image: RangeImage, pose: np.ndarray) -> np.ndarray:
-    """The pixels that a layout leaves open to a sensor at world_from_sensor `pose`, [4, 4] or of each column
-    [W, 4, 4]: bool [H, W].
+    """bool [H, W]: the pixels that a layout leaves open to a sensor at world_from_sensor `pose`, [4, 4] or one for each
+    column [W, 4, 4].
 
-    A pixel is open where the ray of `condition_image`, the cast with the image `primitive`, hits a shape that is `open`
-    or, in a layout that has one, no shape at all; and outside the layout's coverage. Pixels that the vehicle hides are
-    never open.
+    A pixel is open if the ray of `condition_image`, a cast with the image `primitive`, hits a shape that is `open`. In
+    a layout that has such shapes, rays that hit nothing are open too. So are rays outside the layout's coverage. Pixels
+    that the vehicle hides are never open.
     """
     if condition_image.primitive is None:
         raise LayoutError("the condition image has no primitives; cast it with primitive=True")

@@ -1,10 +1,10 @@
 """Rain, fog and snow between sensor and target: extinction of light, and backscatter from the air.
 
 Extinction per metre follows ITU-R P.1814 (2007): fog by visibility (Koschmieder's law with the wavelength law of Kruse
-as Kim amends it), rain after Carbonneau, snow wet or dry. Backscatter of fog is that of Hahner et al. (ICCV 2021);
-raindrops and snowflakes are met one by one, as many as Marshall and Palmer (1948) and Gunn and Marshall (1958) counted,
-the way Hahner et al. (CVPR 2022) sample snow. Their light is that of a small target near by, which a receiver that is
-focused far away sees blurred: only a part falls on its detector (the form factor of the lidar equation).
+as Kim amends it), rain after Carbonneau, snow wet or dry. Backscatter of fog is that of Hahner et al. (ICCV 2021). Rays
+meet raindrops and snowflakes one by one, in the numbers that Marshall and Palmer (1948) and Gunn and Marshall (1958)
+counted, as Hahner et al. (CVPR 2022) sample snow. Their light is that of a small target near by. A receiver with a
+distant focus sees it blurred: only a part falls on its detector (the form factor of the lidar equation).
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from lidardraft.json_fields import is_number
 
 _WAVELENGTH = 905.0  # nm
 _PER_DECIBEL_KM = math.log(10.0) / 10.0 / 1000.0  # dB/km to 1/m
-_OVERLAP = 0.95  # m before which the receiver does not see the beam (Hahner et al., 2021: 0.9 to 1.0)
+_OVERLAP = 0.95  # m; the receiver does not see the beam before (Hahner et al., 2021: 0.9 to 1.0)
 _APERTURE = 0.011  # m, width of the beam at the window (12.7 x 9.5 mm in Velodyne's VLP-16 manual, 9.5 mm of an OS1)
-_LENS = 0.025  # m, width of the receiver's: our estimate
-_REACH = 40.0  # m beyond which no raindrop or snowflake is bright enough alone
-# Light that comes straight back, over that of a white disc of the same width. Of a raindrop it is what its front and,
-# focused by the drop, its back reflect: R / 4 and R (1 - R)^2 (n / (2 - n))^2 / 4 with n = 1.33, R = 0.02. Of a
-# snowflake it is our estimate.
+_LENS = 0.025  # m, width of the receiver's: an estimate
+_REACH = 40.0  # m; no single raindrop or snowflake beyond is bright enough
+# Light that comes straight back, over that of a white disc of the same width. A raindrop reflects at its front and,
+# focused by the drop, at its back: R / 4 and R (1 - R)^2 (n / (2 - n))^2 / 4 with n = 1.33, R = 0.02. The value of a
+# snowflake is an estimate.
 _WATER, _ICE = 0.024, 0.8
 
 
@@ -52,7 +52,7 @@ class Weather:
 
     @property
     def extinction(self) -> float:
-        """Light lost on a metre of the way [1/m]; there and back it is twice that."""
+        """Light lost per metre of the way [1/m]; twice that there and back."""
         return fog_extinction(self.visibility) + rain_extinction(self.rain) + snow_extinction(self.snow)
 
     @property
@@ -61,9 +61,9 @@ class Weather:
         return self.rain > 0 or self.snow > 0 or not math.isinf(self.visibility)
 
 
-# What a sentence calls the weather. Rates in the middle of the classes of the American Meteorological Society (light
-# rain is less than 2.5 mm/h, heavy rain more than 7.6 mm/h); visibilities below those of mist and fog of the World
-# Meteorological Organization (5 km, 1 km), such that they show within the range of a sensor.
+# The weather words of sentences. Rates are in the middle of the classes of the American Meteorological Society (light
+# rain is less than 2.5 mm/h, heavy rain more than 7.6 mm/h). Visibilities are below those of mist and fog of the World
+# Meteorological Organization (5 km, 1 km), and show within the range of a sensor.
 WEATHERS = {
     "light-rain": Weather(rain=2.0, wetness=0.5),
     "rain": Weather(rain=5.0, wetness=0.8),
@@ -79,12 +79,12 @@ WEATHERS = {
 
 
 def weather_of(name: str | None) -> Weather:
-    """One of WEATHERS, clear and dry without a name."""
+    """The weather of that name in WEATHERS; clear and dry if it is None."""
     return Weather() if name is None else WEATHERS[name]
 
 
 def fog_extinction(visibility: float) -> float:
-    """Extinction [1/m] of fog of a visibility [m]: 3.91 / V at 550 nm, and what the wavelength changes."""
+    """Extinction [1/m] in fog of a visibility [m]: 3.91 / V at 550 nm, corrected for the wavelength."""
     if math.isinf(visibility):
         return 0.0
     kilometres = visibility / 1000.0
@@ -98,21 +98,21 @@ def fog_extinction(visibility: float) -> float:
 
 
 def rain_extinction(rate: float) -> float:
-    """Extinction [1/m] of rain of a rate [mm/h]."""
+    """Extinction [1/m] in rain of a rate [mm/h]."""
     return float(1.076 * rate**0.67 * _PER_DECIBEL_KM)
 
 
 def snow_extinction(rate: float) -> float:
-    """Extinction [1/m] of wet snow of a rate [mm/h of water]."""
+    """Extinction [1/m] in wet snow of a rate [mm/h of water]."""
     return float((1.023e-4 * _WAVELENGTH + 3.7855) * rate**0.72 * _PER_DECIBEL_KM)
 
 
 def particles(weather: Weather) -> tuple[float, float, float, float]:
-    """Of raindrops or snowflakes: how many a cubic metre holds, least diameter [m], how much larger one is on average
-    [m], and the share of light that it sends back.
+    """Raindrops or snowflakes: their number in a cubic metre, least diameter [m], mean excess over it [m], and the
+    share of light that one returns.
 
-    Exponential distributions of diameters, N0 exp(-L D), cut at half a millimetre for raindrops and one for snowflakes,
-    below which one alone is never seen. In sleet the snowflakes count.
+    Diameters are exponentially distributed, N0 exp(-L D), cut at half a millimetre for raindrops and one for
+    snowflakes; a smaller one alone is never detected. In sleet the snowflakes count.
     """
     if weather.snow > 0:
         slope = 2550.0 * weather.snow**-0.48  # 1/m
@@ -131,8 +131,8 @@ def first_particle(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Range [m] of the first raindrop or snowflake in each beam and its response, f32 [*shape]; 0 and 0 without one.
 
-    `width` is the divergence of the beam [rad], and so the field of view of its detector. A particle sends back its own
-    share of the beam's cross-section, of which the detector gets its own share of the blur.
+    `width` is the divergence of the beam [rad], and so the field of view of its detector. A particle returns its share
+    of the beam's cross-section; the detector gets its share of the blur.
     """
     density, least, larger, share = particles(weather)
     steps = np.linspace(_OVERLAP, _REACH, 256)
@@ -152,8 +152,8 @@ def fog_echo(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Range [m] and response of the fog just in front of each beam, f32 [*shape]; response 0 without fog.
 
-    A pulse lights its own length of fog, whose backscatter is 0.046 / V per metre and steradian; against the 1 / pi of
-    a white surface. The range is sampled where the light comes from, 1 / r^2 from the overlap on.
+    A pulse lights its own length of fog, whose backscatter is 0.046 / V per metre and steradian, against the 1 / pi of
+    a white surface. The range is sampled like the light that returns, 1 / r^2 from the overlap on.
     """
     if math.isinf(weather.visibility):
         return np.zeros(shape, np.float32), np.zeros(shape, np.float32)

@@ -1,4 +1,4 @@
-"""What a visitor sees of a frame, in the 3D view of viser: `Canvas`."""
+"""A visitor's view of a frame, in the 3D view of viser: `Canvas`."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from lidardraft.world.state import EGO_NAME
 _LABELLED = 40  # boxes with a name over them, the nearest ones
 _WHITE, _RED, _YELLOW, _GREY = (255, 255, 255), (255, 60, 60), (255, 220, 60), (150, 155, 170)
 _GIZMO, _GIZMOS = 0.75, (1.6, 4.5)  # of the length of an object; m, the smallest and the largest
-_GAMMA = 2.2  # of screens, which viser leaves out of lines
+_GAMMA = 2.2  # of screens; viser ignores it for lines
 Drag = Callable[[float, float, float, str], None]
 
 
 class Canvas:
-    """The nodes of one client's view. `drag` is told of x, y [m], yaw [rad] and the phase of a drag."""
+    """The nodes of one client's view. `drag` is called with x, y [m], yaw [rad] and the phase of a drag."""
 
     def __init__(self, client: viser.ClientHandle, drag: Drag) -> None:
         self._client, self._drag = client, drag
@@ -37,7 +37,7 @@ class Canvas:
         self.see(None, None)
 
     def show(self, session: Session, frame: Frame) -> None:
-        """The points, the ego vehicle and the selected object, all at once."""
+        """Show the points, the ego vehicle and the selected object, all at once."""
         editor, selected = session.editor, session.selected
         ego = editor.box(EGO_NAME)
         with self._client.atomic():
@@ -51,7 +51,7 @@ class Canvas:
                 self.see(ego, None)
 
     def settle(self, session: Session, frame: Frame) -> None:
-        """Boxes, names, shapes, faults and the gizmo, which need not follow a drag."""
+        """Show boxes, names, shapes, faults and the gizmo, which need not follow a drag."""
         look = frame.look
         boxes = frame.boxes() if look.boxes or look.labels else []
         others = [box for box in boxes if box.id.split(".")[0] != session.selected]
@@ -72,7 +72,7 @@ class Canvas:
             self._place_gizmo(session, session.selected)
 
     def see(self, ego: Box | None, target: Box | None) -> None:
-        """Look as `camera` says: at a target, from the seat of the ego vehicle, above it or behind it."""
+        """Set the camera by `camera`: on a target, from the seat of the ego vehicle, above it or behind it."""
         x, y, yaw = (*ego.center[:2], ego.yaw) if ego else (0.0, 0.0, 0.0)
         camera = self._client.camera
         if target is not None:
@@ -90,7 +90,7 @@ class Canvas:
 
     def _points(self, name: str, points: np.ndarray, colours: np.ndarray, size: float) -> None:
         node = self._nodes.get(name)
-        if not len(points):  # which viser cannot draw
+        if not len(points):  # viser cannot draw none
             self._remove(name)
         elif node is None:
             self._nodes[name] = self._client.scene.add_point_cloud(
@@ -110,7 +110,7 @@ class Canvas:
         lines, colours = box_lines(boxes)
         if colour is not None:
             colours[:] = colour
-        colours = (255 * (colours / 255) ** _GAMMA).astype(np.uint8)  # lines are drawn brighter than points
+        colours = (255 * (colours / 255) ** _GAMMA).astype(np.uint8)  # viser draws lines brighter than points
         node = self._nodes.get(name)
         if node is not None:
             node.points, node.colors = lines, colours
@@ -147,7 +147,7 @@ class Canvas:
             )  # fmt: skip
 
     def _place_gizmo(self, session: Session, name: str | None) -> None:
-        """Arrows and an arc at the selected object, at its feet."""
+        """Place arrows and an arc at the feet of the selected object."""
         if self._gizmo is not None and self._gizmo[0] != name:
             self._gizmo[1].remove()
             self._gizmo = None
@@ -162,7 +162,7 @@ class Canvas:
             )  # fmt: skip
             self._gizmo = name, gizmo
 
-            async def dragged(event: Any) -> None:  # in order, which threads would not be
+            async def dragged(event: Any) -> None:  # async keeps the order; threads would not
                 x, y, _ = event.target.position.tolist()
                 w, _, _, z = event.target.wxyz.tolist()
                 self._drag(x, y, 2.0 * math.atan2(z, w), event.phase)

@@ -1,4 +1,4 @@
-"""What a visitor has made: states of a world to go back and forth in, and how it is looked at; values all."""
+"""A visitor's work: the states of a world for undo and redo, and the settings of the view; all of them values."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.weather import Weather
 from lidardraft.world.state import WorldState
 
-MOST_STATES = 2000  # that are kept to go back to: a state shares all but a table of places with those before it
+MOST_STATES = 2000  # kept for undo: a state shares all but a table of places with earlier ones
 MOST_PLAYED = 1200  # states of the time line: two minutes
 
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """The states that edits have led through, of which that at the `cursor` is now, the states that have been `played`,
-    of which that at `position` is shown, and the sensors and the weather that scan them.
+    """The states after each edit, with the current one at the `cursor`; the states that were `played`, with the shown
+    one at `position`; and the sensors and the weather of scans.
 
-    None as `weather` is that of the layout.
+    `weather` None is that of the layout.
     """
 
     states: tuple[WorldState, ...]
@@ -29,11 +29,11 @@ class Document:
 
     @property
     def state(self) -> WorldState:
-        """That of now."""
+        """The current state."""
         return self.states[self.cursor]
 
     def edited(self, state: WorldState) -> Document:
-        """With another state after that of now, in place of those that were undone."""
+        """The document with another state after the current one, in place of those that were undone."""
         if state is self.state:
             return self
         states = (*self.states[: self.cursor + 1], state)[-MOST_STATES:]
@@ -41,17 +41,17 @@ class Document:
         return replace(self, states=states, cursor=len(states) - 1, played=played)
 
     def moved(self, by: int) -> Document:
-        """With the state of `by` edits later as that of now, or the first or the last one."""
+        """The document with the state `by` edits later as the current one, or the first or the last one."""
         cursor = min(max(self.cursor + by, 0), len(self.states) - 1)
         return replace(self, cursor=cursor, played=(), position=0)
 
     def stepped(self, before: WorldState, after: WorldState) -> Document:
-        """With one more state played, in place of those that came after `before`."""
+        """The document with one more played state, in place of those after `before`."""
         played = (*(self.played[: self.position] if self.played else ()), before, after)[-MOST_PLAYED:]
         return replace(self, played=played, position=len(played) - 1)
 
     def at(self, position: int) -> Document:
-        """With the played state of that number shown, or the first or the last one."""
+        """The document with the played state of that number shown, or the first or the last one."""
         return replace(self, position=min(max(position, 0), len(self.played) - 1))
 
 
@@ -60,7 +60,7 @@ COLOURS = ("objects and height", "height", "class", "intensity", "range", "objec
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What is shown, and in which colours; `hidden` are ids of classes."""
+    """What the view shows, and in which colours; `hidden` are ids of classes."""
 
     colour: str = COLOURS[0]
     points: bool = True

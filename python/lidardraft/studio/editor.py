@@ -22,13 +22,13 @@ from lidardraft.world.rig import Mount, Rig
 from lidardraft.world.state import EGO_NAME, WorldState
 from lidardraft.world.world import World
 
-_LANE_NEAR = 2.5  # m from the middle of a lane, within which things snap to it
+_LANE_NEAR = 2.5  # m from the middle of a lane: nearer things snap to it
 _QUICK_PIXELS = 40_000  # of a quick scan
 _APART = 1.0  # m between a thing and its duplicate
 
 
 class Editor:
-    """One world and its document. An edit that raises leaves both as they were; one thread at a time may use it."""
+    """One world and its document. An edit that raises leaves both unchanged; only one thread at a time may use it."""
 
     def __init__(
         self, source: Layout | WorldState, sensors: Sequence[Sensor], *, seed: int = 0, weather: Weather | None = None
@@ -38,22 +38,22 @@ class Editor:
         self.document = Document((self.world.state(),), tuple(sensors), weather)
 
     def begin(self, source: Layout | WorldState, seed: int) -> None:
-        """Another scene in place of this one, which can be gone back to."""
+        """Replace the scene by another one; undo brings it back."""
         world = _world(source, self.document.sensors, self.document.weather, seed)
         document = self.document.edited(world.state())
         self.world, self.document = world, dataclasses.replace(document, played=(), position=0)
 
     def equip(self, sensors: Sequence[Sensor], weather: Weather | None) -> None:
-        """The same scene with other sensors, in other weather."""
+        """Keep the scene, with other sensors, in other weather."""
         self.world, self._quick = _world(self.world.state(), tuple(sensors), weather, 0), None
         self.document = dataclasses.replace(self.document, sensors=tuple(sensors), weather=weather)
 
     def scans(self) -> tuple[Scan, ...]:
-        """What the sensors see of the world now."""
+        """The scans of the world by its sensors now."""
         return tuple(self.world.scans().values())
 
     def quick_scans(self) -> tuple[Scan, ...]:
-        """What the same sensors see of it with fewer columns, in a fraction of the time."""
+        """The scans by the same sensors with fewer columns, in a fraction of the time."""
         if self._quick is None:
             sensors = tuple(map(_thinned, self.document.sensors))
             self._quick = _world(self.world.state(), sensors, self.document.weather, 0)
@@ -62,17 +62,17 @@ class Editor:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The ids of all objects: what was asked for, then the ego vehicle, then what is around it."""
+        """The ids of all objects: the requested ones, then the ego vehicle, then the surroundings."""
         ids = self.world.ids
         asked = [name for name in ids if not name.startswith(AROUND)]
         return (*asked, EGO_NAME, *(name for name in ids if name.startswith(AROUND)))
 
     def parts(self, name: str) -> list[Primitive]:
-        """The shapes of an object as they stand now."""
+        """The shapes of an object in its current pose."""
         return [part for part in self.world.layout() if object_of(part) == name]
 
     def box(self, name: str) -> Box:
-        """The box around an object as it stands now."""
+        """The box around an object in its current pose."""
         if name == EGO_NAME:
             (x, y, yaw), size = self.world.ego.pose, self.world.ego.size
             return Box(EGO_NAME, "car", 0, (x, y, size[2] / 2), size, yaw)
@@ -80,7 +80,7 @@ class Editor:
         return dataclasses.replace(box, id=name, center=(x, y, box.center[2]), yaw=yaw)
 
     def commit(self) -> None:
-        """Make the world as it is now the next state of the document."""
+        """Make the current world the next state of the document."""
         self.document = self.document.edited(self.world.state())
 
     @contextmanager
@@ -94,8 +94,8 @@ class Editor:
         self.commit()
 
     def move(self, name: str, x: float, y: float, yaw: float, *, snaps: bool = False) -> None:
-        """Place an object at x, y [m] on the ground, with the speed that it has; `commit` ends a drag. `snaps` puts it
-        into the middle of a lane near by, along it."""
+        """Place an object at x, y [m] on the ground, with its current speed; `commit` ends a drag. `snaps` moves it to
+        the middle of a near lane, along it."""
         roads = self.world.layout().roads if snaps else None
         if roads is not None and any(lane.kind == "driving" for lane in roads.lanes):
             lane, along, left = roads.nearest_lane(x, y, yaw=yaw)
@@ -104,12 +104,12 @@ class Editor:
         self.world.move(name, (x, y), yaw=yaw, speed=self.world[name].speed)
 
     def add(self, kind: str, x: float, y: float) -> str:
-        """Put an object of a kind at x, y [m]; its id."""
+        """Add an object of a kind at x, y [m]; returns its id."""
         with self._edit():
             return self.world.add(kind, at=(x, y), speed=0.0)
 
     def duplicate(self, name: str) -> str:
-        """Put the same object beside itself; its id."""
+        """Add a copy of an object beside it; returns the id of the copy."""
         parts, box = self.parts(name), self.box(name)
         stem = re.sub(r"_\d+$", "", name.removeprefix(AROUND))
         new = next(one for k in itertools.count(2) if (one := f"{stem}_{k}") not in self.world)
@@ -119,19 +119,19 @@ class Editor:
             return self.world.add(parts, at=at, speed=0.0)
 
     def remove(self, name: str) -> None:
-        """Take an object out."""
+        """Remove an object."""
         with self._edit():
             self.world.remove(_exactly(name))
 
     def resize(self, name: str, size: tuple[float, float, float]) -> None:
-        """Give an object another length, width and height [m], on the ground where it stands."""
+        """Give an object another length, width and height [m], on the ground at its place."""
         check_that(min(size) > 0.0, f"{name}: size", size, "three lengths over 0 m")
         box = self.box(name)
         factors = tuple(new / old for new, old in zip(size, box.size, strict=True))
         self._replace(name, [_scaled(part, box, factors) for part in self.parts(name)])
 
     def become(self, name: str, kind: str) -> None:
-        """Put an object of another kind in its place, under its id."""
+        """Replace an object by one of another kind, with the same id."""
         self._replace(name, kind)
 
     def _replace(self, name: str, what: str | list[Primitive]) -> None:
@@ -142,29 +142,29 @@ class Editor:
             self.world.add(what, at=(x, y), yaw=yaw if is_kind else 0.0, speed=speed, id=name if is_kind else None)
 
     def set_speed(self, name: str, speed: float) -> None:
-        """Let an object go with a speed [m/s], along its lane where it is in one."""
+        """Set the speed of an object [m/s], along its lane if it is in one."""
         with self._edit():
             self.world[name].speed = speed
 
     def set_own_speed(self, speed: float) -> None:
-        """Let the ego vehicle have come with a speed [m/s]."""
+        """Set the speed at which the ego vehicle arrives [m/s]."""
         x, y, yaw = self.world.ego.pose
         with self._edit():
             self.world.move(EGO_NAME, (x, y), yaw=yaw, speed=speed)
 
     def drive(self, name: str) -> None:
-        """Let an object drive along its lane, by itself."""
+        """Make an object drive along its lane, by itself."""
         with self._edit():
             self.world[name].motion = AlongLane()
 
     def go(self, by: int) -> None:
-        """Undo or redo so many edits."""
+        """Undo or redo `by` edits."""
         document = self.document.moved(by)
         self.world.restore(document.state)
         self.document = document
 
     def step(self, seconds: float) -> None:
-        """Let time pass; it is on the time line at once, and an edit with `commit`."""
+        """Advance time; the state is on the time line at once, and becomes an edit with `commit`."""
         before = self.world.state()
         self.world.step(seconds)
         self.document = self.document.stepped(before, self.world.state())
@@ -200,11 +200,11 @@ def _world(source: Layout | WorldState, sensors: tuple[Sensor, ...], weather: We
 
 
 def _scaled(part: Primitive, box: Box, factors: Sequence[float]) -> Primitive:
-    """A part of the object in the box, of which all is larger by the factors along the axes of the box."""
+    """A part of the object in the box, with the whole enlarged by the factors along the axes of the box."""
     x, y, turn = in_frame((*part.center[:2], part.yaw), place_around((*box.center[:2], box.yaw)))
     along, across, up = factors
     x, y = point_at((*box.center[:2], box.yaw), x * along, y * across)
-    cos, sin = math.cos(turn) ** 2, math.sin(turn) ** 2  # the nearest extents of a part that is turned against the box
+    cos, sin = math.cos(turn) ** 2, math.sin(turn) ** 2  # the closest extents for a part that is rotated in the box
     size = (
         part.size[0] * (cos * along + sin * across),
         part.size[1] * (sin * along + cos * across),

@@ -1,4 +1,4 @@
-"""One moment in a page: points in their colours, boxes, and the point under the mouse."""
+"""One moment in a page: coloured points, boxes, and the point under the mouse."""
 
 from __future__ import annotations
 
@@ -17,20 +17,20 @@ from lidardraft.semantics import BY_NAME, CLASSES
 from lidardraft.studio.document import Look
 from lidardraft.view import PALETTE, colour_by_depth, colour_by_height, colour_by_label, colour_by_share, colour_returns
 
-_SEEN = 5  # returns of an object whose box is shown
-_BESIDE = 70.0  # m to the right, where the second sensor's points are shown
+_SEEN = 5  # the least returns of an object with its box shown
+_BESIDE = 70.0  # m to the right: the place of the second sensor's points
 _PICKED_WITHIN = 0.012  # rad between a click and a point
-_FRONT = 1.0  # m behind the first of them, from which on points are behind it
+_FRONT = 1.0  # m behind the nearest candidate: further points are in the background
 _EDGES = np.array([(0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)])
 _RANGES = (2.0, 80.0)  # m, of the ramp of ranges
-_STRIP = 1024  # columns of a range image that is shown
+_STRIP = 1024  # columns of a shown range image
 _HIGHEST = 12.0  # m, of the ramp of heights
 
 
 @dataclass(frozen=True, eq=False)
 class Frame:
-    """`points` float32 [N, 3] in the world [m] and `colours` uint8 [N, 3] of scans of one moment; `pixels` [N, 3] are
-    the number of the scan, row and column of each. One that is not `whole` is of quick scans."""
+    """`points` float32 [N, 3] in the world [m] and `colours` uint8 [N, 3] of the scans of one moment; `pixels` [N, 3]
+    are the number of the scan, row and column of each. It is `whole` unless it is of quick scans."""
 
     scans: tuple[Scan, ...]
     look: Look
@@ -45,14 +45,14 @@ class Frame:
         return self.scans[0].layout
 
     def boxes(self) -> list[Box]:
-        """Boxes of objects that returns came from, of classes that are shown."""
+        """Boxes of objects with returns, in shown classes."""
         image = self.scans[0].image
         counts = np.bincount(image.instance[image.valid], minlength=2**16)
         hidden = {CLASSES[number].name for number in self.look.hidden}
         return [box for box in self.layout.boxes() if counts[box.instance] >= _SEEN and box.label not in hidden]
 
     def picked(self, origin: Sequence[float], direction: Sequence[float]) -> Pick | None:
-        """The return that a ray meets, or none: of those beside it that are nearest to the eye, that on it."""
+        """The return on a ray, or None: of the foremost returns near the ray, the one closest to it."""
         ways = self.points - np.array(origin, np.float32)
         along = ways @ np.array(direction, np.float32)
         off = np.linalg.norm(ways - along[:, None] * np.array(direction, np.float32), axis=1)
@@ -79,7 +79,7 @@ class Frame:
         )
 
     def strips(self, pick: Pick | None = None) -> np.ndarray:
-        """The range images over each other in the colours of the points, uint8 [H, W, 3]; a cross is at `pick`."""
+        """The range images one above the other in the colours of the points, uint8 [H, W, 3]; a cross is at `pick`."""
         return np.concatenate(
             [_strip(scan, self.look, pick if pick and pick.scan == k else None) for k, scan in enumerate(self.scans)]
         )
@@ -87,8 +87,8 @@ class Frame:
 
 @dataclass(frozen=True, slots=True)
 class Pick:
-    """The return of a pixel: its range [m], class and object, or "", and its intensity where it has one; of the scan of
-    that number."""
+    """The return of a pixel: its range [m], class and object, or "", its intensity if it has one, and the number of its
+    scan."""
 
     row: int
     column: int
@@ -116,7 +116,7 @@ def frame_of(scans: Sequence[Scan], look: Look, *, whole: bool = True) -> Frame:
 
 
 def _placed(scan: Scan, image: RangeImage) -> np.ndarray:
-    """The points of an image of a scan, in the world, float32 [N, 3]."""
+    """The points of an image of a scan in the world, float32 [N, 3]."""
     poses = (scan.poses() if scan.speed or scan.turn else scan.pose[None])[:, :3].astype(np.float32)
     columns = np.nonzero(image.valid)[1] if len(poses) > 1 else np.zeros(np.count_nonzero(image.valid), np.int64)
     x, y, z = image.points().T
@@ -138,7 +138,7 @@ def colours_of(image: RangeImage, z: np.ndarray, colour: str) -> np.ndarray:
     if colour == "intensity" and image.intensity is not None:
         return colour_by_share(image.intensity[valid])
     if colour == "object":
-        # neighbours in number get hues far apart, by the golden ratio
+        # adjacent numbers get hues far apart, by the golden ratio
         instance = image.instance[valid]
         own = colour_by_share((instance * 0.618034) % 1.0)
         return np.where((instance > 0)[:, None], own, np.uint8(70))
@@ -147,14 +147,14 @@ def colours_of(image: RangeImage, z: np.ndarray, colour: str) -> np.ndarray:
 
 @dataclass(frozen=True, slots=True)
 class ColourBar:
-    """The colours of evenly spaced values, as #rrggbb, and the texts under them; without colours none is needed."""
+    """The colours of evenly spaced values, as #rrggbb, and the texts under them; no colours if none are needed."""
 
     colours: tuple[str, ...]
     texts: tuple[str, ...]
 
 
 def colour_bar(colour: str, beams: int) -> ColourBar:
-    """What the colours of a scan of so many beams mean."""
+    """The meaning of the colours of a scan with `beams` beams."""
     share = np.linspace(0.0, 1.0, 24)
     low, high = _RANGES
     rows: Mapping[str, tuple[np.ndarray, tuple[str, ...]]] = {
@@ -170,7 +170,7 @@ def colour_bar(colour: str, beams: int) -> ColourBar:
 
 
 def box_lines(boxes: Sequence[Box]) -> tuple[np.ndarray, np.ndarray]:
-    """The edges of boxes as segments [M, 2, 3], a mark where each looks, and their colours uint8 [M, 2, 3]."""
+    """The edges of boxes as segments [M, 2, 3], a mark of the heading of each, and their colours uint8 [M, 2, 3]."""
     corners = corners_of(boxes)
     floor, front = corners[:, :4].mean(axis=1), corners[:, 1:3].mean(axis=1)
     ahead = np.stack([floor, 1.3 * front - 0.3 * floor], axis=1)[:, None]
@@ -199,7 +199,7 @@ def meshes_of(layout: Layout, hidden: frozenset[int]) -> dict[str, tuple[np.ndar
 
 
 def _nearest_object(layout: Layout, place: np.ndarray, label: str) -> str:
-    """The object of a class without numbers, such as a tree, that a point in the world is most probably of, or ""."""
+    """The object of a class without instances, such as a tree, that a point in the world most probably is on, or ""."""
     x, y, z = place.tolist()
     away = {
         object_of(part): max(

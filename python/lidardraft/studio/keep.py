@@ -1,4 +1,4 @@
-"""What a visitor takes along: scans and data sets as bytes of a file, and the words that make a scan again."""
+"""Downloads of a visitor: scans and data sets as bytes of a file, and the command that makes a scan again."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from lidardraft.studio.document import Document
 from lidardraft.world.state import WorldState
 from lidardraft.world.world import World
 
-OURS = "lidardraft"  # the files of `simulate`; others are of `FORMATS`
+OURS = "lidardraft"  # the files of `simulate`; the other kinds are `FORMATS`
 KINDS = (OURS, *FORMATS)
 STATE_FILE, SENSOR_FILE = "studio.world.json", "studio.sensor.json"
 
@@ -53,7 +53,7 @@ def data_set(scans: Iterator[Scan], kind: str, *, on_scan: Callable[[], object] 
                 scan.save(output / f"{number:06d}", picture=number == 0)
         else:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore", UserWarning)  # no box at all: the page shows that
+                warnings.simplefilter("ignore", UserWarning)  # on no box at all: the page shows that
                 export(counted(), kind, output)
         return _zipped({path.relative_to(output).as_posix(): path.read_bytes() for path in _files_in(output)})
 
@@ -72,7 +72,7 @@ def put(folder: Path, name: str, content: bytes) -> None:
 
 
 def recipe(document: Document, state: WorldState) -> bytes:
-    """A ZIP archive of the state, the sensor where it is no preset, and the two ways to make its scan again."""
+    """A ZIP archive of the state, the sensor unless it is a preset, and the two ways to make its scan again."""
     files = {
         STATE_FILE: state.to_json().encode(),
         "scan.sh": f"{as_command(document)}\n".encode(),

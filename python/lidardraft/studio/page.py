@@ -1,4 +1,4 @@
-"""The page of one visitor: widgets of viser that post edits to a session, and show what it makes."""
+"""The page of one visitor: widgets of viser that post edits to a session, and show its results."""
 
 from __future__ import annotations
 
@@ -37,15 +37,14 @@ _EXAMPLES = (
 _SEED = 2**31 - 1
 _MOST_UPLOADED = 300 * 2**20  # bytes
 _CLEAR, _AS_SAID, _OWN = "clear", "as the scene says", "as below"
-_CLEAR_SIGHT = 2000.0  # m, from which on a visibility is none
+_CLEAR_SIGHT = 2000.0  # m: a longer visibility counts as unlimited
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """How inputs are read: `layout` of an option of the command line, its value, a seed and the length of a unit [m],
-    or 0, where the file says it; `sensor` of a file;
-    `endings` are those of the files of each input. `generator` loads the diffusion model, and `folder` is where files
-    go on the server, or None."""
+    """The readers of inputs: `layout` takes an option of the command line, its value, a seed and the length of a unit
+    [m], or 0 for that of the file; `sensor` takes a file. `endings` are those of the files of each input. `generator`
+    loads the diffusion model; `folder` is the place of files on the server, or None."""
 
     layout: Callable[[str, str, int, float], Draft]
     sensor: Callable[[str], Sensor]
@@ -54,7 +53,7 @@ class Inputs:
     folder: Path | None = None
 
     def kind_of(self, name: str) -> str:
-        """The input that a file of that name is."""
+        """The kind of input of a file with that name."""
         if name.endswith(".json"):
             return "boxes" if name.endswith(".boxes.json") else "layout"
         return next((kind for kind, endings in self.endings.items() if name.lower().endswith(endings)), "layout")
@@ -77,7 +76,7 @@ class BrowserPage(Page):
         self.session.post(edit, key)
 
     def _on(self, widget: Any, edit: Callable[[Session, Any], object], key: object = None) -> Any:
-        """Post an edit with the value of a widget where a visitor changes it, and not where the page does."""
+        """Post an edit with the value of a widget if a visitor changes it, but not if the page does."""
 
         def changed(event: Any) -> None:
             if event.client is not None:
@@ -115,7 +114,7 @@ class BrowserPage(Page):
     # fmt: off
     def _scene_tab(self, gui: Any) -> None:
         with gui.add_folder("1. Describe a scene"):
-            self._text = gui.add_text("Sentence", SENTENCE, multiline=True, hint="In English: what stands and drives.")
+            self._text = gui.add_text("Sentence", SENTENCE, multiline=True, hint="In English: objects and traffic.")
             examples = gui.add_dropdown("Examples", ("choose one ...", *_EXAMPLES))
             self._seed = gui.add_number("Seed", 0, min=0, max=_SEED, step=1, hint="Another seed, another scene.")
             self._button("Make the scene", viser.Icon.WAND, self._draft, "blue")
@@ -197,7 +196,7 @@ class BrowserPage(Page):
     # fmt: on
 
     def _add(self, session: Session) -> None:
-        """Put an object where the view is turned to, within reach of the sensor."""
+        """Add an object at the centre of the view, within reach of the sensor."""
         x, y, _ = np.clip(self.client.camera.look_at, -100.0, 100.0).tolist()
         session.select(session.editor.add(self._new.value, x, y))
 
@@ -308,7 +307,7 @@ class BrowserPage(Page):
             session.of_selected(session.editor.drive)
 
     def _save(self, name: str, content: bytes) -> None:
-        """A download, or files in the server's folder."""
+        """Download a file, or write it into the server's folder."""
         folder = self.inputs.folder
         if folder is None or self._into is None or not self._into.value:
             self.client.send_file_download(name, content, save_immediately=True)
@@ -338,7 +337,7 @@ class BrowserPage(Page):
         self._save("studio-recipe.zip", keep.recipe(document, state))
 
     def show(self, session: Session, frame: Frame) -> None:
-        """The picture, and how long it took."""
+        """Show the picture, and the time that it took."""
         self._canvas.show(session, frame)
         rate = f"{1e3 * session.seconds:.0f} ms"
         names = " and ".join(scan.image.sensor.name for scan in frame.scans)
@@ -347,7 +346,7 @@ class BrowserPage(Page):
         self._clock.content = f"{session.editor.world.time:.1f} s"
 
     def settle(self, session: Session, frame: Frame) -> None:
-        """What the widgets say of the scene, and all that a drag does without."""
+        """Update the widgets for the scene, and everything that a drag does not need."""
         self._canvas.settle(session, frame)
         self._strip.image = frame.strips(self._pick)
         self._bar.content = _bar_html(frame)
@@ -368,19 +367,19 @@ class BrowserPage(Page):
         self._stale.content = made.get(session.is_generated, "")
 
     def tell(self, message: str, *, is_error: bool = False) -> None:
-        """A line under the sentence; of an error a notice too."""
+        """Show a line under the sentence, and for an error a notice too."""
         self._notes.content = _plain(message)
         if is_error:
             self.client.add_notification("This did not work", message, color="red", auto_close_seconds=12.0)
 
     def progress(self, share: float | None) -> None:
-        """The bar at the top."""
+        """Set the bar at the top."""
         self._progress.visible = share is not None
         self._progress.value = 100.0 * (share or 0.0)
 
 
 def _read(file: Any, read: Callable[[str], Any]) -> Any:
-    """The draft that a reader makes of an uploaded file, under our own name for it; errors give the visitor's name."""
+    """The draft that a reader makes of an uploaded file, stored under another name; errors give the visitor's name."""
     if len(file.content) > _MOST_UPLOADED:
         raise FormatError(f"{file.name} has {len(file.content) >> 20} MB; {_MOST_UPLOADED >> 20} MB are read at most")
     with tempfile.TemporaryDirectory(prefix="lidardraft-studio-") as folder:
@@ -400,7 +399,7 @@ def _faults(findings: Sequence[Finding] | None) -> str:
 
 
 def _suffix_of(name: str) -> str:
-    """The ending of a file's name that its reader goes by, as in ".pcd.bin"; "" for a name without one."""
+    """The ending of a file's name for its reader, as in ".pcd.bin"; "" for a name without one."""
     return "".join(one for one in Path(name).suffixes[-2:] if one[1:].isalnum() and len(one) < 9)
 
 
@@ -417,7 +416,7 @@ def _class_shown(number: int) -> Callable[[Session, bool], None]:
 
 
 def _plain(text: str) -> str:
-    """Text as Markdown that shows it as it is."""
+    """The text in Markdown that shows it unchanged."""
     return re.sub(r"([\\`*{}<>\[\]#])", r"\\\1", text)
 
 

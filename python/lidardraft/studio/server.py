@@ -1,4 +1,4 @@
-"""The server of studios: a session for each visitor, who finds it again after a reload or a lost connection."""
+"""The server of studios: a session for each visitor, available again after a reload or a lost connection."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from lidardraft.studio.page import BrowserPage, Inputs
 from lidardraft.studio.session import Session, hear
 
 MOST_VISITORS = 16
-KEPT, IDLE = 600.0, 3600.0  # s, of a session that nobody looks at, and of one in which nothing is edited
-_COOKIE = "lidardraft-visits"  # of the browser's storage: random names of sessions, which name no file
+KEPT, IDLE = 600.0, 3600.0  # s, of a session without a page, and of one without edits
+_COOKIE = "lidardraft-visits"  # in the browser's storage: random names of sessions, not of files
 
 
 class Studio:
@@ -30,26 +30,26 @@ class Studio:
         self._sessions: dict[str, Session] = {}
         self._names: dict[int, str] = {}
         self._lock = threading.Lock()
-        with contextlib.redirect_stdout(io.StringIO()):  # a panel of viser's, which the command line has no use for
+        with contextlib.redirect_stdout(io.StringIO()):  # a panel of viser's, useless on the command line
             self._server = viser.ViserServer(host="127.0.0.1", port=port, label="lidardraft studio", verbose=False)
-        # a page could ask for a tunnel to the world
+        # a page could request a public tunnel
         self._server.request_share_url = lambda *_, **__: None  # type: ignore[method-assign]
         self._server.on_client_connect(self._came)
         self._server.on_client_disconnect(self._left)
 
     @property
     def port(self) -> int:
-        """That it listens on."""
+        """The port of the server."""
         return self._server.get_port()
 
     @property
     def url(self) -> str:
-        """Where the page is."""
+        """The address of the page."""
         return f"http://127.0.0.1:{self.port}"
 
     @property
     def sessions(self) -> dict[str, Session]:
-        """Those that are kept, by their names."""
+        """The kept sessions, by their names."""
         with self._lock:
             return dict(self._sessions)
 
@@ -60,7 +60,7 @@ class Studio:
         self._server.stop()
 
     def tidy(self) -> None:
-        """End the sessions that nobody has used for long."""
+        """End the sessions that have been unused for long."""
         now = time.monotonic()
         with self._lock:
             old = [
@@ -110,7 +110,7 @@ def served(begin: Callable[[], Editor], inputs: Inputs, port: int = 8080) -> Ite
     """A studio that ends with the block."""
     with warnings.catch_warnings():
         warnings.simplefilter("always", UserWarning)
-        warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")  # who left sees nothing
+        warnings.filterwarnings("ignore", message="Queued a .* on a closed connection")  # the visitor has left
         warnings.showwarning = lambda message, *_, **__: hear(str(message))
         studio = Studio(begin, inputs, port)
         try:

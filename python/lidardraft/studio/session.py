@@ -1,4 +1,4 @@
-"""One visitor's studio without its page: edits come from any thread, one thread carries them out and makes frames."""
+"""One visitor's studio without its page: any thread posts edits, and one thread carries them out and makes frames."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from lidardraft.pipeline import Pipeline
 
 STEP = 0.1  # s, of the time line
-MOST_CHECKED = 5000  # shapes whose faults are looked for after each edit
-_MOST_NOTES = 8  # that a page shows
+MOST_CHECKED = 5000  # shapes of a scene that is checked after each edit
+_MOST_NOTES = 8  # shown on a page
 _HEARING: ContextVar[Session | None] = ContextVar("hearing", default=None)
 T = TypeVar("T")
 Edit = Callable[["Session"], object]
@@ -37,34 +37,33 @@ Edit = Callable[["Session"], object]
 
 @dataclass(frozen=True, eq=False)
 class Draft:
-    """What an input became: a layout, or the state of a world, and the points float32 [N, 3] of the scan that it is
-    of."""
+    """The result of an input: a layout, or the state of a world, and the points float32 [N, 3] of its recorded scan."""
 
     source: Layout | WorldState
     recorded: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), np.float32))
 
 
 class Page:
-    """What a session tells; a page of a browser shows it, and this one does not."""
+    """The output of a session; a page of a browser shows it, this one ignores it."""
 
     def show(self, session: Session, frame: Frame) -> None:
-        """Points, at once."""
+        """Show the points, at once."""
 
     def settle(self, session: Session, frame: Frame) -> None:
-        """All else, where no edit waits."""
+        """Show everything else, if no edit waits."""
 
     def tell(self, message: str, *, is_error: bool = False) -> None:
-        """A line."""
+        """Show a line."""
 
     def progress(self, share: float | None) -> None:
-        """How much is generated; None where nothing is."""
+        """Show the progress of a generation; None if there is none."""
 
 
 class Session:
     """An editor and the thread that uses it.
 
-    Of edits with the same key only the newest is carried out, such as the places of one drag. After all that wait one
-    frame is made, so none queues up.
+    Of several edits with the same key, such as the places of one drag, only the newest is carried out. One frame is
+    made after all waiting edits, so frames never queue up.
     """
 
     def __init__(self, editor: Editor) -> None:
@@ -83,8 +82,7 @@ class Session:
         self._thread.start()
 
     def post(self, edit: Edit, key: object = None) -> None:
-        """Have an edit carried out, in place of one with the same key that still waits; without a key it is no
-        other's."""
+        """Queue an edit, in place of a waiting one with the same key; without a key it replaces none."""
         with self._changed:
             key = next(self._number) if key is None else key
             self._edits.pop(key, None)
@@ -93,7 +91,7 @@ class Session:
             self._changed.notify()
 
     def leave(self) -> None:
-        """Go on without a page: a dragged object stays at its place, and time stops."""
+        """Continue without a page: a dragged object stays at its place, and time stops."""
         self.page = None
 
         def end(session: Session) -> None:
@@ -103,13 +101,13 @@ class Session:
         self.post(end)
 
     def end(self) -> None:
-        """End the thread, after the edit that it is at."""
+        """End the thread, after its current edit."""
         with self._changed:
             self._ended = True
             self._changed.notify()
 
     def join(self) -> None:
-        """Wait until all is carried out that was posted before, and shown."""
+        """Wait until all edits posted before are carried out and shown."""
         done = threading.Event()
         self.post(lambda _: None)
         self.post(lambda session: session._when_settled.append(done))
@@ -147,24 +145,24 @@ class Session:
                         self._changed.wait(left)
 
     def _carry_out(self, edit: Edit) -> None:
-        """An edit that fails is a message, and the scene before it stays."""
+        """Carry out an edit; one that fails becomes a message, and the scene stays unchanged."""
         try:
             edit(self)
         except LidarDraftError as error:
             self.is_running = False
             self.tell(str(error), is_error=True)
-        except Exception as error:  # a page must outlive our own faults
+        except Exception as error:  # a page must survive faults of lidardraft
             self.is_running = False
             traceback.print_exc()
             self.tell(f"This is a fault of the studio's: {type(error).__name__}: {error}", is_error=True)
 
     def tell(self, message: str, *, is_error: bool = False) -> None:
-        """Say a line in the page, where there is one."""
+        """Show a line in the page, if there is one."""
         if self.page is not None:
             self.page.tell(message, is_error=is_error)
 
     def frame(self) -> Frame:
-        """That of now, whole unless something is dragged."""
+        """The current frame, whole unless something is dragged."""
         whole = not (self.is_dragging or self.is_running)
         if self._generated and self.is_generated:
             scans: tuple[Scan, ...] = (self._generated[1],)
@@ -177,30 +175,30 @@ class Session:
         return self._frame
 
     def findings(self) -> tuple[Finding, ...] | None:
-        """What is wrong with the scene of now; None where it has too many shapes to be checked after each edit."""
+        """The findings on the current scene; None if it has too many shapes for a check after each edit."""
         state, ego = self.editor.world.state(), self.editor.world.ego.pose
         if self._checked is None or self._checked[0] is not state:
             layout = self.editor.world.layout()
-            if any(ego):  # checks have it in the origin
+            if any(ego):  # checks assume it at the origin
                 layout = replace(layout, primitives=tuple(placed(layout, place_around(ego))))
             self._checked = state, tuple(check(layout)) if len(layout) <= MOST_CHECKED else None
         return self._checked[1]
 
     @property
     def recorded(self) -> np.ndarray:
-        """The points float32 [N, 3] of the recorded scan that the layout is of."""
+        """The points float32 [N, 3] of the recorded scan of the layout."""
         base, points = self._recorded
         return points if base is self.editor.world.state().layouts[0] else points[:0]
 
     @property
     def is_generated(self) -> bool | None:
-        """Whether the frame is of the diffusion model; None where its scan is of the scene before the last edit."""
+        """Whether the frame is from the diffusion model; None if its scan is of the scene before the last edit."""
         if self._generated is None:
             return False
         return True if self._generated[0] is self.editor.world.state() else None
 
     def begin(self, read: Callable[[], Draft], seed: int) -> None:
-        """Another scene, of what `read` gives."""
+        """Begin another scene, from the result of `read`."""
         self._heard.clear()
         draft = read()
         self.editor.begin(draft.source, seed)
@@ -209,12 +207,12 @@ class Session:
         self.tell("\n\n".join([*dict.fromkeys((*self.editor.scans()[0].notes, *self._heard))][:_MOST_NOTES]))
 
     def select(self, name: str | None) -> None:
-        """Make an object the selected one, where there is such a one."""
+        """Select an object, if it exists."""
         if name is None or name in self.editor.world:
             self.selected = name
 
     def of_selected(self, edit: Callable[..., T], *values: object) -> T | None:
-        """Edit the selected object, where there is one."""
+        """Edit the selected object, if there is one."""
         return None if self.selected is None else edit(self.selected, *values)
 
     def drag(self, x: float, y: float, yaw: float, *, ends: bool) -> None:
@@ -226,24 +224,24 @@ class Session:
             self.editor.commit()
 
     def pick(self, origin: tuple[float, float, float], direction: tuple[float, float, float]) -> Pick | None:
-        """Select the object of the return on a ray; that return."""
+        """Select the object of the return on a ray; returns that return."""
         pick = self.frame().picked(origin, direction)
         if pick is not None and pick.object:
             self.select(pick.object)
         return pick
 
     def look_at(self, **changes: object) -> None:
-        """Change how it is looked at."""
+        """Change the settings of the view."""
         self.look = replace(self.look, **changes)  # type: ignore[arg-type]
 
     def go(self, by: int) -> None:
-        """Undo or redo so many edits."""
+        """Undo or redo `by` edits."""
         self.is_running = False
         self.editor.go(by)
         self.select_any()
 
     def select_any(self) -> None:
-        """Select an object where the selected one is gone."""
+        """Select another object if the selected one is gone."""
         if self.selected is None or self.selected not in self.editor.world:
             self.selected = self.editor.names[0]
 
@@ -253,12 +251,12 @@ class Session:
         self.editor.show(position)
 
     def pause(self) -> None:
-        """Let time stand; where it has passed is an edit."""
+        """Stop time; the time that has passed becomes an edit."""
         self.is_running = False
         self.editor.commit()
 
     def generate(self, pipeline: Callable[[], Pipeline]) -> None:
-        """Have the diffusion model make the scan of the layout as it stands; the next edit marks it stale."""
+        """Make the diffusion model generate the scan of the current layout; the next edit marks it stale."""
         state, scan = self.editor.world.state(), self.editor.scans()[0]
         self.tell("The diffusion model is loaded ...")
         self._heard.clear()
@@ -276,7 +274,7 @@ class Session:
         self.aside(made)
 
     def aside(self, work: Edit) -> None:
-        """Do what takes long in a thread of its own; it may not touch the editor."""
+        """Do slow work in a thread of its own; it may not touch the editor."""
 
         def run() -> None:
             _HEARING.set(self)

@@ -1,4 +1,4 @@
-"""Scans changed at random, so that a network does not learn what only the scans of streets have in common."""
+"""Random changes of scans, so that a network does not learn properties that only scans of streets share."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
 from lidardraft.training.sources import PairFolder
 
-# What is rare in a street and small in an image: pasted from one scan into another.
+# Classes that are rare in a street and small in an image: pasted from one scan into another.
 _PASTED = [
     BY_NAME[name].id
     for name in ("person", "rider", "bicycle", "motorcycle", "truck", "bus", "train", "pole", "traffic-sign")
@@ -20,16 +20,18 @@ _HILLS = (25.0, 100.0)  # m, shortest and longest wave
 
 @dataclass(frozen=True, kw_only=True)
 class Augmentation:
-    """How far scans are changed; the figures are estimates of ours, of how far sensors and mounts differ.
+    """The amount of change; the figures are estimates of how far sensors and mounts differ.
 
-    `mix` is the probability that a sector comes from another scan, `paste` that rare objects come from another scan;
+    `mix` is the probability that a sector comes from another scan, `paste` that rare objects come from another scan.
     `tilt` [rad] and `height` [m] are standard deviations of the sensor's pose, `hills` [m] that of each of two waves of
-    25 to 100 m that the ground bends by, `beam` [rad] that of each beam's elevation; the ranges of a scan scatter by up
-    to `noise` [m], another deviation for each scan; up to about `drop` of the returns go missing at random, and up to
-    `drop_rows` of the beams. Intensities are raised to a power of spread `gamma`, scaled class by class with the spread
-    `surface` and return by return with `speckle`, all in natural logarithms, and are unknown with the probability
-    `no_intensity`: roads of PandaSet (Xiao et al., ITSC 2021) have 0.15 to 1.04 of the mean intensity of their scans (5
-    to 95 %), far more spread than a world of few materials.
+    25 to 100 m that bend the ground, `beam` [rad] that of each beam's elevation. The ranges of a scan scatter by up to
+    `noise` [m], with another deviation for each scan. Up to about `drop` of the returns are removed at random, and up
+    to `drop_rows` of the beams.
+
+    Intensities are raised to a power of spread `gamma`, scaled class by class with the spread `surface` and return by
+    return with `speckle`, all in natural logarithms. They are unknown with the probability `no_intensity`. Roads of
+    PandaSet (Xiao et al., ITSC 2021) have 0.15 to 1.04 of the mean intensity of their scans (5 to 95 %), far more
+    spread than a world of few materials.
     """
 
     mix: float = 0.5
@@ -49,7 +51,7 @@ class Augmentation:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LabelledPoints:
-    """Points f32 [N, 3] in the sensor frame, class ids u8 [N], intensities f32 [N] or None where unknown."""
+    """Points f32 [N, 3] in the sensor frame, class ids u8 [N], intensities f32 [N] or None if unknown."""
 
     points: np.ndarray
     label: np.ndarray
@@ -57,7 +59,7 @@ class LabelledPoints:
 
 
 def augmented(pairs: PairFolder, i: int, random: np.random.Generator, how: Augmentation) -> LabelledPoints:
-    """The scan of pair `i`, rotated, mirrored, mixed with others, and seen by another, worse sensor."""
+    """The scan of pair `i`, rotated, mirrored, mixed with others, and degraded as by another, worse sensor."""
     scan = _rotated(pairs, i, random)
     depth, label, intensity = scan
     if random.random() < how.mix:
@@ -68,7 +70,7 @@ def augmented(pairs: PairFolder, i: int, random: np.random.Generator, how: Augme
     if random.random() < how.paste:
         for _ in range(2):
             other = _another(pairs, random)
-            # The rays are the same, so what is nearer hides what is behind it, as it would have stood there.
+            # The rays are the same, so nearer points hide those behind them, as they would have there.
             nearer = np.isin(other[1], _PASTED) & (other[0] > 0) & ((other[0] < depth) | (depth == 0))
             for image, source in zip(scan, other, strict=True):
                 image[nearer] = source[nearer]
@@ -87,10 +89,10 @@ def _another(pairs: PairFolder, random: np.random.Generator) -> tuple[np.ndarray
 
 
 def _rotated(pairs: PairFolder, i: int, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Depth, label and intensity of a scan, from any column on where these wrap, mirrored half the time."""
+    """Depth, label and intensity of a scan, starting at any column if these wrap, mirrored half the time."""
     scan = pairs[i].scan
     assert scan.intensity is not None
-    # A sector that is rotated would be torn apart; its place on the grid is the sensor's.
+    # A rotated sector would be torn apart; its place on the grid is the sensor's.
     columns = scan.sensor.columns if scan.sensor.wraps else 1
     start, mirrored = int(random.integers(columns)), bool(random.random() < 0.5)
     # The mirror image of staggered beams is another sensor.
@@ -103,7 +105,7 @@ def _rotated(pairs: PairFolder, i: int, random: np.random.Generator) -> tuple[np
 
 
 def _dropped(shape: tuple[int, ...], random: np.random.Generator, how: Augmentation) -> np.ndarray:
-    """bool [H, W]: the returns that go missing; more in some rows, and in whole rows."""
+    """bool [H, W]: the returns to be removed; more in some rows, and whole rows."""
     share = random.uniform(0, how.drop) * random.uniform(0, 2, shape[0])
     share[random.random(shape[0]) < random.uniform(0, how.drop_rows)] = 1
     dropped: np.ndarray = random.random(shape, dtype=np.float32) < share[:, None]
@@ -120,12 +122,14 @@ def _with_other_intensities(
 
 
 def _displaced(sensor: Sensor, depth: np.ndarray, random: np.random.Generator, how: Augmentation) -> np.ndarray:
-    """The points f32 [H, W, 3] of a depth image for beams that point, and a sensor that stands, a little elsewhere."""
+    """The points f32 [H, W, 3] of a depth image, with beams and a pose of the sensor that are a little off."""
     noise = random.standard_normal(depth.shape, dtype=np.float32) * np.float32(random.uniform(0, how.noise))
     points = sensor.pattern.points(np.maximum(depth + noise, np.float32(0.1))).astype(np.float32)
     x, y = points[..., 0], points[..., 1]
     pitch, roll = random.normal(0, how.tilt, 2)
-    points[..., 2] += np.hypot(x, y) * random.normal(0, how.beam, (len(depth), 1))  # small angles: a shear is a turn
+    points[..., 2] += np.hypot(x, y) * random.normal(
+        0, how.beam, (len(depth), 1)
+    )  # small angles: a shear is a rotation
     points[..., 2] += pitch * x + roll * y + random.normal(0, how.height)
     for _ in range(2):
         amplitude, length = random.normal(0, how.hills), random.uniform(*_HILLS)

@@ -36,25 +36,25 @@ OWN, OTHER = "objects", "objects of the other street"
 _SEED = 2_000_000  # of streets that no training learns from
 _STREETS = 2
 _CALLS = 8  # of the network a scan, from noise
-_DEADLINE = 1_000  # steps after which a network must heed its condition
-BANDS = (0.0, 0.05, 0.2, 1.0, float("inf"))  # edges of the noise levels that are reported apart
-_SILENT = 20  # steps after which a zero convolution must have learned
+_DEADLINE = 1_000  # steps after which a network must follow its condition
+BANDS = (0.0, 0.05, 0.2, 1.0, float("inf"))  # edges of the separately reported bands of noise
+_SILENT = 20  # steps after which a zero convolution must have changed
 # How often each is drawn: an azimuth sector, all but such a sector, all but objects, all but objects and the road, all
-# that stands for nothing said (terrain, and where no shape is hit), everything. Estimates of ours of what people bring.
+# pixels without a statement (terrain, and rays without a hit), everything. Estimates of users' inputs.
 _SHARES = {"sector": 0.2, "all but a sector": 0.15, "all but objects": 0.15, "all but the road": 0.2, "filler": 0.2}
 _SECTOR = (np.pi / 4, np.pi)  # rad, of open sectors
-_VIEW = (np.pi / 3, 2 * np.pi / 3)  # rad, of what a camera sees
+_VIEW = (np.pi / 3, 2 * np.pi / 3)  # rad, the field of view of a camera
 _FILLER = [BY_NAME[name].id for name in ("none", "terrain")]
 _ROAD = [BY_NAME[name].id for name in GROUND if name != "terrain"]
 _THINGS = [row.id for row in CLASSES if row.is_thing]
-_KEPT_STUFF = 0.3  # how often a class of stuff is given all the same
+_KEPT_STUFF = 0.3  # how often a class of stuff is given nevertheless
 
 
 class AdherenceWatch:
     """Two unseen streets, each sampled from the same noise.
 
-    A scan is scored against its own condition image and against the other one: a network that ignores its condition
-    makes one scan for both streets, so that both scores are equal.
+    A scan is scored against its own condition image and against the other one. A network that ignores its condition
+    makes one scan for both streets, and both scores are equal.
     """
 
     def __init__(self, sensor: Sensor) -> None:
@@ -77,7 +77,7 @@ class AdherenceWatch:
         return {OWN: float(np.mean(np.nan_to_num(own))), OTHER: float(np.mean(np.nan_to_num(other)))}
 
     def check(self, measured: dict[str, float], step: int) -> None:
-        """Raise `TrainingError` where the condition is still ignored after 1,000 steps: hours would be wasted."""
+        """Raise `TrainingError` if the condition is still ignored after 1,000 steps: hours would be wasted."""
         if step >= _DEADLINE and not measured[OWN] > measured[OTHER]:
             raise TrainingError(
                 f"the network ignores its condition after {step} steps: of its returns on objects "
@@ -87,14 +87,14 @@ class AdherenceWatch:
 
 @dataclass(frozen=True, kw_only=True)
 class DenoisingConfig(LearningConfig):
-    """All that decides the result of one stage, beside the pairs and, with a ControlNet, the base.
+    """All parameters that decide the result of one stage, except the pairs and, with a ControlNet, the base.
 
     A batch holds `batch` whole scans of 64 x 1024, fewer of larger ones, mirrored half the time. The first
-    `zero_conv_steps` change the ControlNet's zero convolutions alone. Every `watch_every` steps (0: never) two fixed
-    unseen streets are sampled, and a network that does not heed its condition is told (`AdherenceWatch`). A step
-    learns from every beam and column, or from every n-th, where n is drawn from `thinnings`: n^2 times as many scans at
-    the same cost. ln sigma is normal with `sigma_mean` and `sigma_std`: estimates of ours near the -1.2 and 1.2 of
-    Karras et al. (NeurIPS 2022, Table 1), somewhat higher and wider. The other fields are those of `LearningConfig`.
+    `zero_conv_steps` train the ControlNet's zero convolutions alone. Every `watch_every` steps (0: never) two fixed
+    unseen streets are sampled, and a network that ignores its condition is reported (`AdherenceWatch`). A step uses
+    every beam and column, or every n-th, with n drawn from `thinnings`: n^2 times as many scans at the same cost. ln
+    sigma is normal with `sigma_mean` and `sigma_std`: estimates near the -1.2 and 1.2 of Karras et al. (NeurIPS 2022,
+    Table 1), somewhat higher and wider. The other fields are those of `LearningConfig`.
     """
 
     denoiser: DenoiserConfig
@@ -105,7 +105,7 @@ class DenoisingConfig(LearningConfig):
     sigma_std: float = 1.6
 
     def check(self, sensors: Iterable[Sensor]) -> None:
-        """Raise `TrainingError` where scans of one of these sensors cannot be trained on so."""
+        """Raise `TrainingError` if this recipe cannot train on scans of one of these sensors."""
         self.check_counts()
         cell = tuple(max(self.thinnings) * side for side in self.denoiser.cell)
         for sensor in sensors:
@@ -123,11 +123,11 @@ def train_denoiser(
     max_minutes: float = float("inf"),
     compiles: bool = False,
 ) -> Iterator[Report]:
-    """Train a denoiser on pairs, from fresh weights, those of `begin` or of the base of `begin`; or, where it has a
-    ControlNet, that alone, on a frozen base. `compiles` runs the loss through `torch.compile` first.
+    """Train a denoiser on pairs, from fresh weights, those of `begin` or of the base of `begin`. If it has a
+    ControlNet, train that alone, on a frozen base. `compiles` runs the loss through `torch.compile` first.
 
-    What the folder `run` receives, and how a run goes on, is said at `training.loop.train`; the loss is also reported
-    by bands of noise. Raises `TrainingError` as that does, and where the pairs or the device do not fit.
+    `training.loop.train` describes the contents of the folder `run`, and how a run continues; the loss is also reported
+    by bands of noise. Raises `TrainingError` as that does, and if the pairs or the device do not fit.
     """
     config.check(source.sensors)
     on = device_for_training(device)
@@ -158,7 +158,7 @@ def train_denoiser(
 
 
 def beginning(config: DenoisingConfig, begin: Denoiser | None) -> Denoiser:
-    """The denoiser before its first step; raises `TrainingError` where the recipe's cannot begin with `begin`."""
+    """The denoiser before its first step; raises `TrainingError` if the recipe's cannot begin with `begin`."""
     needed = config.denoiser
     base = dataclasses.replace(needed, condition=(), controlnet=False)
     with torch.random.fork_rng(devices=[]):
@@ -185,7 +185,7 @@ def _by_band(sigma: Tensor, losses: Tensor) -> Measures:
 
 
 def _check_zero_convs(denoiser: Denoiser, step: int) -> None:
-    """Stop a run that has gone wrong, in words, rather than let it go on for days."""
+    """Stop a run that has failed, with a clear message, instead of wasting days."""
     if denoiser.controlnet is not None and step >= _SILENT:
         for name, conv in denoiser.controlnet.zero_convs():
             if not conv.weight.any():
@@ -193,7 +193,7 @@ def _check_zero_convs(denoiser: Denoiser, step: int) -> None:
 
 
 class _Batch(NamedTuple):
-    """What a step learns from, on its device: clean states, noise levels, noise, rays, conditions, or None of a base,
+    """The tensors of a step, on its device: clean states, noise levels, noise, rays, conditions, or None for a base,
     and whether the columns wrap."""
 
     clean: Tensor
@@ -230,7 +230,7 @@ def _batch(
 
 
 def _opened(config: DenoisingConfig, stack: PairStack, seeds: list[tuple[int, int, int]]) -> Tensor:
-    """What each scan of a step leaves open, bool [B, H, W], but for what the vehicle hides."""
+    """The pixels that each scan of a step leaves open, bool [B, H, W], without those that the vehicle hides."""
     label = stack.images["condition_label"]
     if not config.denoiser.completes:
         return torch.zeros_like(label, dtype=torch.bool)
@@ -241,7 +241,7 @@ def _opened(config: DenoisingConfig, stack: PairStack, seeds: list[tuple[int, in
 
 
 def sample_opening(sensor: Sensor, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """What a draft of a place may leave open: the pixels of these classes, bool [K], in these columns, bool [W]."""
+    """A random opening, as in a user's draft of a place: the open classes, bool [K], in the open columns, bool [W]."""
     kinds = list(_SHARES)
     kind = rng.choice([*kinds, "everything"], p=[*_SHARES.values(), 1 - sum(_SHARES.values())])
     classes, columns = np.ones(NUM_CLASSES, dtype=bool), np.ones(sensor.columns, dtype=bool)
@@ -259,7 +259,7 @@ def sample_opening(sensor: Sensor, rng: np.random.Generator) -> tuple[np.ndarray
 
 
 def _sector(sensor: Sensor, width: float, rng: np.random.Generator) -> np.ndarray:
-    """The columns, bool [W], of a sector `width` [rad] wide, anywhere in an image, of which it is at most three
-    quarters."""
+    """The columns, bool [W], of a sector `width` [rad] wide at a random azimuth; at most three quarters of the
+    image."""
     columns = max(round(sensor.columns * min(width / sensor.azimuth_span, 0.75)), 1)
     return (np.arange(sensor.columns) + rng.integers(sensor.columns)) % sensor.columns < columns

@@ -1,4 +1,4 @@
-"""What a gradient step changes and a run keeps: weights, their average and the optimiser, which is Muon."""
+"""The state of a run that gradient steps change: weights, their average and the optimiser, which is Muon."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from lidardraft.training.processes import ALONE, Processes
 _NEWTON_SCHULZ = (3.4445, -4.7750, 2.0315)  # the authors' coefficients: near 1 in five steps, not exact
 _NEWTON_SCHULZ_STEPS = 5
 _MOMENTUM = 0.95
-_LEAST_SIDE = 16  # of a matrix; in smaller ones every direction is learned anyway
+_LEAST_SIDE = 16  # of a matrix; in smaller ones every direction is learned in any case
 _ADAM_RATE = 0.1  # of the learning rate
 _ADAM_BETAS, _ADAM_EPSILON = (0.9, 0.99), 1e-8
 
 
 @dataclass(frozen=True, kw_only=True)
 class LearningConfig:
-    """How weights learn.
+    """Parameters of learning.
 
     The learning rate rises over `warmup` steps, stays, and falls to 0 over the last `decay` of the steps.
     """
@@ -60,7 +60,7 @@ class LearningConfig:
                 raise TrainingError(f"{name} is {getattr(self, name)}; it must be at least 1")
 
     def of_any_length(self) -> dict[str, Any]:
-        """The fields as JSON types, but for those that may differ between the slices of a run."""
+        """The fields as JSON types, without those that may differ between the slices of a run."""
         free = ("steps", "save_every", "report_every", "watch_every")
         fields: dict[str, Any] = json.loads(json.dumps(dataclasses.asdict(self)))
         return {name: v for name, v in fields.items() if name not in free}
@@ -68,10 +68,10 @@ class LearningConfig:
 
 @dataclass(frozen=True)
 class RunIdentity:
-    """What must be the same in all slices of a run: the config, and checksums of the weights it begins with, be they
-    random, given or the frozen base of a ControlNet, and of the pairs.
+    """The properties that must be the same in all slices of a run: the config, and checksums of the pairs and of the
+    initial weights, be they random, given or the frozen base of a ControlNet.
 
-    `folder` says where the pairs lay; they may be moved.
+    `folder` is the place of the pairs; they may be moved.
     """
 
     config: dict[str, Any]
@@ -80,7 +80,7 @@ class RunIdentity:
     folder: str = field(compare=False)
 
     def check(self, path: Path, begun: RunIdentity) -> None:
-        """Raise `TrainingError` where the run that wrote `path` had `begun` with something else."""
+        """Raise `TrainingError` if the run that wrote `path` had `begun` with another identity."""
         if begun.pairs != self.pairs:
             difference = f"begun with the pairs of {begun.folder}, which are not those of {self.folder}"
         elif begun.config != self.config:
@@ -95,7 +95,7 @@ class RunIdentity:
 
 
 class Learner:
-    """The trainable weights of a network, their moving average and the optimiser. Nothing waits for the device."""
+    """The trainable weights of a network, their moving average and the optimiser. Nothing here waits for the device."""
 
     def __init__(self, network: Network, config: LearningConfig) -> None:
         self.config, self.network = config, network
@@ -104,8 +104,9 @@ class Learner:
         self.optimiser = Muon(self.weights, lr=config.learning_rate, weight_decay=config.weight_decay)
 
     def step(self, step: int, losses: Tensor, processes: Processes = ALONE) -> Tensor:
-        """One gradient step on the mean of the losses of all processes' samples; the norm of the gradient, which is cut
-        to `max_gradient`. A step whose norm is not finite spoils the weights: whoever looks at the norm ends the run.
+        """One gradient step on the mean of the losses of all processes' samples; returns the norm of the gradient,
+        which is clipped to `max_gradient`. A step whose norm is not finite spoils the weights: the caller checks the
+        norm and ends the run.
         """
         for group in self.optimiser.param_groups:
             group["lr"] = self.config.rate(step)
@@ -132,9 +133,9 @@ class Learner:
         torch._foreach_lerp_(averages, weights, 9 / (10 + step) if step else 1.0)
 
     def save(self, run: Path, step: int, source: str, identity: RunIdentity) -> None:
-        """Write the average of weights, with a card, and what the next slice of the run goes on from.
+        """Write the average of weights, with a card, and the state from which the next slice of the run continues.
 
-        The state is the last: what is killed before it is done again.
+        The state is written last: an interruption before it makes the run repeat these steps.
         """
         card = {"training": dataclasses.asdict(self.config), "step": step, "data": source}
         weight_file.save(self.averaged, run / "weights.safetensors", card)
@@ -148,9 +149,9 @@ class Learner:
             temporary.write_bytes(serialise(whole, metadata))
 
     def resume(self, path: Path, identity: RunIdentity) -> int:
-        """Take over the state of an earlier slice of the same run, if there is one; the step to go on from.
+        """Restore the state of an earlier slice of the same run, if there is one; returns the step to continue from.
 
-        Raises `TrainingError` where the file is no state, or that of another run.
+        Raises `TrainingError` if the file is not a state, or that of another run.
         """
         if not path.exists():
             return 0
@@ -160,7 +161,7 @@ class Learner:
                 metadata, tensors = file.metadata(), {name: file.get_tensor(name) for name in file.keys()}  # noqa: SIM118
             begun, step = RunIdentity(**json.loads(metadata["run"])), int(metadata["step"])
         except (SafetensorError, OSError, KeyError, TypeError, ValueError) as error:
-            raise TrainingError(f"{path} is no state of a run: {error}") from None
+            raise TrainingError(f"{path} is not the state of a run: {error}") from None
         identity.check(path, begun)
         self.network.load_state_dict(_below("network.", tensors))
         self.averaged.load_state_dict(_below("average.", tensors))
@@ -178,10 +179,10 @@ def _below(prefix: str, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
 
 
 class Muon(torch.optim.Optimizer):
-    """Muon (Jordan et al., 2024, kellerjordan.github.io): weights that are matrices (convolutions: outputs by all else)
+    """Muon (Jordan et al., 2024, kellerjordan.github.io). Weights that are matrices (convolutions: outputs by all else)
     move along their orthogonalised momentum, by the learning rate `lr`; all other weights by Adam, with a tenth of it.
 
-    Matrices of one shape are turned as one stack, so that a step takes hundreds of kernels and not thousands.
+    Matrices of one shape are processed as one stack, so that a step takes hundreds of kernels and not thousands.
     """
 
     def __init__(self, weights: Iterable[Tensor], *, lr: float, weight_decay: float) -> None:
@@ -222,7 +223,7 @@ class Muon(torch.optim.Optimizer):
     def _step_of_others(self, weights: list[Tensor], rate: float) -> None:
         gradients, (first, second) = _gradients(weights), _ADAM_BETAS
         means, squares = self._states("mean", weights), self._states("square", weights)
-        for weight in weights:  # which may begin to learn later than others
+        for weight in weights:  # these may begin to learn later than others
             self.state[weight]["step"] = self.state[weight].get("step", torch.zeros(())) + 1
         steps: list[float] = torch.stack([self.state[weight]["step"] for weight in weights]).tolist()  # on the CPU
         torch._foreach_lerp_(means, gradients, 1 - first)
@@ -244,7 +245,7 @@ def _gradients(weights: list[Tensor]) -> list[Tensor]:
 def orthogonalised(matrices: Tensor) -> Tensor:
     """Each matrix [..., M, N] with singular values between about 0.7 and 1.2, by Newton-Schulz steps.
 
-    The steps are taken on what stands before the matrix, which is square and small, and not on itself.
+    The steps work on the factor in front of the matrix, which is square and small, not on the matrix itself.
     """
     a, b, c = _NEWTON_SCHULZ
     tall = matrices.shape[-2] > matrices.shape[-1]

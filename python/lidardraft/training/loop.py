@@ -36,8 +36,8 @@ Measures = dict[str, Tensor]
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """Means since the last report: the loss, the norm of the gradient, and what else the loss function has measured,
-    None where it has measured nothing."""
+    """Means since the last report: the loss, the norm of the gradient, and the other measures of the loss function,
+    None if it has measured nothing."""
 
     step: int
     loss: float
@@ -60,16 +60,16 @@ def train(
 ) -> Iterator[Report]:
     """Train a `network` and yield reports.
 
-    `batch(config, step)` makes what a step learns from, while the step before is learned from. It follows from both
-    alone, so that a run in slices gives the weights of a run in one. `loss(step, batch)` gives the losses of the
-    samples, whose mean is stepped on, and tensors of numbers by name, whose means are reported without those that are
-    NaN. Of several processes (`Processes`) each has its share of the samples; the gradients are added, reports are of
-    the samples of all, and the first one writes. Numbers stay on the device until a report or a state is due: then a
-    loss or a gradient that was not finite ends the run, and what is on disk stays as it is.
+    `batch(config, step)` makes the input of a step while the previous step runs. It must depend on both alone, so that
+    a run in slices gives the weights of an uninterrupted run. `loss(step, batch)` gives the losses of the samples,
+    whose mean is minimised, and named tensors of numbers, whose means without NaN are reported. With several processes
+    (`Processes`) each has its share of the samples; the gradients are added, reports cover the samples of all, and the
+    first process writes. Numbers stay on the device until a report or a state is due; then a loss or a gradient that
+    was not finite ends the run, and the files on disk stay unchanged.
 
-    The folder `run` receives `log.jsonl`, `state.safetensors` to go on from after an interruption or `max_minutes`, and
-    `weights.safetensors`, the average of weights. A report is yielded after what is due at its step is on disk. Raises
-    `TrainingError` where `run` cannot be a folder, the run in it is another, the training goes wrong, or memory lacks.
+    The folder `run` receives `log.jsonl`, `state.safetensors` to continue from after an interruption or `max_minutes`,
+    and `weights.safetensors`, the average of weights. A report is yielded after everything due at its step is on disk.
+    Raises `TrainingError` if `run` cannot be a folder, the run in it is another, the training fails, or memory lacks.
     """
     run = Path(run)
     check_run_folder(run)
@@ -83,7 +83,7 @@ def train(
     upcoming = _prefetched(partial(batch, config), start)
 
     def learn(step: int, size: int) -> None:
-        whole = size == config.batch  # else this process tries alone what fits
+        whole = size == config.batch  # else only this process tries which batch fits
         made = next(upcoming) if whole else batch(dataclasses.replace(config, batch=size), step)
         losses, measures = loss(step, made)
         window.add(losses.detach(), learner.step(step, losses, processes if whole else ALONE), measures)
@@ -110,7 +110,7 @@ def train(
 
 
 def _prefetched(batch: Callable[[int], Batch], start: int) -> Generator[Batch, None, None]:
-    """`batch(step)` of each step from `start` on, the next one made while one is learned from."""
+    """`batch(step)` of each step from `start` on; the next one is made while the caller uses this one."""
     with ThreadPoolExecutor(1) as loader:
         upcoming = loader.submit(batch, start)
         for step in itertools.count(start + 1):
@@ -119,7 +119,7 @@ def _prefetched(batch: Callable[[int], Batch], start: int) -> Generator[Batch, N
 
 
 def check_run_folder(run: str | os.PathLike[str]) -> None:
-    """Raise `TrainingError` where a file is in the place of the folder of a run, or of one above it."""
+    """Raise `TrainingError` if a file is in the place of the folder of a run, or of one above it."""
     for folder in (Path(run), *Path(run).parents):
         if folder.exists() and not folder.is_dir():
             raise TrainingError(f"{folder} is a file; it must be a folder")
@@ -127,11 +127,11 @@ def check_run_folder(run: str | os.PathLike[str]) -> None:
 
 def device_for_training(name: str | None = None) -> torch.device:
     """The torch device of that name, by default the GPU if there is one; of several GPUs that of `LOCAL_RANK`, which
-    `torchrun` sets. Raises `TrainingError` if there is none of that name, or a GPU that torch cannot use."""
+    `torchrun` sets. Raises `TrainingError` if there is no such device, or for a GPU that torch cannot use."""
     with warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         there = torch.cuda.is_available()
-    if name is None and told:  # by torch, of a driver or a GPU that does not fit it: a CPU would take days unasked
+    if name is None and told:  # by torch, on a driver or a GPU that does not fit: a CPU would silently take days
         said = str(told[0].message).split(". ")[0]
         raise TrainingError(f"the GPU cannot be used: {said}; --device cpu trains without it")
     name = name or ("cuda" if there else "cpu")
@@ -140,7 +140,7 @@ def device_for_training(name: str | None = None) -> torch.device:
         if name == "cuda":
             device = torch.device("cuda", int(os.environ.get("LOCAL_RANK", "0")))
             torch.cuda.set_device(device)
-            torch.set_float32_matmul_precision("high")  # TF32, of what is not in bfloat16
+            torch.set_float32_matmul_precision("high")  # TF32, for computations that are not in bfloat16
         torch.empty(0, device=device)
     except (RuntimeError, AssertionError, NotImplementedError) as error:  # torch's, for a device it does not have
         raise TrainingError(f"device is {name!r}: {str(error).splitlines()[0]}") from None
@@ -148,8 +148,8 @@ def device_for_training(name: str | None = None) -> torch.device:
 
 
 def check_memory_for(batch: int, learn: Callable[[int], object], *, step: int) -> None:
-    """`learn` a batch of that size; raises `TrainingError` where it needs more memory than there is, with the largest
-    power of two of which that is not so, found by trying."""
+    """`learn` a batch of that size. If memory lacks, raise `TrainingError` naming the largest power of two that fits,
+    found by trials."""
     if lacking := _lack_of_memory(lambda: learn(batch)):
         smaller = (2**power for power in reversed(range(batch.bit_length())) if 2**power < batch)
         fitting = next((size for size in smaller if not _lack_of_memory(partial(learn, size))), None)
@@ -160,9 +160,9 @@ def check_memory_for(batch: int, learn: Callable[[int], object], *, step: int) -
 
 
 def _lack_of_memory(attempt: Callable[[], object]) -> str:
-    """What is said where an attempt asks for more memory than there is, on whatever device; nothing where it does not.
+    """The message of a lack of memory in an attempt, on any device; "" if there is none.
 
-    The tensors of an attempt are gone when this returns, as its error is.
+    The tensors of an attempt are freed when this returns, as its error is.
     """
     try:
         attempt()
@@ -175,12 +175,12 @@ def _lack_of_memory(attempt: Callable[[], object]) -> str:
 
 
 class _Window:
-    """What has been measured since the last report."""
+    """The measures since the last report."""
 
     def __init__(self) -> None:
         self.began = time.monotonic()
         self.steps: list[Tensor] = []  # mean loss and norm of the gradient of each
-        self.sums: dict[str, tuple[Tensor, Tensor]] = {}  # sum and count of what is not NaN
+        self.sums: dict[str, tuple[Tensor, Tensor]] = {}  # sum and count of the values that are not NaN
 
     def add(self, losses: Tensor, gradient: Tensor, measures: Measures) -> None:
         self.steps.append(torch.stack([losses.mean(), gradient]))
@@ -195,7 +195,7 @@ class _Window:
                 raise TrainingError(f"the loss is {loss} and its gradient {gradient} at step {number}")
 
     def report(self, step: int, minutes: float, processes: Processes, device: torch.device) -> Report:
-        """Means over all processes, which must all ask for them."""
+        """Means over all processes; all of them must call this."""
         sums = {name: [processes.total(own.item(), device) for own in pair] for name, pair in self.sums.items()}
         means = {name: total / count if count else None for name, (total, count) in sums.items()}
         return Report(
@@ -221,9 +221,9 @@ def _log(path: Path, report: Report) -> None:
 
 
 def _cut_log(path: Path, step: int) -> None:
-    """Drop the reports after `step`: a run that was killed has reported steps that its state does not hold.
+    """Drop the reports after `step`: a killed run may have reported steps that its state does not hold.
 
-    Lines that are no reports are dropped too.
+    Lines that are not reports are dropped too.
     """
     if not path.exists():
         return

@@ -1,4 +1,4 @@
-"""Processes that learn together: each takes its share of a batch, and their gradients are added."""
+"""Processes that train together: each takes its share of a batch, and their gradients are added."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Processes:
 
     @classmethod
     def from_environment(cls, device: torch.device) -> Processes:
-        """Those that `torchrun` or `accelerate launch` started, as their environment says; or this one alone."""
+        """The processes that `torchrun` or `accelerate launch` started, by the environment; or this one alone."""
         if int(os.environ.get("WORLD_SIZE", "1")) == 1:
             return cls()
         if not dist.is_initialized():
@@ -29,7 +29,7 @@ class Processes:
         return cls(dist.get_rank(), dist.get_world_size())
 
     def share(self, scans: int) -> range:
-        """Which of a step's scans are this process's; raises `TrainingError` where one of the processes has none."""
+        """The scans of a step for this process; raises `TrainingError` if one of the processes has none."""
         if scans < self.count:
             raise TrainingError(f"a step learns from {scans} scans, too few for {self.count} processes; raise --batch")
         return range(self.rank, scans, self.count)
@@ -48,7 +48,7 @@ class Processes:
         return tensor.item()
 
     def wait(self) -> None:
-        """Until all processes are here."""
+        """Wait until all processes are here."""
         if self.count > 1:
             dist.barrier()
 

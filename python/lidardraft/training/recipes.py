@@ -1,6 +1,6 @@
-"""Recipes: complete configurations of trainings, a stage after the other; and the arms of the paper's ablation.
+"""Recipes: complete configurations of trainings, one stage after the other; and the arms of the paper's ablation.
 
-A stage with a ControlNet stands on the stage before it, which stays frozen; any other goes on with its weights.
+A stage with a ControlNet uses the previous stage as its frozen base; any other continues with its weights.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.training.denoising import DenoisingConfig
 
 Stages = tuple[DenoisingConfig, ...]
-# Noise levels at which a network learns what a condition says: at lower ones the noisy scan says it all.
+# Noise levels at which a network learns to use a condition: at lower ones the noisy scan is enough.
 _CONDITIONED: dict[str, Any] = {"sigma_mean": 0.5, "sigma_std": 1.4}
 
 
@@ -23,7 +23,8 @@ def paper_small() -> Stages:
 
 
 def small() -> Stages:
-    """What ships, for two CPU cores: the base of `paper_small`, and then a network that completes simulated scans."""
+    """The recipe of the packaged weights for two CPU cores: the base of `paper_small`, then a network that completes
+    simulated scans."""
     *base, last = _small_base()
     denoiser = replace(last.denoiser, condition=("simulated", "open"))
     return *base, last, replace(last, denoiser=denoiser, steps=8_000, **_CONDITIONED)
@@ -44,8 +45,8 @@ def paper() -> Stages:
 def paper_large() -> Stages:
     """The paper's form: widths 128, 128, 256, 256, two blocks, no folding; LiDARGen's strides; 842 GFLOP a call.
 
-    The ControlNet sees classes and depths of the layout's cast. 100,000 steps without and 5,000 with the condition are
-    the paper's; batch and learning rate it does not state, nor how long the zero convolutions learn alone.
+    The ControlNet gets classes and depths of the layout's cast. 100,000 steps without and 5,000 with the condition are
+    the paper's. It does not state batch and learning rate, nor how long the zero convolutions learn alone.
     """
     denoiser = DenoiserConfig(
         cell=(1, 1),
@@ -62,7 +63,7 @@ def paper_large() -> Stages:
 
 
 def paper_map() -> Stages:
-    """`paper` for semantic maps: its ControlNet sees classes alone."""
+    """`paper` for semantic maps: its ControlNet gets classes alone."""
     return _of_maps(paper())
 
 
@@ -110,11 +111,11 @@ def _tiny(stage: DenoisingConfig) -> DenoisingConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class Arm:
-    """What one row of the table changes of the paper's form.
+    """The change of the paper's form in one row of the table.
 
     The parts of the condition; whether it enters through a ControlNet, or beside the state of a base that learns on;
-    whether the ControlNet's copy of the encoder learns, or its zero convolutions alone; whether the layout is seen from
-    above (`top_view`) in place of its cast.
+    whether the ControlNet's copy of the encoder learns, or its zero convolutions alone; whether the layout's top view
+    (`top_view`) replaces its cast.
     """
 
     condition: tuple[str, ...] = ("depth", "class")
@@ -123,13 +124,13 @@ class Arm:
     from_above: bool = False
 
     def stage(self, control: DenoisingConfig) -> DenoisingConfig:
-        """What this arm learns on the base in place of the paper's `control`, in as many steps."""
+        """The stage of this arm on the base in place of the paper's `control`, with as many steps."""
         denoiser = replace(control.denoiser, condition=self.condition, controlnet=self.controlnet)
         alone = control.zero_conv_steps if self.tuned else control.steps
         return replace(control, denoiser=denoiser, zero_conv_steps=alone, watch_every=0)
 
 
-# The paper's Table 2: what each part of its form is worth, at one budget of training; the paper's own form last.
+# The paper's Table 2: the value of each part of its form, at one budget of training; the paper's own form last.
 # "Semantic map alone" is the paper's "without depth estimation".
 ARMS = {
     "ControlNet not fine-tuned": Arm(tuned=False),

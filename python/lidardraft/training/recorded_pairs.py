@@ -1,4 +1,4 @@
-"""Pairs of recorded scans: what a sensor saw, and what a layout made of that same scan looks like to it."""
+"""Pairs of recorded scans: the scan of a sensor, and the cast and simulated scan of a layout made from it."""
 
 from __future__ import annotations
 
@@ -15,16 +15,16 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import CLASSES, NUM_CLASSES
 from lidardraft.simulation.simulate import simulate
 
-_MOST_OUTSIDE = 0.25  # of the points; of right sensors up to 0.05 are out of range or above the highest beam
-_FEWEST = 0.05  # of the pixels; a scan has returns in more
-_NEAR = (0.5, 0.05)  # m, and of the range: so near a return is explained by the layout
+_MOST_OUTSIDE = 0.25  # of the points; with the right sensor up to 0.05 are out of range or above the highest beam
+_FEWEST = 0.05  # of the pixels; a scan has more returns
+_NEAR = (0.5, 0.05)  # m, and of the range: the layout explains a return this near
 _NAMED = 0.01  # of the returns: rarer classes are counted together
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LabelledCloud:
     """`points` f32 [N, 3] in the sensor frame [m], `intensity` f32 [N] in 0 to 1, class ids `label` u8 [N], and numbers
-    of objects `instance` u32 [N], where these are known."""
+    of objects `instance` u32 [N], None if unknown."""
 
     points: np.ndarray
     intensity: np.ndarray
@@ -34,8 +34,8 @@ class LabelledCloud:
 
 @dataclass
 class ReturnShares:
-    """Of all returns of recordings: the shares of classes, of those that their layouts explain, and of those where
-    layouts show another class."""
+    """Shares of all returns of recordings: of each class, of those that their layouts explain, and of those with
+    another class in the layouts."""
 
     classes: np.ndarray = field(default_factory=lambda: np.zeros(NUM_CLASSES, np.int64))
     near: int = 0
@@ -65,8 +65,8 @@ class ReturnShares:
 def recorded_pair(scan: LabelledCloud, sensor: Sensor, *, seed: int = 0) -> Pair:
     """The pair of a recorded scan: on the grid of `sensor`, with the cast and the simulated scan of its layout.
 
-    The layout is that of `layout_from_cloud`, which is scanned from where the sensor stood, at rest. Raises
-    `FormatError` where the sensor has not seen the points, `LayoutError` where no layout can be made of them.
+    The layout is that of `layout_from_cloud`, scanned from the place of the sensor, at rest. Raises `FormatError` if
+    the points do not fit the sensor, `LayoutError` if they give no layout.
     """
     image = on_grid(scan, sensor)
     if not (scan.label > 0).any():
@@ -76,10 +76,10 @@ def recorded_pair(scan: LabelledCloud, sensor: Sensor, *, seed: int = 0) -> Pair
 
 
 def on_grid(scan: LabelledCloud, sensor: Sensor) -> RangeImage:
-    """The recording as an image of `sensor`, in which an empty pixel is a firing without a return, as far as can be.
+    """The recording as an image of `sensor`, in which an empty pixel is, as far as possible, a firing without a return.
 
     A firing's azimuth is not exactly that of a column: two returns may share a pixel beside one that stays empty, as if
-    a firing had been dropped. There the further one has the pixel beside. What the vehicle hides is no return.
+    a firing had been dropped. Then the further return gets the empty pixel. Points that the vehicle hides are left out.
     """
     row, column, depth = sensor.pattern.project(np.ascontiguousarray(scan.points, dtype=np.float64))
     seen = row >= 0
@@ -88,7 +88,7 @@ def on_grid(scan: LabelledCloud, sensor: Sensor) -> RangeImage:
     found = RangeImage.empty(sensor)
     intensity = np.zeros(sensor.shape, dtype=np.float32)
     order = np.argsort(depth, kind="stable")
-    left = order[seen[order]]  # the nearest first: it has the pixel where it lies
+    left = order[seen[order]]  # the nearest first: it keeps its own pixel
     for aside in (0, -1, 1):
         beside = column[left] + aside
         inside = np.ones(len(left), dtype=bool) if sensor.wraps else (beside >= 0) & (beside < sensor.columns)
@@ -114,8 +114,8 @@ def on_grid(scan: LabelledCloud, sensor: Sensor) -> RangeImage:
 
 
 def beside_beams(scan: LabelledCloud, sensor: Sensor) -> float:
-    """How far from the elevations of the beams the points lie, the median in shares of the beams' spacing: 0 for the
-    right sensor, 0.25 where there is no relation."""
+    """The median distance of the points from the elevations of the beams, in shares of the beams' spacing: 0 for the
+    right sensor, 0.25 for an unrelated one."""
     if len(sensor.elevations) < 2:
         return 0.0
     points = scan.points.astype(np.float64)

@@ -1,4 +1,4 @@
-"""Sensors drawn at random, so that one network learns to serve all."""
+"""Random sensors, so that one network learns to serve all."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ COLUMNS = (512, 768, 1024, 1200, 1440, 1800, 2048)
 MOUNTS = (1.0, 3.0)  # m
 ELEVATIONS = (math.radians(-48.0), math.radians(48.0))
 SPACING = math.radians(0.16)  # of the closest beams
-# Within them a network that learned from these sensors is at home.
+# A network trained on these sensors works within these limits.
 LIMITS = SensorLimits(
     beams=(ROWS[0], ROWS[-1]),
     columns=(COLUMNS[0], COLUMNS[-1]),
@@ -28,7 +28,7 @@ _LARGEST = 128 * 1024  # pixels
 
 
 def sample_sensor(rng: np.random.Generator) -> Sensor:
-    """A preset with other columns and mount, or a table of beams that nobody sells; each time another unit."""
+    """A preset with other columns and mount, or a table of beams of no existing sensor; each time another unit."""
     name = str(rng.choice(sorted(PRESETS)))
     preset = PRESETS[name]
     elevations = preset.elevations if rng.random() < _PRESET_SHARE else _sample_elevations(rng)
@@ -67,15 +67,16 @@ def _sample_elevations(rng: np.random.Generator) -> tuple[float, ...]:
     share = np.cumsum(density)
     elevations = np.interp(np.linspace(share[0], share[-1], rows), share, place)
     closest = float(np.min(-np.diff(elevations)))
-    if closest < SPACING:  # as many beams over a wider span, as far as there is room
+    if closest < SPACING:  # the same beams over a wider span, as far as possible
         middle = (high + low) / 2
         room = min((limit - middle) / (end - middle) for limit, end in zip(ELEVATIONS, (low, high), strict=True))
         elevations = middle + (elevations - middle) * min(SPACING / closest, 2.0, room)
-    return tuple(np.clip(elevations, *ELEVATIONS).tolist())  # of what rounding leaves outside
+    return tuple(np.clip(elevations, *ELEVATIONS).tolist())  # for values that rounding moves outside
 
 
 def _with_model(sensor: Sensor, name: str, rng: np.random.Generator) -> Sensor:
-    """The sensor with constants around those of a preset: its optics, its noise, what it drops and how it reads."""
+    """The sensor with constants around those of a preset: its optics, its noise, its dropped returns and its
+    readings."""
     preset = PRESETS[name]
     model = (preset if sensor.elevations == preset.elevations else sensor).assumed_model
 

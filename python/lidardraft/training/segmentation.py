@@ -22,12 +22,12 @@ from lidardraft.training.loop import Measures, Report, device_for_training, trai
 from lidardraft.training.sources import MixedSource, PairFolder
 
 _Batch = tuple[Tensor, Tensor]
-_COUNTED = 256  # scans that the share of each class is taken from
+_COUNTED = 256  # scans for the share of each class
 
 
 @dataclass(frozen=True, kw_only=True)
 class SegmentationConfig(LearningConfig):
-    """All that decides the result, beside the pairs."""
+    """All parameters that decide the result, except the pairs."""
 
     segmenter: SegmenterConfig = field(default_factory=SegmenterConfig)
     augmentation: Augmentation = field(default_factory=Augmentation)
@@ -49,11 +49,11 @@ def train_segmenter(
     max_minutes: float = float("inf"),
 ) -> Iterator[Report]:
     """Train a segmenter, from fresh weights or those of `begin`, on the scans of pairs; the condition images are not
-    looked at.
+    used.
 
-    What the folder `run` receives, and how a run goes on, is said at `training.loop.train`; the accuracy, the share of
-    returns that are labelled right, is also reported. Raises `TrainingError` as that does, and where the pairs, the
-    weights or the device cannot be.
+    `training.loop.train` describes the contents of the folder `run`, and how a run continues; the accuracy, the share
+    of returns with the right label, is also reported. Raises `TrainingError` as that does, and if the pairs, the
+    weights or the device do not fit.
     """
     config.check_counts()
     for folder in pairs.sources:
@@ -80,9 +80,9 @@ def train_segmenter(
 
 
 def class_weights(pairs: MixedSource[PairFolder]) -> Tensor:
-    """What an error in each class counts, f32 [K - 1], mean 1 over all returns: one over the root of its share.
+    """The weight of an error in each class, f32 [K - 1], mean 1 over all returns: one over the root of its share.
 
-    Rarer classes than one return in 10,000 count no more than those.
+    Classes rarer than one return in 10,000 count no more than that.
     """
     share = np.zeros(NUM_CLASSES - 1)
     for folder, weight in zip(pairs.sources, pairs.weights, strict=True):
@@ -94,9 +94,9 @@ def class_weights(pairs: MixedSource[PairFolder]) -> Tensor:
 
 
 def segmentation_loss(logits: Tensor, target: Tensor, weights: Tensor) -> Tensor:
-    """Weighted cross-entropy plus the soft Jaccard loss of Rahman and Wang (ISVC 2016), over the classes there are.
+    """Weighted cross-entropy plus the soft Jaccard loss of Rahman and Wang (ISVC 2016), over the classes in the target.
 
-    logits [B, K - 1, H, W]; target i64 [B, H, W] of class ids, 0 where nothing is to be learned.
+    logits [B, K - 1, H, W]; target i64 [B, H, W] of class ids, 0 for pixels to be ignored.
     """
     known = target > 0
     logits, target = logits.permute(0, 2, 3, 1)[known], target[known] - 1

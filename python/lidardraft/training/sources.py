@@ -1,5 +1,5 @@
-"""Where pairs come from: folders, held in memory; streets, made as they are needed or meanwhile by worker processes;
-mixtures of these."""
+"""Sources of pairs: folders, held in memory; streets, made as needed or in the background by worker processes; mixtures
+of these."""
 
 from __future__ import annotations
 
@@ -31,25 +31,25 @@ from lidardraft.training.sampled_sensor import sample_sensor
 from lidardraft.training.stack import PairStack, as_tensors
 
 CPU = torch.device("cpu")
-_POSES = 2  # of a street: a network learns more from another street than from another look at one
-_POSES_MEANWHILE = 4  # of a street that workers make: so many more pairs a second count for more
-_MOST = 16_000  # pairs that a bank keeps
+_POSES = 2  # of a street: a network learns more from another street than from another view of one
+_POSES_MEANWHILE = 4  # of a street that workers make: the higher rate of pairs is worth more
+_MOST = 16_000  # pairs kept in a bank
 _LEAST = 16  # batches' worth of pairs in a bank before the first step
 _SENSOR_STREAM = 11  # random numbers of a step's sensor
 NEAR, FAR = 2.0, 80.0  # m from the sensor along the ground: the lowest row and the highest of a top view
-_CEILING = 12.0  # m over the sensor's origin: what is higher counts as that high
-_HIGH = 200.0  # m over the sensor's origin, where the rays start
+_CEILING = 12.0  # m over the sensor's origin: the limit of heights
+_HIGH = 200.0  # m over the sensor's origin: the start of the rays
 _CHOICE_STREAM = 5  # random numbers that choose a source
-_MEMINFO = Path("/proc/meminfo")  # of Linux; other systems say it elsewhere, and are not asked
+_MEMINFO = Path("/proc/meminfo")  # of Linux; other systems are not asked
 _PIXELS = 64 * 1024  # of the images that memory is counted in
 _PAIR_BYTES = sum(np.dtype(dtype).itemsize for dtype in IMAGES.values())  # a pixel
 
 
 class PairSource:
-    """Pairs to learn from.
+    """A source of training pairs.
 
-    `source` says in words where they come from, `path` where they lie; `checksum` is of all that decides them.
-    `sensors` are those known before the training begins, `sensor` is that of all pairs, None where they are of many.
+    `source` describes their origin, `path` is their place; `checksum` covers everything that decides them. `sensors`
+    are those known before the training begins; `sensor` is that of all pairs, None if there are several.
     """
 
     def __init__(self, sensor: Sensor | None, source: str, checksum: int, path: Path = Path("streets")) -> None:
@@ -58,13 +58,13 @@ class PairSource:
 
     @contextmanager
     def running(self, processes: Processes, device: torch.device) -> Iterator[None]:
-        """While the block runs, pairs can be asked for."""
+        """A context in which pairs can be requested."""
         del processes, device
         yield
 
     def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
-        """Those of a step, of one sensor, as many as `scans` of 64 x 1024 are worth; of several processes, this one's.
-        The stack is on the device."""
+        """The pairs of a step, of one sensor, as many as `scans` of 64 x 1024 are worth; with several processes, those
+        of this one. The stack is on the device."""
         raise NotImplementedError
 
 
@@ -72,8 +72,8 @@ class PairFolder(PairSource):
     """The pairs of a prepared folder, held in memory: 0.66 MB for each pair of 64 x 1024.
 
     `folder[i]` is a `Pair` with depth to the millimetre and intensity, as `Pair.from_compact` gives it. `notes[i]` is
-    what was noted of it, `checksum` that of all images. Raises `FormatError` naming the file that is missing, truncated
-    or not ours.
+    its note, `checksum` that of all images. Raises `FormatError` naming a file that is missing, truncated or not from
+    lidardraft.
     """
 
     sensor: Sensor
@@ -106,7 +106,7 @@ class PairFolder(PairSource):
 
     def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
         """Pairs drawn at random, the same for a step (`PairSource.stack`). They are moved to a device once, if they fit
-        there; else each batch is, and a `UserWarning` says so."""
+        there; else each batch is, with a `UserWarning`."""
         if self._placed != device:
             self._tensors, self._placed = placed(self._tensors, device), device
         drawn = np.random.default_rng([self.checksum, step]).integers(len(self), size=scans_of_step(scans, self.sensor))
@@ -114,9 +114,9 @@ class PairFolder(PairSource):
 
 
 class StreetSource(PairSource):
-    """The streets of a seed, seen by `sensor`, or by another one at each step (`sample_sensor`).
+    """The streets of a seed, scanned by `sensor`, or by another one at each step (`sample_sensor`).
 
-    With `from_above` the layout's top view stands in for its cast (`top_view`).
+    With `from_above` the layout's top view replaces its cast (`top_view`).
     """
 
     def __init__(self, *, seed: int = 0, sensor: Sensor | None = None, from_above: bool = False) -> None:
@@ -140,11 +140,11 @@ class StreetSource(PairSource):
 
 
 class StreetBank(PairSource):
-    """The newest pairs of the streets of a seed, made by `workers` processes and held on the device that learns, for
+    """The newest pairs of the streets of a seed, made by `workers` processes and held on the training device. It is for
     devices that learn faster than streets are made.
 
-    A step draws from the pairs that are there by then: a run is not the same twice, nor is one in slices the run in
-    one. `running` starts the processes and ends them.
+    A step draws from the pairs made so far, so a run is not reproducible, nor is a run in slices equal to one without.
+    `running` starts the processes and ends them.
     """
 
     sensor: Sensor
@@ -158,7 +158,7 @@ class StreetBank(PairSource):
 
     @contextmanager
     def running(self, processes: Processes, device: torch.device) -> Iterator[None]:
-        """While the block runs, worker processes make the share of this one of several `processes`."""
+        """A context in which worker processes make the share of this one of several `processes`."""
         pair = _PAIR_BYTES * math.prod(self.sensor.shape)
         free = free_memory(device)
         kept = _MOST if free is None else min(_MOST, free // 2 // pair)
@@ -191,13 +191,13 @@ class StreetBank(PairSource):
                     self.made += 1
 
     def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
-        """Pairs drawn at random from those that are there (`PairSource.stack`)."""
+        """Pairs drawn at random from those made so far (`PairSource.stack`)."""
         assert self._filling is not None, "the bank is not running"
         count = len(processes.share(scans_of_step(scans, self.sensor)))
         kept = len(self._images["scan_label"])
         while self.made < min(_LEAST * count, kept):
             if self._filling.done():
-                self._filling.result()  # raises what ended it
+                self._filling.result()  # raises the error that ended it
             time.sleep(0.05)
         with self._lock:
             drawn = np.random.default_rng([self.seed, step, processes.rank]).integers(min(self.made, kept), size=count)
@@ -208,7 +208,7 @@ SourceT = TypeVar("SourceT", bound=PairSource)
 
 
 class MixedSource(PairSource, Generic[SourceT]):
-    """Sources, each with how often it is drawn from, in shares of the sum of all."""
+    """Several sources, each drawn in proportion to its weight."""
 
     def __init__(self, sources: tuple[SourceT, ...], weights: tuple[float, ...]) -> None:
         if not sources:
@@ -228,7 +228,7 @@ class MixedSource(PairSource, Generic[SourceT]):
         return self.sources[int(random.choice(len(self.sources), p=self.shares))]
 
     def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
-        """Those of one source: the same for a step."""
+        """The pairs of one source, the same for a step."""
         return self.draw(np.random.default_rng([step, _CHOICE_STREAM])).stack(step, scans, processes, device)
 
 
@@ -238,12 +238,12 @@ def _compact(pair: StreetPair, condition_image: RangeImage) -> Images:
 
 
 def scans_of_step(scans: int, sensor: Sensor) -> int:
-    """How many scans of a sensor a step learns from that has room for so many of 64 x 1024."""
+    """The number of scans of a sensor in a step that has room for `scans` of 64 x 1024."""
     return max(1, min(scans, scans * _PIXELS // math.prod(sensor.shape)))
 
 
 def placed(images: dict[str, Tensor], device: torch.device) -> dict[str, Tensor]:
-    """The images on a GPU if half of its free memory holds them; else in memory that it can read from."""
+    """The images on a GPU if they fit in half of its free memory; else in pinned memory of the host."""
     needed, free = sum(rows.nbytes for rows in images.values()), free_memory(device)
     if device.type != "cuda" or free is None:
         return images
@@ -255,7 +255,7 @@ def placed(images: dict[str, Tensor], device: torch.device) -> dict[str, Tensor]
 
 
 def free_memory(device: torch.device = CPU) -> int | None:
-    """Bytes that can be had on a device, without swapping; None where the system does not say."""
+    """The bytes available on a device, without swapping; None if the system does not tell."""
     if device.type == "cuda":
         return torch.cuda.mem_get_info(device)[0]
     try:
@@ -266,11 +266,11 @@ def free_memory(device: torch.device = CPU) -> int | None:
 
 
 def top_view(layout: Layout, sensor: Sensor, pose: np.ndarray) -> RangeImage:
-    """What a layout shows from above around a sensor at world_from_sensor `pose` [4, 4], in images of its shape.
+    """The top view of a layout around a sensor at world_from_sensor `pose` [4, 4], in images of its shape.
 
-    A pixel looks straight down at a place of its own: its column's azimuth is the sensor's, and rows are the farther
-    the higher, in equal ratios from 2 to 80 m. `depth` is how far below a ceiling of 12 m the surface is, `label` its
-    class. The paper does not say how it projects; azimuths that agree with those of the scan are the best case for it.
+    A pixel is a vertical ray at its own place: its column's azimuth is the sensor's, and higher rows are farther, in
+    equal ratios from 2 to 80 m. `depth` is the distance of the surface below a ceiling of 12 m, `label` its class. The
+    paper does not state its projection; azimuths that agree with those of the scan are the best case for it.
     """
     rows, columns = sensor.shape
     azimuth = sensor.azimuth_start - (np.arange(columns) + 0.5) * sensor.azimuth_span / columns

@@ -1,4 +1,4 @@
-"""Stacks of pairs on the device that learns from them, compact as they lie on disk."""
+"""Stacks of pairs on the device that trains on them, compact as on disk."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from lidardraft.scene.sensor import Sensor
 @dataclass(frozen=True, slots=True)
 class PairStack:
     """Pairs of one sensor: tensors [B, H, W] by the names of `formats.pairs.IMAGES`, with the bits of uint16 in int16,
-    which torch knows on every device. `rays` f32 [5, H, W] are those of `encode_rays`."""
+    which torch supports on every device. `rays` f32 [5, H, W] are those of `encode_rays`."""
 
     sensor: Sensor
     images: Mapping[str, Tensor]
@@ -36,18 +36,18 @@ class PairStack:
     def of_rows(
         cls, sensor: Sensor, images: Mapping[str, Tensor], drawn: np.ndarray, device: torch.device
     ) -> PairStack:
-        """The pairs of the rows that were drawn of many, on the device."""
+        """The pairs of the drawn rows, on the device."""
         at = torch.from_numpy(drawn).to(images["scan_label"].device)
         return cls.of(sensor, {name: rows[at].to(device, non_blocking=True) for name, rows in images.items()})
 
     def thinned(self, every: int) -> PairStack:
-        """Every `every`-th beam and column, as a sensor with these alone would have them."""
+        """Every `every`-th beam and column, as a sensor with only these would have them."""
         if every == 1:
             return self
         return PairStack.of(_thinned(self.sensor, every), {n: x[:, ::every, ::every] for n, x in self.images.items()})
 
     def mirrored(self) -> PairStack:
-        """The columns from the last to the first; the mirror image of staggered beams is another sensor."""
+        """The columns in reverse order; the mirror image of staggered beams is another sensor."""
         return PairStack(self.sensor, {name: x.flip(-1) for name, x in self.images.items()}, self.rays.flip(-1))
 
     def states(self) -> Tensor:

@@ -1,4 +1,4 @@
-//! Points that lie together.
+//! Clusters of points.
 
 use std::collections::HashMap;
 
@@ -7,17 +7,17 @@ use glam::{DVec3, IVec3};
 /// The highest over the lowest reach of points whose neighbours are searched together.
 const BAND: f64 = 1.25;
 
-/// The root of what is in no cluster.
+/// The root of points in no cluster.
 const NONE: u32 = u32::MAX;
 
-/// Cells that are told apart along an axis.
+/// Distinct cells along an axis.
 const MOST_CELLS: u64 = 1 << 21;
 
 /// DBSCAN (Ester et al., KDD 1996): the indices of each cluster in order, largest first; points of none are left out.
 ///
-/// Two points are neighbours within `reach` [m] and `per_range` of their horizontal range, less than 0.1, since points are the
-/// sparser the further. A cluster grows from points with `min_points` neighbours, themselves among them. Points closer than
-/// a quarter of the reach are searched as one.
+/// Two points are neighbours within `reach` [m] and `per_range`, less than 0.1, of their horizontal range, as points
+/// are sparser further away. A cluster grows from points with `min_points` neighbours, themselves included. Points
+/// closer than a quarter of the reach are searched as one.
 pub fn cluster(points: &[[f64; 3]], reach: f64, per_range: f64, min_points: usize) -> Vec<Vec<u32>> {
     let points: Vec<DVec3> = points.iter().map(|&point| point.into()).collect();
     let voxels = thinned(&points, reach / 4.0);
@@ -33,7 +33,7 @@ pub fn cluster(points: &[[f64; 3]], reach: f64, per_range: f64, min_points: usiz
     let mut forest = Forest((0..voxels.len() as u32).collect());
     pairs.iter().filter(|[a, b]| is_core(*a) && is_core(*b)).for_each(|&[a, b]| forest.join(a, b));
     let mut root: Vec<u32> = (0..).zip(&voxels).map(|(k, _)| if is_core(k) { forest.root(k) } else { NONE }).collect();
-    // What is no core itself belongs to the cluster of a core next to it.
+    // A point that is not a core belongs to the cluster of an adjacent core.
     for &[a, b] in pairs.iter().filter(|[a, b]| is_core(*a) != is_core(*b)) {
         let [core, edge] = if is_core(a) { [a, b] } else { [b, a] };
         root[edge as usize] = root[edge as usize].min(forest.root(core));
@@ -48,7 +48,7 @@ pub fn cluster(points: &[[f64; 3]], reach: f64, per_range: f64, min_points: usiz
     members
 }
 
-/// The indices of the points in each cell of so many metres, those of lower cells first.
+/// The indices of the points in each cell of size `voxel` [m], those of lower cells first.
 fn thinned(points: &[DVec3], voxel: f64) -> Vec<Vec<u32>> {
     let low = points.iter().fold(DVec3::INFINITY, |low, &point| low.min(point));
     let key = |point: &DVec3| {
@@ -70,10 +70,10 @@ struct Neighbours<'a> {
 impl Neighbours<'_> {
     /// Both indices of each pair, once.
     ///
-    /// By bands of the lesser reach of the two, since a grid is as coarse as the furthest neighbours in it: one far point
-    /// would else have it coarse for all.
+    /// By bands of the lesser reach of the two: a grid is as coarse as its largest reach, so one far point would make
+    /// it coarse for all.
     fn pairs(&self) -> Vec<[u32; 2]> {
-        // The reach of a neighbour is at most so many times the other's, as their ranges are alike.
+        // The reach of a neighbour is at most this many times the other's, as their ranges are alike.
         let most = 1.0 + 2.0 * self.per_range;
         let highest = self.reaches.iter().copied().fold(0.0, f64::max);
         let mut low = self.reaches.iter().copied().fold(f64::INFINITY, f64::min);
@@ -114,12 +114,12 @@ impl Neighbours<'_> {
     }
 }
 
-/// A cell itself, and those half of its neighbours of which it is not the neighbour.
+/// A cell itself, and half of its neighbours, so that each pair of cells occurs once.
 fn forward() -> impl Iterator<Item = IVec3> {
     (13..27).map(|k| IVec3::new(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1))
 }
 
-/// Which numbers belong together: each names one that it belongs with, the lowest itself.
+/// Groups of numbers: each number names another of its group, the lowest itself.
 struct Forest(Vec<u32>);
 
 impl Forest {

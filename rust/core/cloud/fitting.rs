@@ -11,11 +11,11 @@ use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Ray};
 const MIN_EXTENT: f64 = 0.1;
 /// The least extent of a crown [m].
 const MIN_CROWN: f64 = 0.3;
-/// Nearer to an edge than this [m] is as good as on it.
+/// Closer to an edge than this [m] counts as on it.
 const NOISE: f32 = 0.05;
-/// Points at most that say the heading of a box.
+/// The most points for the heading of a box.
 const SAMPLE: usize = 200;
-/// Headings that are tried, one a degree.
+/// Tried headings, one a degree.
 const HEADINGS: usize = 90;
 
 /// An upright box.
@@ -41,13 +41,13 @@ impl FittedBox {
         FittedBox { center: DVec3::new(x, y, z), size: DVec3::new(length, width, height), yaw }
     }
 
-    /// What brings points into the frame of the box, its middle at the origin.
+    /// The map from points into the frame of the box, with its middle at the origin.
     pub(super) fn local(&self) -> impl Fn(DVec3) -> DVec3 {
         let (center, along) = (self.center, DVec2::from_angle(self.yaw));
         move |point| back(along, (point - center).truncate()).extend(point.z - center.z)
     }
 
-    /// The shape that fills the box, for rays from one place. Planes and meshes are as their boxes.
+    /// The shape that fills the box, for rays from one place. Planes and meshes count as their boxes.
     pub(super) fn target(&self, shape: &Shape, origin: DVec3) -> Target {
         let scale = 2.0 / self.size;
         let origin = self.local()(origin) * scale;
@@ -55,17 +55,17 @@ impl FittedBox {
     }
 }
 
-/// A shape of which rays from one place are asked. It is as wide as the unit ball in its own frame.
+/// A shape for queries of rays from one place. It is as wide as the unit ball in its own frame.
 pub(super) struct Target {
     shape: Shape,
-    /// Where the rays start, in its frame.
+    /// The start of the rays, in its frame.
     origin: DVec3,
     along: DVec2,
     scale: DVec3,
 }
 
 impl Target {
-    /// How far a ray in a direction goes to it.
+    /// The distance to it along a ray in a direction.
     pub(super) fn distance(&self, direction: DVec3) -> Option<f64> {
         let direction = back(self.along, direction.truncate()).extend(direction.z) * self.scale;
         let ray = Ray { origin: self.origin, direction };
@@ -77,7 +77,7 @@ impl Target {
     }
 }
 
-/// The box around points whose sides lie closest to them, by search over its heading, -90 to 90 degrees. `outliers` are the
+/// The box whose sides fit points most closely, by search over its heading, -90 to 90 degrees. `outliers` are the
 /// shares of the points at either end of an extent that are strays.
 ///
 /// Closeness criterion of Zhang et al., "Efficient L-Shape Fitting for Vehicle Detection Using Laser Scanners", IV 2017.
@@ -91,9 +91,9 @@ pub fn fit_box(points: &[DVec3], outliers: f64) -> FittedBox {
     FittedBox { center, size: (high - low).max(DVec3::splat(MIN_EXTENT)), yaw }
 }
 
-/// The box of the ellipsoid seen as large as the points, around the middle half of them along the line of sight.
+/// The box of the ellipsoid of the points' apparent size, around the middle half of them along the line of sight.
 ///
-/// Rays pass through foliage: its points lie scattered behind the side that faces the sensor.
+/// Rays pass through foliage: its points are scattered behind the side that faces the sensor.
 pub(super) fn fit_crown(points: &[DVec3]) -> FittedBox {
     let mean = points.iter().map(|p| p.truncate()).sum::<DVec2>() / points.len() as f64;
     let away = mean / mean.length().max(1e-6);
@@ -106,12 +106,12 @@ pub(super) fn fit_crown(points: &[DVec3]) -> FittedBox {
     FittedBox { center: away.rotate(middle.truncate()).extend(middle.z), size, yaw: away.to_angle() }
 }
 
-/// A vector as seen along an axis of length 1.
+/// A vector relative to an axis of length 1.
 fn back(axis: DVec2, vector: DVec2) -> DVec2 {
     DVec2::new(axis.dot(vector), axis.perp_dot(vector))
 }
 
-/// The ends of points along each axis, without the `outliers` at either end, shares of them.
+/// The ends of points along each axis, without the shares `outliers` at either end.
 fn extents(points: impl Iterator<Item = DVec3> + Clone, outliers: [f64; 3]) -> (DVec3, DVec3) {
     let ends = [0, 1, 2].map(|axis| {
         let mut values: Vec<f64> = points.clone().map(|point| point[axis]).collect();
@@ -120,7 +120,7 @@ fn extents(points: impl Iterator<Item = DVec3> + Clone, outliers: [f64; 3]) -> (
     (DVec3::from(ends.map(|[low, _]| low)), DVec3::from(ends.map(|[_, high]| high)))
 }
 
-/// A quantile, between the two values next to it as far as it lies between them.
+/// A quantile, interpolated between the two nearest values.
 pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {
     let at = (values.len() - 1) as f64 * share;
     let (_, &mut below, rest) = values.select_nth_unstable_by(at as usize, f64::total_cmp);
@@ -128,7 +128,7 @@ pub(super) fn quantile(values: &mut [f64], share: f64) -> f64 {
     below + (at - at.floor()) * (above - below)
 }
 
-/// The heading [rad], 0 to 90 degrees, of the box whose sides lie closest to points.
+/// The heading [rad], 0 to 90 degrees, of the box whose sides fit points most closely.
 fn heading(points: &[DVec3]) -> f64 {
     let sample = || points.iter().step_by(points.len().div_ceil(SAMPLE)).map(|p| (*p - points[0]).as_vec3());
     let (mut cos, mut sin) = ([0.0_f32; HEADINGS], [0.0_f32; HEADINGS]);
@@ -136,7 +136,7 @@ fn heading(points: &[DVec3]) -> f64 {
         let (s, c) = (degrees as f32).to_radians().sin_cos();
         (cos[degrees], sin[degrees]) = (c, s);
     }
-    // Loops over headings of each point, and not over points of each heading: the compiler makes vectors of these.
+    // Loops over headings of each point, and not over points of each heading: the compiler vectorises these.
     let mut along = Ends::default();
     let mut across = Ends::default();
     let mut count = 0.0;
@@ -178,7 +178,7 @@ impl Ends {
         sum[heading] += position;
     }
 
-    /// Offset and sign for each heading: `offset + sign * position` is the distance to the end that the points are closer to.
+    /// Offset and sign for each heading: `offset + sign * position` is the distance to the closer end.
     fn closer(&self, count: f32) -> ([f32; HEADINGS], [f32; HEADINGS]) {
         let Ends(low, high, sum) = self;
         let (mut offset, mut sign) = ([0.0; HEADINGS], [1.0; HEADINGS]);

@@ -7,39 +7,39 @@ use super::rays::{Rays, Sight};
 
 /// The side of a cell [m].
 const CELL: f64 = 1.0;
-/// As far as this [m] from a cell that was seen, the ground goes on.
+/// The ground extends this far [m] from a seen cell.
 const BRIDGED: f64 = 4.0;
-/// Cells on each side of those that were seen: more than the ground goes on.
+/// Cells on each side of the seen ones: more than the ground extends.
 const MARGIN: i64 = 5;
-/// Rounds of leaving out cells: the next ones may be seen where the first are gone.
+/// Rounds of removing cells: further ones may be exposed once the first are gone.
 const ROUNDS: usize = 2;
-/// Of how many cells next to a place its height is the mean, weighed by their distances.
+/// The number of near cells whose mean, weighted by distance, is the height of a place.
 const AVERAGED: usize = 4;
 
 /// Median height and most frequent class of the ground points in each cell of a grid.
 ///
-/// A cell that hides more points than it shows is left out, and the ground goes on there at the height of the cells around:
-/// what stands on it was called ground.
+/// A cell that hides more points than it explains is left out, and the ground continues there at the height of the
+/// cells around: an object on it was labelled as ground.
 #[derive(Default)]
 pub struct HeightField {
     /// The first cell of the grid, in cells from the origin.
     low: I64Vec2,
-    /// The cells of the grid along each axis. A grid lies in memory column by column of y.
+    /// The cells of the grid along each axis. A grid is stored column by column of y.
     size: I64Vec2,
     seen: Vec<Cell>,
-    /// Which of `seen` each cell of the grid is.
+    /// The index in `seen` of each cell of the grid.
     index: Vec<Option<u32>>,
-    /// Which of `seen` is the nearest where the ground goes on.
+    /// The index in `seen` of the nearest seen cell, as far as the ground extends.
     nearest: Vec<Option<u32>>,
-    /// The highest corner of each cell, or -inf where there is no ground.
+    /// The highest corner of each cell, or -inf without ground.
     tops: Vec<f64>,
-    /// Heights of the corners of the grid, one more along each axis; NaN where there is no ground.
+    /// Heights of the corners of the grid, one more along each axis; NaN without ground.
     corners: Vec<f64>,
     /// The highest corner of all.
     top: f64,
 }
 
-/// A cell in which there are ground points.
+/// A cell with ground points.
 struct Cell {
     /// Their mean place [m].
     place: DVec2,
@@ -48,7 +48,7 @@ struct Cell {
 }
 
 impl Cloud {
-    /// The ground that points of some classes show; without one there is none.
+    /// The ground given by points of some classes; empty without such points.
     pub fn ground(&self, labels: &[u8], classes: &[u8]) -> HeightField {
         let mine = || (0..).zip(labels).filter(|(_, label)| classes.contains(label)).map(|(k, _): (u32, _)| k);
         let place = |k: u32| self.points[k as usize].truncate();
@@ -71,7 +71,7 @@ impl Cloud {
             let (_, &mut height, _) = heights.select_nth_unstable_by(same.len() / 2, f64::total_cmp);
             let votes =
                 classes.iter().rev().map(|class| same.iter().filter(|(_, k)| labels[*k as usize] == *class).count());
-            // Of as many votes the first class.
+            // Of equally frequent classes the first.
             let label = votes.zip(classes.iter().rev()).max_by_key(|&(count, _)| count).map_or(0, |(_, &class)| class);
             Cell { place: same.iter().map(|&(_, k)| place(k)).sum::<DVec2>() / same.len() as f64, height, label }
         });
@@ -92,22 +92,22 @@ impl Cloud {
 }
 
 impl HeightField {
-    /// The first cell of the grid, in cells from the origin, and how many there are along each axis.
+    /// The first cell of the grid, in cells from the origin, and the number of cells along each axis.
     pub fn grid(&self) -> ([i64; 2], [usize; 2]) {
         (self.low.to_array(), self.size.to_array().map(|size| size as usize))
     }
 
-    /// The heights of the corners of the grid, one more along each axis, x by x; NaN where there is no ground.
+    /// The heights of the corners of the grid, one more along each axis, x by x; NaN without ground.
     pub fn corners(&self) -> &[f64] {
         &self.corners
     }
 
-    /// The class of each cell of the grid, 0 where there is no ground.
+    /// The class of each cell of the grid, 0 without ground.
     pub fn labels(&self) -> Vec<u8> {
         self.nearest.iter().map(|nearest| nearest.map_or(0, |k| self.seen[k as usize].label)).collect()
     }
 
-    /// Height of the ground at a place, also where it was not seen, and how far off it was [m]; 0 without ground.
+    /// Height of the ground at a place, seen or not, and the distance to the seen ground [m]; 0 without ground.
     pub fn height(&self, place: impl Into<DVec2>) -> (f64, f64) {
         let place = place.into();
         let near = self.nearest(place);
@@ -122,7 +122,7 @@ impl HeightField {
         (sum / weights, distance)
     }
 
-    /// The nearest cells that were seen, nearest first, by their distances.
+    /// The nearest seen cells, nearest first, by their distances.
     fn nearest(&self, place: DVec2) -> Vec<(f64, u32)> {
         let mut found: Vec<(f64, u32)> = Vec::with_capacity(AVERAGED + 1);
         let at = cell_of(place) - self.low;
@@ -130,7 +130,7 @@ impl HeightField {
         let first_ring = (-at).max(at - last).max(I64Vec2::ZERO).max_element();
         let last_ring = at.abs().max((last - at).abs()).max_element();
         for ring in first_ring..=last_ring {
-            // What lies on a ring is further than those within are wide.
+            // Cells on a ring are further away than the width of those within.
             if found.len() == AVERAGED && found[AVERAGED - 1].0 <= (ring - 1) as f64 * CELL {
                 break;
             }
@@ -150,7 +150,7 @@ impl HeightField {
         found
     }
 
-    /// Lays the ground over the cells that were seen and those around them. A corner's height depends on its place only.
+    /// Lays the ground over the seen cells and those around them. A corner's height depends on its place only.
     fn surface(&mut self) {
         let (size, corner) = (self.size, |x: i64, y: i64| (x * (self.size.y + 1) + y) as usize);
         self.index = vec![None; (size.x * size.y) as usize];
@@ -189,7 +189,7 @@ impl HeightField {
         }
     }
 
-    /// Which of the cells that were seen show as many points as they hide, or more.
+    /// Whether each seen cell explains at least as many points as it hides.
     fn shows(&self, rays: &Rays) -> Vec<bool> {
         let mut more = vec![0_i32; self.seen.len()];
         for sight in rays.sights() {
@@ -202,7 +202,7 @@ impl HeightField {
         more.into_iter().map(|more| more >= 0).collect()
     }
 
-    /// Where a ray meets the ground, not further than agrees with it, and in which cell of the grid.
+    /// The hit of a ray on the ground, within the distance that agrees with it, and its cell of the grid.
     pub(super) fn hit(&self, rays: &Rays, sight: &Sight) -> Option<(f64, usize)> {
         if self.seen.is_empty() {
             return None;
@@ -211,7 +211,7 @@ impl HeightField {
         let start = rays.origin.truncate() / CELL - self.low.as_dvec2();
         let step = sight.direction.truncate() / CELL;
         let size = self.size.as_dvec2();
-        // A ray that comes from above begins to matter where it is as low as the highest ground.
+        // A ray from above matters only once it is as low as the highest ground.
         let above = self.top - rays.origin.z;
         let falls = if above >= 0.0 {
             0.0
@@ -220,7 +220,7 @@ impl HeightField {
         } else {
             limit
         };
-        // From where it comes over the grid to where it leaves it.
+        // From its entry over the grid to its exit.
         let sides = [(start.x, step.x, size.x), (start.y, step.y, size.y)].map(|(start, step, size)| {
             let (a, b) = (-start / step, (size - start) / step);
             if step == 0.0 { (f64::NEG_INFINITY, f64::INFINITY) } else { (a.min(b), a.max(b)) }

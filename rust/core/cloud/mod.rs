@@ -1,4 +1,5 @@
-//! Labelled points become shapes: clusters, boxes around them, the ground under them, and what the rays to the points say of all these.
+//! Labelled points become shapes: clusters, boxes around them, the ground under them, and their agreement with the
+//! rays.
 //!
 //! Points are in a frame with z up whose z axis passes through the sensor, so that "away from the sensor" is away from
 //! x = y = 0. Nothing here uses more than one thread.
@@ -27,7 +28,7 @@ pub struct Cloud {
 }
 
 impl Cloud {
-    /// A cloud of finite points seen from `origin`; of its rays at most `most_rays` are asked what agrees with them.
+    /// A cloud of finite points seen from `origin`; agreement is measured with at most `most_rays` of its rays.
     pub fn new(points: &[[f64; 3]], origin: [f64; 3], most_rays: usize) -> Cloud {
         let points: Vec<DVec3> = points.iter().map(|&point| point.into()).collect();
         let step = points.len().div_ceil(most_rays.max(1)).max(1);
@@ -35,7 +36,7 @@ impl Cloud {
         Cloud { points, rays, some }
     }
 
-    /// How many points there are.
+    /// The number of points.
     pub fn len(&self) -> usize {
         self.points.len()
     }

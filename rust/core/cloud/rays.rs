@@ -1,4 +1,4 @@
-//! The rays to the points of a scan: they say what agrees with them.
+//! The rays to the points of a scan, which measure the agreement of shapes with it.
 
 use std::ops::Range;
 
@@ -10,15 +10,15 @@ use crate::Shape;
 /// Cells of directions along the sine of the elevation, and around: about half a degree each near the horizon.
 const ROWS: usize = 230;
 const COLUMNS: usize = 720;
-/// How far off a cast may be to agree with a return: 0.5 m, or this share of its range.
+/// The largest error of a cast that agrees with a return: 0.5 m, or this share of its range.
 const TOLERANCE: (f64, f64) = (0.5, 0.05);
 
-/// Rays from one place to points, sorted by where they look.
+/// Rays from one place to points, sorted by direction.
 pub(super) struct Rays {
     pub(super) origin: DVec3,
-    /// Those of a row of cells one after the other.
+    /// The rays, row of cells by row.
     sights: Vec<Sight>,
-    /// Where each cell begins in them, and where the last one ends.
+    /// The start of each cell in them, and the end of the last one.
     starts: Vec<u32>,
 }
 
@@ -39,12 +39,12 @@ impl Sight {
         Sight { direction: (end - origin) / range.max(1e-6), range, point }
     }
 
-    /// How far off a cast may be to agree with it [m].
+    /// The largest error of a cast that agrees with it [m].
     pub(super) fn tolerance(&self) -> f64 {
         TOLERANCE.0.max(TOLERANCE.1 * self.range)
     }
 
-    /// Whether a distance is that of something in its way.
+    /// Whether something at a distance is in its way.
     pub(super) fn is_hidden(&self, distance: f64) -> bool {
         distance < self.range - self.tolerance()
     }
@@ -54,17 +54,18 @@ impl Sight {
         distance > self.range + self.tolerance()
     }
 
-    /// The cell that it looks to.
+    /// The cell of its direction.
     fn cell(&self) -> usize {
         let column = (turn(self.direction.truncate()) + 2.0) / COLUMN;
         row(self.direction.z) * COLUMNS + column as usize % COLUMNS
     }
 }
 
-/// The width of a column, as [`turn`] counts.
+/// The width of a column, in units of [`turn`].
 const COLUMN: f64 = 4.0 / COLUMNS as f64;
 
-/// A number from -2 to 2 that grows with the azimuth of a direction, as quick as a division. It grows by 2 in half a turn.
+/// A number from -2 to 2 that grows with the azimuth of a direction, at the cost of a division. It grows by 2 in half a
+/// turn.
 fn turn(DVec2 { x, y }: DVec2) -> f64 {
     let slope = y / (x.abs() + y.abs()).max(1e-9);
     if x >= 0.0 { slope } else { 2.0_f64.copysign(y) - slope }
@@ -75,7 +76,7 @@ fn row(sine: f64) -> usize {
 }
 
 impl Rays {
-    /// The rays from `origin` to every so many-th of the points.
+    /// The rays from `origin` to every `step`-th of the points.
     pub(super) fn new(points: &[DVec3], origin: DVec3, step: usize) -> Rays {
         let chosen = (0..points.len()).step_by(step);
         let sights: Vec<Sight> = chosen.map(|k| Sight::new(origin, k as u32, points[k])).collect();
@@ -118,7 +119,7 @@ impl Rays {
             let (along, middle) = (DVec2::from_angle(around.yaw), turn(center.truncate()));
             let corners = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)]
                 .map(|(x, y)| turn(center.truncate() + along.rotate(DVec2::new(x * half.x, y * half.y))) - middle)
-                // What lies beyond the seam behind the sensor is near all the same.
+                // A direction beyond the seam behind the sensor is near all the same.
                 .map(|off| {
                     if off > 2.0 {
                         off - 4.0
@@ -141,16 +142,18 @@ impl Rays {
                 at(from.max(0))..at(to.clamp(0, COLUMNS as i64))
             };
             let (from, to, all) = (columns.start, columns.end, COLUMNS as i64);
-            // What reaches over the seam behind the sensor comes in at the other side.
+            // The part beyond the seam behind the sensor continues at the other side.
             [run(from, to), run(0, to - all), run((from + all).min(all), all)]
         })
     }
 }
 
 impl Cloud {
-    /// How many rays, each counted `weights` times by its point, go through each core of a box and end behind or below it.
+    /// The number of rays, each counted `weights` times by its point, through each core of a box that end behind or
+    /// below it.
     ///
-    /// What ends over the box of the core, above its bottom, is a part of the same object, such as a windscreen behind a hood.
+    /// Rays that end over the box of the core, above its bottom, are on the same object, such as a windscreen behind a
+    /// hood.
     pub fn passed(&self, weights: &[f64], cores: &[FittedBox], boxes: &[FittedBox]) -> Vec<f64> {
         let through = |(core, whole): (&FittedBox, &FittedBox)| {
             let (bottom, half) = (core.center.z - core.size.z / 2.0, whole.size.truncate() / 2.0);

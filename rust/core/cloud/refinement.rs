@@ -7,15 +7,15 @@ use super::rays::{Rays, Sight};
 use super::{Cloud, FittedBox, HeightField, fit_box};
 use crate::Shape;
 
-/// Rounds of halving, after each of which the useless pieces go.
+/// Rounds of halving, after each of which useless pieces are removed.
 const ROUNDS: [usize; 3] = [11, 1, 1];
 /// The distance between neighbours among beams or firings, a share of the range.
 const BEAM_GAP: f64 = 0.006;
 /// Longer hedges and rows of trees are tiled [m].
 const LONGEST_CROWN: f64 = 8.0;
-/// Points at most that tell which halves are better.
+/// The most points for a choice between halves.
 const SAMPLE: usize = 150;
-/// Returns that a useful piece shows.
+/// The least returns that a useful piece explains.
 const LEAST_SHOWN: i32 = 2;
 
 /// How finely pieces are cut.
@@ -27,34 +27,34 @@ pub struct Detail {
     pub least_length: f64,
     /// Nor are those that are wrong for fewer returns.
     pub worth: f64,
-    /// Whether all are to stand on the ground: none is stacked, and none left out.
+    /// Whether all pieces stand on the ground: none is stacked, and none left out.
     pub grounded: bool,
 }
 
 /// Some points of one cluster, and the shape around them.
 #[derive(Clone)]
 pub struct Piece {
-    /// Which points, in order.
+    /// The indices of the points, in order.
     pub members: Vec<u32>,
-    /// Which cluster.
+    /// The number of the cluster.
     pub cluster: u32,
     /// An ellipsoid, or else a box.
     pub is_crown: bool,
-    /// Where it is.
+    /// Its box.
     pub around: FittedBox,
     /// The rays that meet it, by number, and the distances.
     meets: Option<Vec<(u32, f64)>>,
-    /// Halving does not mend it.
+    /// Whether halving does not improve it.
     whole: bool,
 }
 
 impl Piece {
-    /// The piece around some points. It is larger than they are by what beams are apart, so that neighbours meet.
+    /// The piece around some points, enlarged by the gap between beams, so that neighbours meet.
     fn new(points: &[DVec3], members: Vec<u32>, cluster: u32, is_crown: bool) -> Piece {
         let mine: Vec<DVec3> = members.iter().map(|&k| points[k as usize]).collect();
         let mut around = if is_crown { fit_crown(&mine) } else { fit_box(&mine, 0.0) };
         let gap = BEAM_GAP * around.center.length();
-        // A crown lies along the line of sight.
+        // A crown is along the line of sight.
         around.size += DVec3::new(if is_crown { 0.0 } else { gap }, gap, gap);
         Piece { members, cluster, is_crown, around, meets: None, whole: false }
     }
@@ -74,7 +74,7 @@ impl Piece {
         self.members.iter().map(|&k| local(points[k as usize])).collect()
     }
 
-    /// A long hedge in tiles of crowns' size, anything else as it is.
+    /// A long hedge in tiles of a crown's size, anything else unchanged.
     fn tiles(self, points: &[DVec3]) -> Vec<Piece> {
         let length = self.around.size.truncate().max_element();
         if !self.is_crown || length <= LONGEST_CROWN {
@@ -92,28 +92,28 @@ impl Piece {
     }
 }
 
-/// What each ray meets first: the distance, or infinity, and which piece, if it is one.
+/// The first hit of each ray: the distance, or infinity, and the piece, if it is one.
 type Met = Vec<(f64, Option<u32>)>;
 
-/// Pieces, and what rays say of them.
+/// Pieces, and their agreement with rays.
 struct Refinement<'a> {
     points: &'a [DVec3],
     rays: &'a Rays,
-    /// What rays meet but for pieces.
+    /// The first hits of rays without pieces.
     others: Met,
-    /// How many points stand for each ray.
+    /// The number of points for each ray.
     scale: f64,
     detail: Detail,
     pieces: Vec<Piece>,
 }
 
 impl Cloud {
-    /// The pieces of clusters, halved until the cast of the layout agrees with the points, or there are as many as `detail`
-    /// allows.
+    /// The pieces of clusters, halved until the cast of the layout agrees with the points, or there are as many as
+    /// `detail` allows.
     ///
-    /// `clusters` names that of each point, counted from 1, or 0; `crowns` says which points' become ellipsoids, and not
-    /// boxes. `others` are the shapes that stay as they are. The pieces that are of no use go at the end, unless all of them
-    /// are to stand on the ground, and what room that makes is used once more.
+    /// `clusters` is the number of each point's cluster, from 1, or 0; `crowns` marks the points of clusters that
+    /// become ellipsoids, not boxes. `others` are the shapes that stay unchanged. Useless pieces are removed at the
+    /// end, unless all of them have to stand on the ground, and their room is used once more.
     pub fn refined(
         &self,
         (clusters, crowns): (&[u32], &[bool]),
@@ -147,7 +147,7 @@ impl Refinement<'_> {
     fn refine(&mut self) {
         for rounds in ROUNDS {
             for remaining in (1..=rounds).rev() {
-                // The worst first, and some of the room is left for what is bad in later rounds.
+                // The worst first, and some of the room is left for bad pieces of later rounds.
                 let room = (2 * self.detail.most_pieces.saturating_sub(self.pieces.len())).div_ceil(remaining + 1);
                 if !self.halve(room) {
                     break;
@@ -169,7 +169,7 @@ impl Refinement<'_> {
         }
     }
 
-    /// What all rays meet first.
+    /// The first hits of all rays.
     fn cast(&mut self) -> Met {
         let mut met = self.others.clone();
         for (number, piece) in (0..).zip(&mut self.pieces) {
@@ -184,10 +184,10 @@ impl Refinement<'_> {
         met
     }
 
-    /// Halves those pieces, `most` at most, that are wrong for the most returns; whether there were any.
+    /// Halves at most `most` pieces, those that are wrong for the most returns; returns whether there were any.
     ///
-    /// A return that is shown too near counts against the piece in its way, one that is shown too far or not at all against
-    /// the piece that it is a point of.
+    /// A return whose cast is too near counts against the piece in its way. One whose cast is too far or missing counts
+    /// against its own piece.
     fn halve(&mut self, most: usize) -> bool {
         let met = self.cast();
         let mut owner = vec![None; self.points.len()];
@@ -195,7 +195,7 @@ impl Refinement<'_> {
             piece.members.iter().for_each(|&point| owner[point as usize] = Some(number));
         }
         let mut wrong = vec![0; self.pieces.len()];
-        // The points of others that are seen past a piece, or should be.
+        // The points of others that are visible past a piece, or should be.
         let mut behind = vec![Vec::new(); self.pieces.len()];
         for (&(distance, piece), sight) in met.iter().zip(self.rays.sights()) {
             let mine = owner[sight.point as usize];
@@ -236,9 +236,9 @@ impl Refinement<'_> {
         halved > 0
     }
 
-    /// The halves of a piece across that axis of its box where most returns become right; none where it has no halves.
+    /// The halves of a piece across the axis of its box that corrects most returns; none if it has no halves.
     ///
-    /// `behind` are points of others that are seen past it, or should be.
+    /// `behind` are points of others that are visible past it, or should be.
     fn halves(&self, piece: &Piece, behind: &[u32]) -> Vec<Piece> {
         let local = piece.local(self.points);
         let low = local.iter().fold(DVec3::INFINITY, |low, &point| low.min(point));
@@ -276,7 +276,7 @@ impl Refinement<'_> {
         chosen.map(|&point| Sight::new(self.rays.origin, point, self.points[point as usize])).collect()
     }
 
-    /// The share of rays for which what they meet of some pieces is wrong.
+    /// The share of rays whose hit on some pieces is wrong.
     fn share_wrong(&self, pieces: &[Piece], sights: &[Sight], is_wrong: impl Fn(&Sight, f64) -> bool) -> f64 {
         let targets: Vec<_> =
             pieces.iter().map(|piece| piece.around.target(&piece.shape(), self.rays.origin)).collect();

@@ -18,13 +18,13 @@ impl Cuboid {
         Cuboid { half: self.half + margin }
     }
 
-    /// Where a ray enters the box, or leaves it if it starts inside.
+    /// The distance at which a ray enters the box, or leaves it if it starts inside.
     pub fn intersect(&self, ray: &Ray, slack: f64) -> Option<f64> {
         first(self.span(ray, slack)?)
     }
 
-    /// The part of a line inside the box: Kay and Kajiya, "Ray Tracing Complex Scenes", 1986. It ends before it begins if
-    /// the line passes by.
+    /// The part of a line inside the box: Kay and Kajiya, "Ray Tracing Complex Scenes", 1986. Its end is before its
+    /// start if the line passes by.
     pub fn span(&self, ray: &Ray, slack: f64) -> Option<Span> {
         let Ray { origin, direction } = ray;
         let x = slab(origin.x, direction.x, self.half.x, slack)?;
@@ -33,7 +33,7 @@ impl Cuboid {
         Some(narrow(narrow(x, y), z))
     }
 
-    /// The outward unit normal of the face that a point of the surface lies on: the one it is relatively nearest to.
+    /// The outward unit normal of the face with a point of the surface: the relatively nearest one.
     pub fn normal(&self, point: DVec3) -> DVec3 {
         let axis = (point / self.half).abs().max_position();
         DVec3::AXES[axis] * point[axis].signum()

@@ -12,12 +12,12 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    /// Where a ray enters the cylinder, or leaves it if it starts inside; side and caps.
+    /// The distance at which a ray enters the cylinder, or leaves it if it starts inside; side and caps.
     pub fn intersect(&self, ray: &Ray, slack: f64) -> Option<f64> {
         first(self.span(ray, slack)?)
     }
 
-    /// The part of a line inside the cylinder; it ends before it begins if the line passes by.
+    /// The part of a line inside the cylinder; its end is before its start if the line passes by.
     pub fn span(&self, ray: &Ray, slack: f64) -> Option<Span> {
         let caps = slab(ray.origin.z, ray.direction.z, self.half.z, slack)?;
         Some(narrow(caps, self.side(ray, slack)?))
@@ -34,7 +34,7 @@ impl Cylinder {
         unit_ball(o.extend(0.0), d.extend(0.0), slack / radii.min_element())
     }
 
-    /// The outward unit normal at a point of the surface: of the cap or the side, whichever it is relatively nearest to.
+    /// The outward unit normal at a point of the surface: of the cap or the side, the relatively nearest one.
     pub fn normal(&self, point: DVec3) -> DVec3 {
         let relative = point / self.half;
         let across = relative.truncate();

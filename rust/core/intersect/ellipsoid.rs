@@ -12,7 +12,7 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// Where a ray enters the ellipsoid, or leaves it if it starts inside.
+    /// The distance at which a ray enters the ellipsoid, or leaves it if it starts inside.
     pub fn intersect(&self, ray: &Ray, slack: f64) -> Option<f64> {
         first(self.span(ray, slack)?)
     }

@@ -1,17 +1,17 @@
-//! Rays and what they hit.
+//! Rays and their hits.
 
 use glam::DVec3;
 
 /// A half line. Distances along it are multiples of the length of `direction`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where it starts; finite.
+    /// Its start; finite.
     pub origin: DVec3,
-    /// Where it looks; finite and not 0.
+    /// Its direction; finite and not 0.
     pub direction: DVec3,
 }
 
-/// Where a ray meets a body.
+/// The hit of a ray on a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
     /// The distance along the ray, greater than 0.
@@ -20,7 +20,7 @@ pub struct Hit {
     pub part: u32,
 }
 
-/// A ray made ready for many triangles.
+/// A ray prepared for many triangles.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShearedRay {
     pub(super) origin: DVec3,
@@ -36,7 +36,7 @@ impl Ray {
         self.origin + self.direction * distance
     }
 
-    /// The ray as [`Triangle::intersect`](super::Triangle::intersect) takes it.
+    /// The ray in the form for [`Triangle::intersect`](super::Triangle::intersect).
     pub fn sheared(&self) -> ShearedRay {
         let direction = self.direction;
         let longest = direction.abs().max_position();
@@ -51,8 +51,8 @@ impl Ray {
 }
 
 impl ShearedRay {
-    /// A point in the frame where the ray starts at 0 and looks along z: Woop, Benthin and Wald, "Watertight Ray/Triangle
-    /// Intersection", JCGT 2(1), 2013. The same point gives the same bits, whichever triangle it belongs to.
+    /// A point in the frame in which the ray starts at 0 along z: Woop, Benthin and Wald, "Watertight Ray/Triangle
+    /// Intersection", JCGT 2(1), 2013. The same point gives the same bits for all of its triangles.
     pub(super) fn shear(&self, point: DVec3) -> DVec3 {
         let p = (point - self.origin).to_array();
         let [x, y, z] = self.axes.map(|axis| p[axis]);

@@ -18,7 +18,7 @@ impl Rectangle {
         Rectangle { half: self.half + margin }
     }
 
-    /// Where a ray crosses the rectangle, edges included. A ray that starts in its plane does not see it.
+    /// The distance at which a ray crosses the rectangle, edges included. A ray that starts in its plane misses it.
     pub fn intersect(&self, ray: &Ray, slack: f64) -> Option<f64> {
         let distance = -ray.origin.z / ray.direction.z;
         let point = ray.at(distance).abs();

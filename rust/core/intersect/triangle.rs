@@ -13,11 +13,11 @@ pub struct Triangle {
 }
 
 impl Triangle {
-    /// Where a ray meets the triangle, corners and edges included.
+    /// The distance at which a ray meets the triangle, corners and edges included.
     ///
-    /// Watertight: Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Rounding is monotone, so
-    /// an edge function keeps its sign or becomes 0, and 0 counts as inside; and two triangles that share an edge compute
-    /// exactly opposite values for it, because nothing here is fused. So no ray slips between them.
+    /// Watertight: Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013. Rounding is
+    /// monotone, so an edge function keeps its sign or becomes 0, and 0 counts as inside. Two triangles that share an
+    /// edge compute exactly opposite values for it, because nothing here is fused. So no ray slips between them.
     pub fn intersect(&self, ray: &ShearedRay, slack: f64) -> Option<f64> {
         let [a, b, c] = self.corners.map(|corner| ray.shear(corner));
         let u = c.x * b.y - c.y * b.x;
@@ -27,7 +27,7 @@ impl Triangle {
             return None;
         }
         let determinant = u + v + w;
-        // Seen edge-on; the triangles beside it cover the ray.
+        // Edge-on to the ray; the triangles beside it cover the ray.
         if determinant == 0.0 {
             return None;
         }
@@ -35,16 +35,17 @@ impl Triangle {
         (distance > 0.0 && !self.is_at(ray.origin, slack)).then_some(distance)
     }
 
-    /// Whether a point lies in the bounds and the plane of the triangle: a ray from there sees it edge-on, if at all.
+    /// Whether a point is in the bounds and the plane of the triangle: to a ray from there it is edge-on, if visible at
+    /// all.
     fn is_at(&self, point: DVec3, slack: f64) -> bool {
         self.bounds().grown(slack).contains(point) && (point - self.corners[0]).dot(self.normal()).abs() <= slack
     }
 
-    /// Where a ray crosses the triangle, and whether it sees the corners run counter-clockwise there.
+    /// The distance at which a ray crosses the triangle, and whether the corners are counter-clockwise from its start.
     ///
-    /// As [`Triangle::intersect`], but a ray through an edge crosses exactly one of the triangles that share it, as if it ran
-    /// beside the edge by less than any number: Edelsbrunner and Muecke, "Simulation of Simplicity", 1990. So the crossings of
-    /// a closed mesh tell inside from outside.
+    /// As [`Triangle::intersect`], but a ray through an edge crosses exactly one of the triangles that share it, as if
+    /// it were beside the edge by an infinitesimal distance: Edelsbrunner and Muecke, "Simulation of Simplicity", 1990.
+    /// So the crossings of a closed mesh separate inside from outside.
     pub fn crossing(&self, ray: &ShearedRay) -> Option<(f64, bool)> {
         let [a, b, c] = self.corners.map(|corner| ray.shear(corner));
         let edges = [side(c, b), side(a, c), side(b, a)];
@@ -70,8 +71,8 @@ impl Triangle {
     }
 }
 
-/// The edge function of two sheared corners, and whether it is positive for a ray that starts at (e, e^2) with e as small as
-/// need be.
+/// The edge function of two sheared corners, and whether it is positive for a ray that starts at (e, e^2) with an
+/// infinitesimal e.
 fn side(p: DVec3, q: DVec3) -> (f64, bool) {
     let area = p.x * q.y - p.y * q.x;
     let beside = if p.y == q.y { q.x - p.x } else { p.y - q.y };

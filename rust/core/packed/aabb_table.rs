@@ -25,7 +25,7 @@ impl AabbTable {
         };
         AabbTable {
             center: [0, 1, 2].map(|k| table(&|b| f32_center(b)[k] as f32)),
-            // The middle was rounded, so the box is measured from there, and upwards.
+            // The middle was rounded, so the box is measured from there, and rounded upwards.
             half: [0, 1, 2].map(|k| {
                 table(&|b| {
                     let center = f32_center(b)[k];
@@ -38,7 +38,7 @@ impl AabbTable {
     }
 }
 
-/// The middle as f32 holds it.
+/// The middle rounded to f32.
 pub(super) fn f32_center(bounds: &Bounds) -> DVec3 {
     bounds.center().as_vec3().as_dvec3()
 }

@@ -1,4 +1,4 @@
-//! Sensor patterns as grids that separate: what the scan kernel needs to know of a pattern, in f32.
+//! Sensor patterns as separable grids: a pattern as the scan kernel needs it, in f32.
 
 use std::f64::consts::TAU;
 
@@ -7,51 +7,51 @@ use crate::SensorSpec;
 use crate::medium::RowKey;
 use crate::simd::{Lanes, WIDEST};
 
-/// The beams of a pattern that start at the same place and look nearly the same way: a grid of rows and columns.
+/// The beams of a pattern with the same origin and nearly the same direction: a grid of rows and columns.
 ///
-/// Its rays are `heading(phase, column) + slope(row) * up`, at horizontal length 1, so that what is linear in a direction is
-/// one part a column and one part a row. A pattern without tables per beam is one band. Rows may sample the azimuth at
-/// different phases, less than a column apart, as the sub-rays of one beam do: they see the same bodies, which are then
-/// bounded once.
+/// Its rays are `heading(phase, column) + slope(row) * up`, at horizontal length 1, so linear functions of a direction
+/// have one part for each column and one for each row. A pattern without tables per beam is one band. Rows may sample
+/// the azimuth at different phases, less than a column apart, as the sub-rays of one beam do: they see the same bodies,
+/// which are then bounded once.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Band {
     /// The rows of the image, highest first.
     pub(crate) rows: Vec<u32>,
-    /// Where the rays start: forward, to the left and up, seen along their azimuth [m].
+    /// The start of the rays: forward, to the left and up, relative to their azimuth [m].
     pub(crate) origin: [f64; 3],
     /// The tangent of each row's elevation.
     pub(crate) slopes: Vec<f32>,
     /// The length of each row's rays.
     pub(crate) secants: Vec<f32>,
-    /// What media need to know of each row.
+    /// The key of each row for media.
     pub(crate) row_keys: Vec<RowKey>,
-    /// The phase of each row, and that as lanes take it.
+    /// The phase of each row.
     pub(crate) phases: Vec<u8>,
     pub(crate) phase_lanes: Vec<f32>,
-    /// How many phases there are.
+    /// The number of phases.
     pub(crate) phase_count: usize,
     /// Cosine and sine of each column's azimuth, phase by phase; padded so that any column begins a full vector.
     pub(crate) headings: [Vec<f32>; 2],
     /// The azimuth of the outer edge of column 0 [rad], of a ray between all phases.
     pub(crate) azimuth_start: f64,
-    /// How far any phase is from that, in columns.
+    /// The largest distance of any phase from that, in columns.
     pub(crate) phase_reach: f32,
     pub(crate) columns_per_radian: f32,
-    /// Columns in a turn, which is no whole number for some patterns of less than a turn.
+    /// Columns in a turn, not a whole number for some patterns of less than a turn.
     pub(crate) columns_per_turn: f32,
     /// The length of the longest ray.
     pub(crate) longest_ray: f32,
     lookup: RowLookup,
 }
 
-/// The most phases of a band: a power of two, of which a remainder is quickly taken.
+/// The most phases of a band: a power of two, for quick remainders.
 pub(crate) const PHASES: usize = 4;
 /// Beams further apart are of different bands, in columns: bounds grow by as much.
 const MOST_APART: f64 = 1.0;
 /// The most columns of a pattern whose bands may have several phases.
 const MOST_COLUMNS: usize = 1 << 20;
 
-/// What the beams of a band have in common.
+/// The properties shared by the beams of a band.
 struct Shared {
     /// The azimuth offsets of the phases.
     offsets: Vec<f64>,
@@ -61,7 +61,7 @@ struct Shared {
 }
 
 impl Shared {
-    /// The phase for such an offset, if there is one or may be one more.
+    /// The phase for an offset, if there is one or room for one more.
     fn phase(&mut self, offset: f64, apart: f64) -> Option<usize> {
         let [forward, left, _] = self.origin;
         let known = self.offsets.iter().position(|&other| other == offset);
@@ -77,7 +77,7 @@ impl Shared {
         })
     }
 
-    /// The middle of the offsets, and how far they are from it.
+    /// The middle of the offsets, and the largest distance from it.
     fn middle(&self) -> (f64, f64) {
         let low = self.offsets.iter().copied().fold(f64::INFINITY, f64::min);
         let high = self.offsets.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -87,10 +87,11 @@ impl Shared {
 }
 
 impl Band {
-    /// The bands of a pattern: beams that nearly share an azimuth offset, and an origin and the magnitude of their slope.
+    /// The bands of a pattern: beams that nearly share an azimuth offset, and share an origin and the magnitude of
+    /// their slope.
     pub(crate) fn from_spec(spec: &SensorSpec) -> Vec<Band> {
         let mut groups: Vec<(Shared, Vec<(usize, usize)>)> = Vec::new();
-        // Places in the tables of all phases are whole numbers of f32, too.
+        // Places in the tables of all phases have to be whole numbers of f32, too.
         let apart = if spec.columns > MOST_COLUMNS { 0.0 } else { MOST_APART };
         let apart = apart * spec.column_width();
         for (row, elevation) in spec.elevations.iter().enumerate() {
@@ -148,14 +149,14 @@ impl Band {
         [&cos[phase * padded..][..padded], &sin[phase * padded..][..padded]]
     }
 
-    /// The first and the last row whose slope lies between two; first > last if there is none.
+    /// The first and the last row with a slope between two; first > last if there is none.
     #[inline(always)]
     pub(crate) fn rows_between<L: Lanes>(&self, low: L, high: L) -> (L, L) {
         self.lookup.rows_between(low, high)
     }
 }
 
-/// How long a table of columns is: any of them begins a full vector.
+/// The length of a table of columns: any of them begins a full vector.
 pub(crate) fn padded(columns: usize) -> usize {
     columns.next_multiple_of(WIDEST) + WIDEST
 }

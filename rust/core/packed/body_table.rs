@@ -2,7 +2,7 @@
 
 use super::{Obb, ObbTable, Outline};
 
-/// Where the bodies of a scene are, and how their surfaces are numbered.
+/// The places of the bodies of a scene, and the numbers of their surfaces.
 #[derive(Debug)]
 pub(crate) struct BodyTable {
     /// One for each outline.
@@ -14,11 +14,11 @@ pub(crate) struct BodyTable {
 }
 
 impl BodyTable {
-    /// The table of bodies, given the box around each and how many surfaces it has.
+    /// The table of bodies, from the box around each and its number of surfaces.
     pub(crate) fn new(bodies: impl Iterator<Item = (Obb, usize)>) -> BodyTable {
         let mut obbs = [Outline::Box, Outline::Cylinder, Outline::Ellipsoid].map(ObbTable::new);
         let (mut next, mut surfaces, mut owners) = (0_usize, Vec::new(), Vec::new());
-        // Numbers are u32, as many as fit in memory by far; the last one marks pixels that are unresolved.
+        // Numbers are u32, far more than fit in memory; the last one marks unresolved pixels.
         let number = |surface: usize| u32::try_from(surface).unwrap_or(u32::MAX);
         for (body, (obb, count)) in bodies.enumerate() {
             obbs.iter_mut()

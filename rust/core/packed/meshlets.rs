@@ -1,4 +1,4 @@
-//! Meshes as meshlets: sixteen triangles that lie close together, and groups of sixteen meshlets.
+//! Meshes as meshlets: sixteen close triangles, and groups of sixteen meshlets.
 
 use glam::{DVec3, Vec3};
 
@@ -23,12 +23,12 @@ pub(crate) struct Meshlets {
     pub(crate) normal_axes: [Vec<f32>; 3],
     pub(crate) normal_sines: Vec<f32>,
     pub(crate) group_aabbs: AabbTable,
-    /// Triangles that are no part of a meshlet, and the boxes around them.
+    /// Triangles that are not part of a meshlet, and the boxes around them.
     pub(crate) large: Vec<LargeTriangle>,
     pub(crate) large_aabbs: AabbTable,
 }
 
-/// A triangle so large that its corners may be much further away than its plane is: that takes f64.
+/// A triangle so large that its corners may be much further away than its plane is: its test takes f64.
 #[derive(Debug)]
 pub(crate) struct LargeTriangle {
     pub(crate) corners: [DVec3; 3],
@@ -36,7 +36,7 @@ pub(crate) struct LargeTriangle {
     pub(crate) triangle: u32,
 }
 
-/// Triangles that reach further than this are large [m]: some ten times the height of a sensor.
+/// Triangles larger than this are large [m]: some ten times the height of a sensor.
 const LARGE: f64 = 16.0;
 
 /// Sixteen triangles or fewer.
@@ -51,7 +51,7 @@ pub(crate) struct Meshlet {
 }
 
 impl Meshlets {
-    /// Meshlets of the triangles that have an area, in the order of a Morton curve through their middles.
+    /// Meshlets of the triangles with an area, in the order of a Morton curve through their middles.
     pub(crate) fn new(vertices: &[DVec3], faces: &[[u32; 3]]) -> Meshlets {
         let corners = |face: u32| faces[face as usize].map(|v| vertices[v as usize]);
         let with_area = (0..faces.len() as u32).filter(|&face| {
@@ -97,13 +97,14 @@ impl Meshlets {
 }
 
 impl Meshlets {
-    /// How many groups and large triangles there are.
+    /// The number of groups and large triangles.
     pub(crate) fn parts(&self) -> usize {
         self.group_aabbs.count + self.large_aabbs.count
     }
 }
 
-/// A cone around the normals of triangles: its axis and the sine of the angle to its side, more than 1 if they look anywhere.
+/// A cone around the normals of triangles: its axis and the sine of the angle to its side, more than 1 if they have any
+/// direction.
 fn normal_cone(triangles: impl Iterator<Item = [DVec3; 3]> + Clone) -> (Vec3, f32) {
     let normals = triangles.map(|[a, b, c]| (b - a).cross(c - a).normalize_or_zero());
     let axis = normals.clone().sum::<DVec3>().normalize_or_zero();
@@ -112,7 +113,7 @@ fn normal_cone(triangles: impl Iterator<Item = [DVec3; 3]> + Clone) -> (Vec3, f3
     (axis.as_vec3(), sine as f32)
 }
 
-/// The corners in the same order around, such that the edge from the last to the first is the longest.
+/// The corners in the same orientation, with the edge from the last to the first as the longest.
 fn longest_last([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
     let [ab, bc, ca] = [a.distance_squared(b), b.distance_squared(c), c.distance_squared(a)];
     if ab >= bc.max(ca) {
@@ -124,8 +125,8 @@ fn longest_last([a, b, c]: [DVec3; 3]) -> [DVec3; 3] {
     }
 }
 
-/// Triangles in the order of a Morton curve; the few that are much larger than the others come first, or they would
-/// stretch the boxes of all meshlets they fell into.
+/// Triangles in the order of a Morton curve. The few that are much larger than the others come first, as they would
+/// stretch the boxes of their meshlets.
 fn morton_order(faces: Vec<(u32, Bounds)>) -> Vec<(u32, Bounds)> {
     let all = faces.iter().fold(Bounds::EMPTY, |all, face| all.union(face.1));
     let extent = (all.max - all.min).max_element().max(f64::MIN_POSITIVE);
@@ -139,7 +140,7 @@ fn morton_order(faces: Vec<(u32, Bounds)>) -> Vec<(u32, Bounds)> {
         .map(|face| {
             let place = (face.1.center() - all.min) / extent * f64::from(1_u32 << 20);
             let key = morton_bits(place.x) | morton_bits(place.y) << 1 | morton_bits(place.z) << 2;
-            // A large triangle shares a meshlet with its like only.
+            // A large triangle shares a meshlet only with other large ones.
             (if face.1.diagonal() > large { key } else { key | 1 << 63 }, face)
         })
         .collect();

@@ -1,4 +1,4 @@
-//! Scenes and sensor patterns as the scan kernel reads them: columns of numbers, padded to whole vectors.
+//! Scenes and sensor patterns in the form of the scan kernel: columns of numbers, padded to whole vectors.
 
 mod aabb_table;
 mod band;

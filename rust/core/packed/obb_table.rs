@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::simd::WIDEST;
 
-/// How a body fills the box around it, which decides how far it reaches along a direction.
+/// How a body fills the box around it, which decides its extent along a direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Outline {
     Box,

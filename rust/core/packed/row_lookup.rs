@@ -1,8 +1,8 @@
-//! Which rows lie between two slopes.
+//! Look-up of the rows between two slopes.
 
 use crate::simd::Lanes;
 
-/// Which rows lie above or below a slope, by cells of equal height.
+/// The rows above and below a slope, by cells of equal height.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct RowLookup {
     lowest: f32,
@@ -14,7 +14,7 @@ pub(super) struct RowLookup {
 }
 
 impl RowLookup {
-    /// At most so many cells: two tables of 16 KiB stay in the fastest cache.
+    /// The most cells: two tables of 16 KiB stay in the fastest cache.
     const MOST_CELLS: f32 = 4096.0;
 
     pub(super) fn new(slopes: &[f32]) -> RowLookup {
@@ -24,7 +24,7 @@ impl RowLookup {
         // Some 32 cells between two rows, so that few slopes share a cell with a row.
         let count = (32.0 * span / closest.max(1e-6)).clamp(64.0, RowLookup::MOST_CELLS);
         let height = span / count;
-        // Two cells beyond the rows at either end tell what passes by.
+        // Two cells beyond the rows at either end catch slopes that pass by.
         let lowest = low - 2.0 * height;
         let cells = count as usize + 4;
         // A slope may be rounded into the cell beside its own.
@@ -41,7 +41,7 @@ impl RowLookup {
         }
     }
 
-    /// The first and the last row whose slope lies between two; first > last if there is none.
+    /// The first and the last row with a slope between two; first > last if there is none.
     #[inline(always)]
     pub(super) fn rows_between<L: Lanes>(&self, low: L, high: L) -> (L, L) {
         let RowLookup { lowest, cells_per_slope, first, last } = self;

@@ -1,8 +1,8 @@
-//! Incidence and normals of what was rasterized in a view.
+//! Incidence and normals of the rasterized surfaces in a view.
 //!
-//! Flat surfaces, most of what is seen, have one normal each, which vectors of pixels gather from a table of the scene. On
-//! curved ones the point that was hit is worked out anew in f64, because a range in f32 may be nearer to another face of a
-//! thin body. Rays are those of the view, off from those of the pattern by a rounding in f32.
+//! Flat surfaces, the most common, have one normal each, which vectors of pixels gather from a table of the scene. On
+//! curved ones the hit point is computed again in f64, because a range in f32 may be nearer to another face of a thin
+//! body. Rays are those of the view, off from those of the pattern by a rounding in f32.
 
 use glam::{DVec3, Vec3};
 
@@ -20,9 +20,9 @@ pub(super) struct IncidenceWriter<'a> {
     /// The headings of rays, phase by phase, and their ups, in the frame of the scene.
     headings: Vec<[Vec<f32>; 3]>,
     ups: [Vec<f32>; 3],
-    /// Cosines of incidence in the row that is worked on.
+    /// Cosines of incidence in the current row.
     cosines: Vec<f32>,
-    /// The columns in which its surfaces are curved.
+    /// The columns with curved surfaces.
     curved: Vec<usize>,
 }
 
@@ -35,7 +35,7 @@ impl<'a> IncidenceWriter<'a> {
         IncidenceWriter { scene, view, headings, ups, cosines: vec![0.0; padded], curved: Vec::new() }
     }
 
-    /// Writes a row of the view; `ids` are numbers of surfaces where there is a return, and go on for a vector behind it.
+    /// Writes a row of the view; `ids` are numbers of surfaces for pixels with a return, padded to a full vector.
     #[inline(always)]
     pub(super) fn write<L: Lanes>(&mut self, row: usize, ids: &[u32], image: &mut ImagesMut<'_>) {
         let rays = Rays::new(self.view, row);
@@ -58,9 +58,9 @@ impl<'a> IncidenceWriter<'a> {
         }
     }
 
-    /// Finds the cosines of incidence of a row but for those on curved surfaces, whose columns are listed.
+    /// Finds the cosines of incidence of a row, except those on curved surfaces, whose columns are listed.
     ///
-    /// Where there is no return, the id is that of an earlier view or scene, and the cosine any number.
+    /// Without a return, the id is that of an earlier view or scene, and the cosine any number.
     #[inline(always)]
     fn find_cosines<L: Lanes>(&mut self, rays: &Rays<'_>, ids: &[u32]) {
         let (normals, headings) = (self.scene.normals(), &self.headings[rays.phase]);
@@ -80,7 +80,7 @@ impl<'a> IncidenceWriter<'a> {
         }
     }
 
-    /// The normal of a surface where a ray meets it, towards the sensor.
+    /// The normal of a surface at its hit by a ray, towards the sensor.
     #[inline(always)]
     fn normal(&self, rays: &Rays<'_>, id: u32, column: usize, depth: f32) -> [f32; 3] {
         let [x, y, z] = self.scene.normals();
@@ -122,7 +122,7 @@ impl<'a> Rays<'a> {
         Rays { view, phase: usize::from(view.band.phases[row]), slope, inverse_length }
     }
 
-    /// Where a ray starts and where it looks, in the frame of the scene.
+    /// The origin and direction of a ray, in the frame of the scene.
     #[inline(always)]
     fn ray(&self, column: usize) -> (DVec3, DVec3) {
         let (start, heading, up) = self.view.ray(self.phase, column);
@@ -130,8 +130,7 @@ impl<'a> Rays<'a> {
         (*origin + *rotation * start, *rotation * (heading + up * self.slope))
     }
 
-    /// The unit normal of a surface that is not flat where a ray meets it, at about this distance, and the cosine between
-    /// both.
+    /// The unit normal of a curved surface at its hit by a ray, at about this distance, and the cosine between both.
     #[inline(always)]
     fn meet(&self, scene: &Scene, id: u32, column: usize, depth: f32) -> (DVec3, f64) {
         let Body { pose, solid, .. } = &scene.bodies()[scene.body_table().body_of(id)];
@@ -142,7 +141,7 @@ impl<'a> Rays<'a> {
     }
 }
 
-/// The unit normal where a ray meets a solid in its frame, at about this distance.
+/// The unit normal at the hit of a ray on a solid in its frame, at about this distance.
 #[inline(always)]
 fn normal(solid: &Solid, ray: &Ray, range: f64) -> DVec3 {
     let at = |exact: Option<f64>| ray.at(exact.unwrap_or(range));
@@ -160,7 +159,7 @@ fn normal(solid: &Solid, ray: &Ray, range: f64) -> DVec3 {
 fn face_normal(Cuboid { half }: &Cuboid, ray: &Ray) -> DVec3 {
     let (mut axis, mut nearest) = (3, f64::INFINITY);
     for k in 0..3 {
-        // The last plane that is crossed on the way in is that with the least 1 / t.
+        // The last plane crossed on the way in is that with the least 1 / t.
         let inverse_depth = ray.direction[k] / (half[k].copysign(ray.origin[k]) - ray.origin[k]);
         if ray.origin[k].abs() > half[k] && inverse_depth < nearest {
             (axis, nearest) = (k, inverse_depth);

@@ -19,17 +19,17 @@ use crate::simd::{self, Kernel, Lanes, WIDEST};
 use crate::threads::{spread, thread_count};
 use crate::{Backend, ImagesMut, Pose, Scene, SensorPattern};
 
-/// The most columns that share bounds when each has a pose of its own, and the fewest, which it is if the sensor turns.
+/// The most columns that share bounds if each has its own pose, and the fewest, which apply if the sensor turns.
 const MOST_ROLLING: usize = 256;
 const FEWEST_ROLLING: usize = 64;
-/// Between those, as many as it takes the sensor to move so far [m].
+/// Between those, as many as the sensor takes to move this far [m].
 const ROLLING_DISTANCE: f64 = 0.3;
-/// A thread is not woken for fewer columns.
+/// The fewest columns for another thread.
 const FEWEST_COLUMNS: usize = 128;
 /// More pixels than this, of 8 bytes each, leave the second fastest cache of many processors.
 const MOST_PIXELS: usize = 1 << 16;
 
-/// A view to be rasterized, and where to.
+/// A view to be rasterized, and its images.
 struct Job<'a> {
     band: &'a Band,
     columns: Range<usize>,
@@ -37,7 +37,7 @@ struct Job<'a> {
     images: Vec<ImagesMut<'a>>,
 }
 
-/// What all views of a scan share.
+/// The properties shared by all views of a scan.
 struct Scan<'a> {
     scene: &'a Scene,
     pattern: &'a SensorPattern,
@@ -65,13 +65,13 @@ pub(super) fn scan(
     spread(threads, jobs(pattern, images, width), |job| scan.run(job));
 }
 
-/// How many columns are rasterized at once: those of a thread, but no more than stay in its cache.
+/// The number of columns rasterized at once: those of a thread, but no more than stay in its cache.
 fn still_width(pattern: &SensorPattern, threads: usize) -> usize {
     let parts = thread_count(threads).max((pattern.rows() * pattern.columns()).div_ceil(MOST_PIXELS));
     pattern.columns().div_ceil(parts).next_multiple_of(WIDEST).max(FEWEST_COLUMNS)
 }
 
-/// How many columns are rasterized at once that have a pose each.
+/// The number of columns rasterized at once if each has its own pose.
 fn rolling_width(poses: &[Pose]) -> usize {
     let turns = |pair: &[Pose]| !pair[0].rotation.abs_diff_eq(pair[1].rotation, 1e-12);
     let step = poses.windows(2).map(|pair| pair[0].translation.distance(pair[1].translation)).fold(0.0, f64::max);
@@ -87,7 +87,7 @@ fn jobs<'a>(pattern: &'a SensorPattern, images: &'a mut ImagesMut<'_>, width: us
     for start in (0..pattern.columns()).step_by(width) {
         let columns = start..pattern.columns().min(start + width);
         for band in pattern.bands() {
-            // Each row is in one band, and what is right of these columns goes back for the next ones.
+            // Each row is in one band, and the rest to the right of these columns goes back for the next ones.
             let cut = |&row: &u32| {
                 let (left, right) = rows[row as usize].take()?.split_at(columns.len());
                 rows[row as usize] = Some(right);
@@ -150,7 +150,7 @@ impl Scan<'_> {
         let view = View::new(job.band, job.columns.clone(), &self.local, self.pattern);
         let surfaces = images.first().is_some_and(|image| image.incidence.is_some() || image.normal.is_some());
         let mut unresolved = Vec::new();
-        // Taken, so that a panic leaves no half a view behind.
+        // Taken, so that a panic leaves no half of a view behind.
         let mut rasterizer = RASTERIZER.take();
         simd::run(self.backend, RasterizeView { scan: self, view: &view, surfaces, rasterizer: &mut rasterizer });
         let (buffer, view) = (&mut rasterizer.buffer, &view);

@@ -24,8 +24,8 @@ use crate::{Backend, Error, ImagesMut, Pose, Result, Scene, SensorPattern};
 ///
 /// `poses` are world_from_sensor: one, or one for each column (rolling shutter). `seed` decides the free paths of rays
 /// in media: a pure function of seed, primitive, its distance, row and column. A surface nearer than the minimum range
-/// is not reported, and occludes what is behind it. `backend` is the fastest if it is not given; `threads` is 0 for as
-/// many as there are cores. The images are the same for any number of threads.
+/// is not reported, but occludes others. `backend` is by default the fastest; `threads` 0 is the number of cores. The
+/// images are the same for any number of threads.
 ///
 /// # Errors
 /// [`Error::PoseCount`] or [`Error::ImageSize`], before anything is written.
@@ -43,7 +43,7 @@ pub fn scan(
     Ok(())
 }
 
-/// Casts several scans, one list of poses and one set of images for each; threads take whole scans, or parts of them where
+/// Casts several scans, one list of poses and one set of images for each; threads take whole scans, or parts of them if
 /// there are more threads than scans. Scan k has the seed `seed` + k.
 ///
 /// # Errors
@@ -63,7 +63,7 @@ pub fn scan_batch(
     for (poses, images) in poses.iter().zip(images.iter()) {
         check(pattern, poses, images)?;
     }
-    // Where whole scans do not occupy all threads, their parts are spread over the same ones.
+    // If whole scans do not occupy all threads, their parts are spread over the same ones.
     let within = if images.len() < thread_count(threads) { threads } else { 1 };
     let scans = poses.iter().zip(images).enumerate().collect();
     spread(threads, scans, |(k, (poses, images)): (usize, (&&[Pose], _))| {

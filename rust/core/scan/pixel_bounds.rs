@@ -1,6 +1,6 @@
-//! Which pixels a convex body may cover, and how near it may come: eight or sixteen bodies at once.
+//! The pixels that a convex body may cover, and its least distance: eight or sixteen bodies at once.
 //!
-//! Bounds are angles, not corner rays: rays of equal elevation form a cone, which no four planes bound.
+//! Bounds are angles, not corner rays: rays of equal elevation form a cone, which four planes cannot bound.
 
 use std::f32::consts::PI;
 
@@ -9,29 +9,29 @@ use super::view::View;
 use crate::packed::Outline;
 use crate::simd::{Lanes, Matrix, Vector, arctangent};
 
-/// The part of a view that a body may be visible in.
+/// The part of a view in which a body may be visible.
 pub(super) struct PixelBounds<L: Lanes> {
     /// The largest inverse depth, 1 / horizontal distance, of any of its points [1/m].
     pub(super) inverse_depth: L,
-    /// From this column to that one, counted over the whole turn and possibly beyond its seam.
+    /// The columns from `low` on, counted over the whole turn and possibly beyond its seam.
     pub(super) low: L,
     pub(super) high: L,
-    /// From this row of the band to that one.
+    /// The rows of the band from `first` on.
     pub(super) first: L,
     pub(super) last: L,
     /// Whether any pixel is left.
     pub(super) visible: L::Mask,
 }
 
-/// What columns are widened by to either side, for rounding.
+/// The widening of columns to either side, for rounding.
 const COLUMN_SLACK: f32 = 0.004;
 
 impl View<'_> {
     /// Bounds of bodies around `center` whose half axes are `axes`, in the frame of the view.
     ///
-    /// In the frame that looks at the centre (u towards it along the horizon, v to the left, z up) the body lies in a box; so
-    /// its azimuth is within atan(v / u) of the centre's, and its slope z / distance is largest at the nearest point if it
-    /// is above the horizon and at the furthest if it is below.
+    /// In the frame that faces the centre (u towards it along the horizon, v to the left, z up) the body is in a box.
+    /// So its azimuth is within atan(v / u) of the centre's, and its slope z / distance is largest at the nearest point
+    /// if it is above the horizon and at the furthest if it is below.
     #[inline(always)]
     pub(super) fn bounds<L: Lanes>(&self, center: Vector<L>, axes: &Matrix<L>, outline: Outline) -> PixelBounds<L> {
         let (zero, splat) = (L::splat(0.0), L::splat);
@@ -66,7 +66,7 @@ impl View<'_> {
         PixelBounds { inverse_depth, low, high, first, last, visible }
     }
 
-    /// Whether columns of this view lie between two of the whole turn, where [`PixelBounds::rects`] says which.
+    /// Whether columns of this view are between two of the whole turn; [`PixelBounds::rects`] gives these.
     #[inline(always)]
     pub(super) fn has_columns<L: Lanes>(&self, low: L, high: L) -> L::Mask {
         if self.width() as f32 >= self.band.columns_per_turn {
@@ -80,14 +80,14 @@ impl View<'_> {
         here | next | (high - low).ge(turn)
     }
 
-    /// By how much everything at such a distance is grown: rounding, and the motion of the sensor during the view.
+    /// The growth of everything at a distance: rounding, and the motion of the sensor during the view.
     #[inline(always)]
     pub(super) fn slack<L: Lanes>(&self, distance: L) -> L {
         let (shift, twist) = self.motion.as_ref().map_or((0.0, 0.0), |motion| (motion.shift, motion.twist));
         distance.mul_add(L::splat(twist + 8.0 * f32::EPSILON), L::splat(shift))
     }
 
-    /// By how much columns are widened to either side: for three arctangents that are off by 1e-5, rounding, and phases.
+    /// The widening of columns to either side: for three arctangents that are off by 1e-5, rounding, and phases.
     pub(super) fn column_margin(&self) -> f32 {
         3e-5 * self.band.columns_per_radian + COLUMN_SLACK + self.band.phase_reach
     }
@@ -100,7 +100,7 @@ impl View<'_> {
     }
 }
 
-/// How far a body reaches along a direction, from its half axes projected on it.
+/// The extent of a body along a direction, from its half axes projected on it.
 #[inline(always)]
 fn reach<L: Lanes>(Vector { x: a, y: b, z: c }: Vector<L>, outline: Outline) -> L {
     match outline {

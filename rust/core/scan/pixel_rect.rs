@@ -11,8 +11,8 @@ pub(super) struct PixelRect {
     pub(super) inverse_depth: f32,
     /// The middle column, counted over the whole turn and possibly beyond its seam.
     pub(super) middle: f32,
-    /// From this column of the view to that one, and from its first to the third where the rectangle lies across the seam;
-    /// those that end before they begin miss all columns.
+    /// From this column of the view to that one, and from its first to the third if the rectangle crosses the seam;
+    /// spans that end before they begin miss all columns.
     columns: [i32; 3],
     /// From this row of the band to that one.
     pub(super) first: usize,
@@ -20,7 +20,7 @@ pub(super) struct PixelRect {
 }
 
 impl PixelRect {
-    /// The first and last column of each part in the view; none of parts that miss it.
+    /// The first and last column of each part in the view; parts that miss it are left out.
     #[inline(always)]
     pub(super) fn spans(&self) -> impl Iterator<Item = (usize, usize)> {
         let [from, to, beyond] = self.columns;
@@ -65,7 +65,7 @@ impl<L: Lanes> PixelBounds<L> {
         rects
     }
 
-    /// What [`PixelRect`] holds of columns.
+    /// The columns of [`PixelRect`].
     #[inline(always)]
     fn columns(&self, view: &View) -> [L; 3] {
         let (turn, zero, one) = (L::splat(view.band.columns_per_turn), L::splat(0.0), L::splat(1.0));
@@ -82,7 +82,7 @@ impl<L: Lanes> PixelBounds<L> {
 }
 
 impl PixelRects {
-    /// Leaves some out, one bit each.
+    /// Removes some, one bit each.
     #[inline(always)]
     pub(super) fn remove(&mut self, bodies: u32) {
         self.visible &= !bodies;

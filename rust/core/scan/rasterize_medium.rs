@@ -8,7 +8,7 @@ use crate::medium::FreePaths;
 use crate::packed::PHASES;
 use crate::simd::{Lanes, Mask, Vector};
 
-/// What makes a body a medium.
+/// The properties of a medium.
 #[derive(Clone, Copy)]
 pub(super) struct Medium {
     pub(super) paths: FreePaths,
@@ -16,10 +16,11 @@ pub(super) struct Medium {
     pub(super) mean: f32,
 }
 
-/// How far a free path may be off after it is scaled, and an inverse depth that was worked out from it, as shares of them.
+/// The largest error of a free path after scaling, and of an inverse depth computed from it, as shares of them.
 const ROUNDING: f32 = 4.0 * f32::EPSILON;
 
-/// Rasterizes a medium: writes it to the pixels of a rectangle where the first interaction of the ray with it is nearest.
+/// Rasterizes a medium: writes it to the pixels of a rectangle in which the first interaction of the ray with it is
+/// nearest.
 #[inline(always)]
 pub(super) fn rasterize_medium<L: Lanes, S: ShapeInView>(
     shape: &S,
@@ -85,7 +86,7 @@ fn rasterize_columns<L: Lanes>(
         // Distances in lengths of the direction add up; an inverse depth is 1 over them.
         let shortest = path * L::splat(1.0 - ROUNDING);
         let nearest = one / (one / enter.max(zero) + shortest) * L::splat(1.0 + ROUNDING);
-        // What overflowed is unresolved.
+        // An overflow is unresolved.
         let known = nearest.ge(nearest) & margin.ge(margin) & leave.ge(leave);
         let (nearest, margin) = (L::select(known, nearest.min(bound), bound), L::select(known, margin, zero));
         let leave = L::select(known, leave, zero);

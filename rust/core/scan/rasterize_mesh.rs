@@ -12,26 +12,27 @@ use crate::body::{Body, MeshBody};
 use crate::packed::{AabbTable, GROUP_SIZE, LargeTriangle, Meshlets, Outline};
 use crate::simd::{Lanes, Mask, Matrix, Vector, WIDEST, rows};
 
-/// Where a mesh stands in a view.
+/// The pose of a mesh in a view.
 pub(super) struct PlacedMesh {
     /// The axes of the view, as rows in the frame of the mesh.
     rows: [[f32; 3]; 3],
     offset: [f32; 3],
-    /// Whether faces that look away are left out: others hide them. Rays start no further than this from the origin [m].
+    /// Set if faces that point away are left out: others occlude them. Rays start no further than this from the origin
+    /// [m].
     culled: Option<f32>,
-    /// Both again, for what must be exact.
+    /// Both again, for exact computations.
     into_view: DMat3,
     origin: DVec3,
 }
 
 /// The middle of a meshlet in the view, the direction to it along the horizon, and its column.
 pub(super) struct MeshletCenter {
-    /// No corner has a larger one [1/m].
+    /// The largest inverse depth of its corners [1/m].
     pub(super) inverse_depth: f32,
     center: [f32; 3],
     pub(super) heading: [f32; 2],
     pub(super) column: f32,
-    /// No coordinate on the way to its corners is larger, but for the middle's own, which comes from f64 [m].
+    /// The largest coordinate on the way to its corners, except the middle's own, which comes from f64 [m].
     pub(super) reach: f32,
 }
 
@@ -93,8 +94,8 @@ impl Meshlets {
         }
     }
 
-    /// The meshlets from `at` on, at these centers in the view, all of whose triangles surely look away from where rays
-    /// start; one bit each.
+    /// The meshlets from `at` on, at these centers in the view, all of whose triangles certainly point away from the
+    /// start of the rays; one bit each.
     #[inline(always)]
     fn looking_away<L: Lanes>(&self, at: usize, placed: &PlacedMesh, center: Vector<L>, shift: f32) -> u32 {
         let axis = Matrix::splat(placed.rows).apply(Vector::<L>::load(&self.normal_axes, at));
@@ -188,7 +189,7 @@ impl LargeTriangle {
 }
 
 impl MeshletCenter {
-    /// `rough` is where the bounds had the middle, in f32: the column of `rect` is that of the heading to there.
+    /// `rough` is the middle from the bounds, in f32: the column of `rect` is that of its heading.
     fn new(placed: &PlacedMesh, boxes: &AabbTable, meshlet: usize, rough: Vec2, rect: &PixelRect) -> MeshletCenter {
         let [x, y, z] = &boxes.center;
         let center = DVec3::new(f64::from(x[meshlet]), f64::from(y[meshlet]), f64::from(z[meshlet]));

@@ -1,4 +1,4 @@
-//! Shapes onto pixels: the loop that everything else is there to keep short.
+//! Shapes onto pixels: the loop that all other code keeps short.
 
 use super::pixel_rect::PixelRect;
 use super::ray_tests::{RayTest, ShapeInView};
@@ -7,10 +7,10 @@ use super::visibility_buffer::{UNRESOLVED, VisibilityBuffer, lanes_within, steps
 use crate::packed::PHASES;
 use crate::simd::{Lanes, Mask, Vector};
 
-/// Rectangles of more rows than this are worth a look at which of them a triangle crosses.
+/// For rectangles of more rows than this, the rows that a triangle crosses are found first.
 const TALL: usize = 6;
 
-/// Rasterizes a shape: writes it to the pixels of a rectangle where it is nearest.
+/// Rasterizes a shape: writes it to the pixels of a rectangle in which it is nearest.
 #[inline(always)]
 pub(super) fn rasterize_shape<L: Lanes>(
     shape: &impl ShapeInView,
@@ -40,7 +40,7 @@ pub(super) fn rasterize_shape<L: Lanes>(
     }
 }
 
-/// Rasterizes a shape in a view that stands still.
+/// Rasterizes a shape in a static view.
 #[inline(always)]
 pub(super) fn rasterize_still<L: Lanes>(
     test: &impl RayTest<L>,
@@ -138,9 +138,9 @@ fn rasterize_columns<L: Lanes, const P: usize>(
         ];
         let (inverse_depth, resolved) = test.resolved(direction, tolerance);
         let (nearest, margin) = test.upper_bounds(direction);
-        // What overflowed is unresolved.
+        // An overflow is unresolved.
         let known = nearest.ordered(margin);
-        // And nothing is nearer than its bounds: what is rasterized here changes no pixel where it is occluded.
+        // And nothing is nearer than its bounds: shapes rasterized here change no pixel in which they are occluded.
         let (nearest, margin) = (L::select(known, nearest.min(bound), bound), L::select(known, margin, zero));
         let stored = L::load(depths, 0);
         let tie = view.tie(stored);
@@ -149,7 +149,7 @@ fn rasterize_columns<L: Lanes, const P: usize>(
         let mut nearer = L::select(surely, inverse_depth, stored);
         // The only branch: whether a vector meets a shape at all is hard to predict.
         if surely.bits() != maybe.bits() {
-            // An error without bound has no end at the rectangle.
+            // An error without a bound reaches beyond the rectangle.
             let unresolved = maybe & lanes_within::<L>(at, to);
             nearer = L::select(unresolved, L::select(surely, inverse_depth, nearest.max(stored)), nearer);
             L::masked_store(unresolved, UNRESOLVED, ids, 0);
@@ -159,7 +159,7 @@ fn rasterize_columns<L: Lanes, const P: usize>(
     }
 }
 
-/// Leaves all pixels of a rectangle unresolved, unless they are occluded: for what no test in f32 can decide.
+/// Leaves all pixels of a rectangle unresolved, unless they are occluded: for shapes that no test in f32 can decide.
 #[inline(always)]
 pub(super) fn rasterize_unresolved<L: Lanes>(rect: &PixelRect, view: &View, buffer: &mut VisibilityBuffer) {
     let nearest = L::splat(rect.inverse_depth);

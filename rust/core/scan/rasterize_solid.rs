@@ -1,4 +1,4 @@
-//! Bodies that are no meshes onto pixels: by the test that suits where rays start.
+//! Bodies other than meshes onto pixels: by the test for the start of the rays.
 
 use glam::DVec3;
 
@@ -13,7 +13,7 @@ use crate::body::Solid;
 use crate::intersect::{Cuboid, Cylinder, Ellipsoid, Rectangle};
 use crate::simd::{Lanes, rows};
 
-/// Rasterizes a body, if f32 can tell what rays from near the view's origin see of it.
+/// Rasterizes a body, if f32 can decide its hits by rays from near the view's origin.
 #[inline(always)]
 pub(super) fn rasterize_solid<L: Lanes>(
     solid: &Solid,
@@ -37,7 +37,7 @@ pub(super) fn rasterize_solid<L: Lanes>(
     let slack = |x: f64, size: f64| 2e-6 * (x.abs() + size) + 4.0 * shift;
     let beyond = |x: f64, size: f64| x.abs() - size > slack(x, size);
     let between = |x: f64, size: f64| size - x.abs() > slack(x, size);
-    // What is too thin for f32: its scale overflows, or drowns the direction across it.
+    // Shapes too thin for f32: their scale overflows, or drowns the direction across them.
     let too_thin = |half: DVec3| {
         let thin = half.min_element();
         thin < 1e-4 * half.max_element() || thin < 1e-15 * f64::from(view.band.longest_ray)
@@ -58,7 +58,7 @@ pub(super) fn rasterize_solid<L: Lanes>(
         }
         Solid::Cylinder(Cylinder { half }) => {
             let across = (origin / *half).with_z(0.0);
-            // Where rays start over or under it, or in it.
+            // Rays start over or under it, or in it.
             let known =
                 across.length() > 1.0 || beyond(origin.z, half.z) || medium.is_some() && between(origin.z, half.z);
             if known && !touches_unit(across, 4.0 * shift / half.x.min(half.y)) {

@@ -14,7 +14,7 @@ use crate::medium::ScanKey;
 use crate::packed::{ObbTable, Outline};
 use crate::simd::{Lanes, Matrix, Vector, rows};
 
-/// What rasterizes a view: kept from view to view, so that nothing is allocated.
+/// The state of rasterizing a view: kept from view to view, so that nothing is allocated.
 #[derive(Default)]
 pub(super) struct Rasterizer {
     pub(super) buffer: VisibilityBuffer,
@@ -28,12 +28,12 @@ pub(super) struct Rasterizer {
 struct VisiblePart {
     rect: PixelRect,
     body: u32,
-    /// Of a mesh: a group of meshlets or, counted on from those, a large triangle.
+    /// In a mesh: a group of meshlets or, numbered after those, a large triangle.
     part: u32,
 }
 
 impl Rasterizer {
-    /// Rasterizes all that may be visible; an id is the number of a body or, if asked for, of a surface.
+    /// Rasterizes everything that may be visible; an id is the number of a body or, on request, of a surface.
     #[inline(always)]
     pub(super) fn rasterize<L: Lanes>(&mut self, scene: &Scene, view: &View, scan: &ScanKey, surfaces: bool) {
         let (bodies, table) = (scene.bodies(), scene.body_table());
@@ -42,8 +42,8 @@ impl Rasterizer {
         for obbs in &table.obbs {
             self.find_bodies::<L>(obbs, bodies, view);
         }
-        // Front to back: near bodies occlude far ones before those are looked at. Equals go by number: the order of two
-        // bodies, and with it every bit of the images, is the same however a scan is cut into views.
+        // Front to back: near bodies occlude far ones before those are processed. Equals go by number: the order of two
+        // bodies, and with it every bit of the images, is the same for any cut of a scan into views.
         self.visible.sort_unstable_by_key(|part| (!part.rect.inverse_depth.to_bits(), part.body, part.part));
         for visible in &self.visible {
             if self.buffer.is_occluded::<L>(view, &visible.rect) {
@@ -52,7 +52,7 @@ impl Rasterizer {
             let body = &bodies[visible.body as usize];
             let id = if surfaces { table.surface(visible.body as usize) } else { visible.body };
             match &body.solid {
-                // A ray may enter or leave at any triangle: that takes all of them at once.
+                // A ray may enter or leave at any triangle: all of them are needed at once.
                 Solid::Mesh(_) if body.extinction.is_some() => {
                     rasterize_unresolved::<L>(&visible.rect, view, &mut self.buffer)
                 }
@@ -82,7 +82,7 @@ impl Rasterizer {
     #[inline(always)]
     fn find_bodies<L: Lanes>(&mut self, obbs: &ObbTable, bodies: &[Body], view: &View) {
         for k in 0..3 {
-            // From the view's origin, in f64: what is left is exact however far from the scene's origin both are.
+            // From the view's origin, in f64: the difference is exact at any distance from the scene's origin.
             self.centers[k].clear();
             self.centers[k].extend(obbs.center[k].iter().map(|x| (x - view.origin[k]) as f32));
         }
@@ -99,7 +99,7 @@ impl Rasterizer {
             for (lane, rect) in bounds.rects(obbs.bodies.len() - at, view).iter() {
                 let body = obbs.bodies[at + lane];
                 match &bodies[body as usize] {
-                    // A mesh of one part fills the box that was looked at.
+                    // A mesh of one part fills the tested box.
                     Body { solid: Solid::Mesh(mesh), extinction, .. }
                         if mesh.meshlets.parts() != 1 || extinction.is_some() =>
                     {

@@ -1,4 +1,4 @@
-//! The reference of any faster way: every ray through the hierarchies of the scene, in f64.
+//! The reference of all faster backends: every ray through the hierarchies of the scene, in f64.
 
 use glam::DVec3;
 
@@ -25,7 +25,7 @@ pub(super) fn scan(
     });
 }
 
-/// The return of one pixel. A surface nearer than the minimum range is not reported, and occludes what is behind it.
+/// The return of one pixel. A surface nearer than the minimum range is not reported, but occludes others.
 pub(super) fn cast_pixel(
     scene: &Scene,
     pattern: &SensorPattern,
@@ -40,12 +40,12 @@ pub(super) fn cast_pixel(
     Some(Return::new(scene, origin, direction, &hit, depth))
 }
 
-/// What decides the free paths of a scan.
+/// The key of the free paths of a scan.
 pub(super) fn scan_key(scene: &Scene, pattern: &SensorPattern, poses: &[Pose], seed: u64) -> ScanKey {
     ScanKey::new(seed, pattern.spec().column_width(), poses[0].translation - scene.origin())
 }
 
-/// Where the ray of a pixel starts in the world, and where it looks; `poses` are one, or one for each column.
+/// The origin and direction of a pixel's ray in the world; `poses` are one, or one for each column.
 fn ray(pattern: &SensorPattern, poses: &[Pose], row: usize, column: usize) -> (DVec3, DVec3) {
     let pose = &poses[if poses.len() == 1 { 0 } else { column }];
     (pose.point(pattern.origin(row, column)), pose.vector(pattern.direction(row, column)))

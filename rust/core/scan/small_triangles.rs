@@ -15,16 +15,16 @@ pub(super) struct SmallTriangles<'a, L> {
     /// For rays from the view's origin.
     pub(super) test: TriangleTest<L>,
     pub(super) corners: [Vector<L>; 3],
-    /// No coordinate that their corners were computed from is larger than this [m].
+    /// The largest coordinate from which their corners were computed [m].
     pub(super) reach: f32,
-    /// Their ids are these numbers times `step`, counted on from `first`.
+    /// Their ids are these numbers times `step`, plus `first`.
     pub(super) numbers: &'a [u32],
     pub(super) first: u32,
     pub(super) step: u32,
 }
 
 impl<L: Lanes> SmallTriangles<'_, L> {
-    /// Rasterizes those of the triangles that are small, one ray of each at a time, and says which.
+    /// Rasterizes those of the triangles that are small, one ray of each at a time, and reports which.
     #[inline(always)]
     pub(super) fn rasterize(
         &self,
@@ -35,7 +35,7 @@ impl<L: Lanes> SmallTriangles<'_, L> {
     ) -> u32 {
         let (one, turn) = (L::splat(1.0), L::splat(view.band.columns_per_turn));
         let start = L::splat(view.columns.start as f32);
-        // Into the turn that begins with this view; what reaches into the next one counts as not small.
+        // Into the turn that begins with this view; triangles that reach into the next one do not count as small.
         let away = ((bounds.low - start) / turn).floor() * turn;
         let (from, to) = (-(away - bounds.low).floor(), (bounds.high - away).floor());
         let rays = (to - from + one) * (bounds.last - bounds.first + one);
@@ -77,7 +77,7 @@ impl<L: Lanes> SmallTriangles<'_, L> {
         }
     }
 
-    /// All triangles go column by column: each column has tests of its own.
+    /// All triangles go column by column: each column has its own tests.
     #[inline(always)]
     fn rasterize_moving(
         &self,
@@ -121,7 +121,7 @@ impl<L: Lanes> SmallTriangles<'_, L> {
         }
     }
 
-    /// Rasterizes one ray of each triangle that has a bit; no inverse depth is larger than `bound`.
+    /// Rasterizes one ray of each triangle with a bit; no inverse depth is larger than `bound`.
     #[inline(always)]
     fn rasterize_rays(
         &self,
@@ -141,7 +141,7 @@ impl<L: Lanes> SmallTriangles<'_, L> {
         }
     }
 
-    /// Writes one pixel of each triangle that has a bit: the most that the inverse depth may be, that depth, column and row.
+    /// Writes one pixel of each triangle with a bit: the upper bound of the inverse depth, that depth, column and row.
     #[inline(always)]
     fn write_nearest(
         &self,

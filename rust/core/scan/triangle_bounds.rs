@@ -1,4 +1,4 @@
-//! Which pixels triangles of a meshlet may cover: one to a lane.
+//! The pixels that triangles of a meshlet may cover: one to a lane.
 
 use super::pixel_bounds::PixelBounds;
 use super::rasterize_mesh::MeshletCenter;
@@ -16,14 +16,14 @@ fn largest<L: Lanes>([a, b, c]: [L; 3]) -> L {
     a.max(b).max(c)
 }
 
-/// What bounds triangles, seen along some heading.
+/// Bounds of triangles relative to some heading.
 struct TangentBounds<L: Lanes> {
     /// Tangents of the azimuths, to the left of the heading.
     left: L,
     right: L,
     first: L,
     last: L,
-    /// Where the triangle lies ahead, within 45 degrees of the heading.
+    /// Whether the triangle is ahead, within 45 degrees of the heading.
     simple: L::Mask,
 }
 
@@ -36,20 +36,20 @@ impl View<'_> {
         let tangent_bounds = self.tangent_bounds(corners, (splat(middle.heading[0]), splat(middle.heading[1])), slack);
         let TangentBounds { first, last, simple, .. } = tangent_bounds;
         let (low, high) = self.columns_between(&tangent_bounds, splat(middle.column));
-        // Far away most triangles lie between two columns, or between two rows.
+        // Far away most triangles are between two columns, or between two rows.
         let between = splat(self.band.columns_per_turn.fract()).gt(splat(0.0));
         let visible = last.ge(first) & (high.floor().ge(low) | between) & self.has_columns(low, high);
         if simple.all() {
             return PixelBounds { inverse_depth, low, high, first, last, visible };
         }
-        // What is close and lies aside of that middle, or behind: each along its own heading.
+        // Close triangles to the side of that middle, or behind: each along its own heading.
         let [a, b, c] = corners;
         let (x, y) = (a.x + b.x + c.x, a.y + b.y + c.y);
         let inverse = splat(1.0) / x.mul_add(x, y * y).sqrt().max(splat(1e-20));
         let (cos, sin) = (x * inverse, y * inverse);
         let own = self.tangent_bounds(corners, (cos, sin), slack);
         let (own_low, own_high) = self.columns_between(&own, self.column(arctangent(sin, cos)));
-        // And what is around the sensor, by height and distance alone.
+        // And those around the sensor, by height and distance alone.
         let (far_first, far_last) = self.rows_around(corners, slack);
         let turn = splat(self.band.columns_per_turn);
         let first = L::select(simple, first, L::select(own.simple, own.first, far_first));
@@ -60,8 +60,8 @@ impl View<'_> {
         PixelBounds { inverse_depth, low, high, first, last, visible }
     }
 
-    /// In the frame that looks along a heading a corner has the tangents v / u and z / u, and so a triangle that lies ahead
-    /// is bounded by those of its corners. The slope of a point is its z / u times the cosine of its azimuth.
+    /// In the frame along a heading a corner has the tangents v / u and z / u, so a triangle ahead is bounded by those
+    /// of its corners. The slope of a point is its z / u times the cosine of its azimuth.
     #[inline(always)]
     fn tangent_bounds<L: Lanes>(&self, [a, b, c]: &[Vector<L>; 3], (cos, sin): (L, L), slack: L) -> TangentBounds<L> {
         let (zero, one, splat) = (L::splat(0.0), L::splat(1.0), L::splat);
@@ -71,7 +71,7 @@ impl View<'_> {
         let inverse = [one / ahead[0], one / ahead[1], one / ahead[2]];
         let tangent = [aside[0] * inverse[0], aside[1] * inverse[1], aside[2] * inverse[2]];
         let grade = [a.z * inverse[0], b.z * inverse[1], c.z * inverse[2]];
-        // By how much a point that is moved by the slack can change either.
+        // The largest change of either by a point that is moved by the slack.
         let blur = slack / nearest;
         let (left, right) = (largest(tangent), smallest(tangent));
         let steepest = largest(grade).max(-smallest(grade));
@@ -90,7 +90,7 @@ impl View<'_> {
         TangentBounds { left, right, first, last, simple: nearest.gt(splat(1e-6)) & one.ge(widest) }
     }
 
-    /// The columns between two tangents, seen along the heading of a column.
+    /// The columns between two tangents, relative to the heading of a column.
     #[inline(always)]
     fn columns_between<L: Lanes>(&self, tangent_bounds: &TangentBounds<L>, column: L) -> (L, L) {
         let (density, margin) = (L::splat(self.band.columns_per_radian), L::splat(self.column_margin()));
@@ -99,7 +99,7 @@ impl View<'_> {
         (low, high)
     }
 
-    /// The rows of triangles wherever they are, by height and distance.
+    /// The rows of triangles at any place, by height and distance.
     #[inline(always)]
     fn rows_around<L: Lanes>(&self, [a, b, c]: &[Vector<L>; 3], slack: L) -> (L, L) {
         let (zero, one) = (L::splat(0.0), L::splat(1.0));

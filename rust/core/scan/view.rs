@@ -1,4 +1,4 @@
-//! One band of rays over some columns of a scan, in a frame of its own.
+//! One band of rays over some columns of a scan, in its own frame.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::packed::{Band, padded};
 use crate::simd::{Lanes, Vector};
 use crate::{Pose, SensorPattern};
 
-/// The rays of a band in some columns, and where they start.
+/// The rays of a band in some columns, and their starts.
 ///
 /// A ray is `start(column) + t * (heading(phase, column) + slope(row) * up(column))`. In a view that stands still all rays start at
 /// the origin, and up is z.
@@ -20,29 +20,29 @@ pub(super) struct View<'a> {
     /// The frame: its origin in the scene's coordinates, and its axes there.
     pub(super) origin: DVec3,
     pub(super) rotation: DMat3,
-    /// How far f32 may be off in the direction of a ray, as a share of the longest one's length.
+    /// The error of f32 in the direction of a ray, as a share of the longest one's length.
     pub(super) rounding: f32,
-    /// How exact a resolved range is.
+    /// The precision of a resolved range.
     pub(super) tolerance: Tolerance,
-    /// No surface nearer or further than these is reported [m].
+    /// The limits of reported surfaces [m].
     pub(super) min_range: f32,
     pub(super) max_range: f32,
     pub(super) motion: Option<Motion>,
 }
 
-/// How the rays of each column differ from those of a view that stands still.
+/// The difference of each column's rays from those of a static view.
 pub(super) struct Motion {
     /// Phase by phase.
     heading: [Vec<f32>; 3],
     pub(super) up: [Vec<f32>; 3],
     pub(super) start: [Vec<f32>; 3],
-    /// The furthest that a ray starts from the origin [m].
+    /// The largest distance of a ray's start from the origin [m].
     pub(super) shift: f32,
-    /// The furthest that the turn of a column moves a point at distance 1 [m].
+    /// The largest shift of a point at distance 1 by the rotation of a column [m].
     pub(super) twist: f32,
 }
 
-/// The rays of `L::N` columns, but for their headings.
+/// The rays of `L::N` columns, without their headings.
 pub(super) struct Columns<L> {
     pub(super) up: Vector<L>,
     pub(super) start: Vector<L>,
@@ -66,12 +66,12 @@ impl<'a> View<'a> {
         View { band, columns, origin, rotation, rounding, tolerance, min_range, max_range, motion }
     }
 
-    /// How many columns.
+    /// The number of columns.
     pub(super) fn width(&self) -> usize {
         self.columns.len()
     }
 
-    /// Where the rays of a column start, their heading in a phase and their up; a ray is heading + slope * up.
+    /// The start of the rays of a column, their heading in a phase and their up; a ray is heading + slope * up.
     #[inline(always)]
     pub(super) fn ray(&self, phase: usize, column: usize) -> (DVec3, DVec3, DVec3) {
         let Some(motion) = &self.motion else {
@@ -142,17 +142,17 @@ impl Motion {
         for column in all() {
             let pose = pose_of(column);
             let turn = into_frame * pose.rotation;
-            // Phases differ only where all rays start on the axis.
+            // Phases differ only if all rays start on the axis.
             let heading = heading(0, column);
             let side = turn.z_axis.cross(heading);
             let center = into_frame * (pose.translation - frame.translation);
             let start = center + heading * forward + side * left + turn.z_axis * up;
             push(&mut motion.up, turn.z_axis);
             push(&mut motion.start, start);
-            // The same for all columns if they differ by their azimuth only, so that it depends on no cut.
+            // The same for all columns if they differ by their azimuth only, so that it does not depend on the cut.
             let middle = center + turn.z_axis * up;
             motion.shift = motion.shift.max((middle.length() + forward.hypot(left)) as f32 * 1.001);
-            // By how much a turn moves a point at distance 1: no more than the Frobenius norm of what it adds.
+            // The largest shift of a point at distance 1 by a rotation: at most the Frobenius norm of the change.
             let moved = turn - DMat3::IDENTITY;
             let norm = moved.x_axis.length_squared() + moved.y_axis.length_squared() + moved.z_axis.length_squared();
             motion.twist = motion.twist.max(norm.sqrt() as f32 * 1.001);

@@ -1,30 +1,28 @@
-//! Depth and id of what is nearest at each pixel of a view so far.
+//! Depth and id of the nearest surface so far at each pixel of a view.
 
 use super::pixel_rect::PixelRect;
 use super::ray_tests::Tolerance;
 use super::view::View;
 use crate::simd::{Aligned, Lanes, Mask, WIDEST};
 
-/// What is nearest so far at each pixel of a view, by rows.
+/// The nearest surface so far at each pixel of a view, by rows.
 ///
-/// In whatever order shapes are rasterized, a pixel ends with the nearest one, or unresolved if rounding decides which one
-/// that is.
+/// For any order of shapes, a pixel ends with the nearest one, or unresolved if rounding decides which one that is.
 #[derive(Default)]
 pub(super) struct VisibilityBuffer {
-    /// Inverse depth, 1 / horizontal distance [1/m]; 0 where nothing is.
+    /// Inverse depth, 1 / horizontal distance [1/m]; 0 without a surface.
     pub(super) inverse_depth: Aligned<f32>,
     pub(super) id: Aligned<u32>,
     pub(super) stride: usize,
 }
 
-/// The id of a pixel at which f32 cannot tell what is nearest.
+/// The id of a pixel whose nearest surface f32 cannot decide.
 pub(super) const UNRESOLVED: u32 = u32::MAX;
 
 impl VisibilityBuffer {
-    /// Makes room for a view. What is left of the view before is 0 already: [`write_images`](super::write_images)
-    /// clears what it reads.
+    /// Makes room for a view. The buffer is 0 already: [`write_images`](super::write_images) clears what it reads.
     pub(super) fn fit(&mut self, view: &View) {
-        // Rows a power of two apart would fall on one place of the cache; an odd number of its lines apart they do not.
+        // Rows a power of two apart would share one place of the cache; rows an odd number of its lines apart do not.
         let lines = (view.width() + 2 * WIDEST).div_ceil(WIDEST) | 1;
         self.stride = lines * WIDEST;
         // One row more, so that a whole stride follows every pixel.
@@ -34,7 +32,7 @@ impl VisibilityBuffer {
         }
     }
 
-    /// Whether what is stored surely occludes, on every pixel of a rectangle, what is bounded by it.
+    /// Whether the stored surfaces certainly occlude everything in the bounds of a rectangle, on each of its pixels.
     #[inline(always)]
     pub(super) fn is_occluded<L: Lanes>(&self, view: &View, rect: &PixelRect) -> bool {
         let nearest = L::splat(rect.inverse_depth);
@@ -52,8 +50,8 @@ impl VisibilityBuffer {
         true
     }
 
-    /// Writes one pixel if it is nearest there: `nearest` is the most that its inverse depth may be, `resolved` is that
-    /// depth where it is known.
+    /// Writes one pixel if it is nearest there: `nearest` is the upper bound of its inverse depth, `resolved` is that
+    /// depth if known.
     #[inline(always)]
     pub(super) fn write_nearest(&mut self, pixel: usize, nearest: f32, resolved: Option<f32>, id: u32, view: &View) {
         let stored = self.inverse_depth[pixel];
@@ -68,7 +66,7 @@ impl VisibilityBuffer {
 }
 
 impl View<'_> {
-    /// The share that the inverse depth of another surface must differ by so that resolved ranges tell which is nearer.
+    /// The relative difference of two inverse depths beyond which resolved ranges decide which is nearer.
     #[inline(always)]
     pub(super) fn tie<L: Lanes>(&self, inverse_depth: L) -> L {
         inverse_depth.mul_add(L::splat(2.0 * self.tolerance.absolute), L::splat(2.0 * Tolerance::RELATIVE))
@@ -82,8 +80,8 @@ pub(super) fn steps<L: Lanes>(from: usize, to: usize) -> impl Iterator<Item = us
     (0..count).map(move |step| from + step * L::N)
 }
 
-/// Which lanes of the vector from a column on lie in a span that ends with another: where vectors begin depends on how a
-/// scan is cut into views, and nothing that is seen of it may.
+/// The lanes of the vector from a column on in a span that ends with another. The start of vectors depends on the cut
+/// of a scan into views, but the images must not.
 #[inline(always)]
 pub(super) fn lanes_within<L: Lanes>(at: usize, to: usize) -> L::Mask {
     const LANES: [f32; WIDEST] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];

@@ -49,18 +49,18 @@ impl VisibilityBuffer {
                 }
                 at += L::N;
             }
-            // The last vector that was rasterized may have reached beyond the view.
+            // The last rasterized vector may have reached beyond the view.
             zero.store(depths, at);
         }
     }
 }
 
-/// Which distances are reported [m]; within a little of a limit, rounding may decide.
+/// The limits of reported distances [m]; close to a limit, rounding may decide.
 struct Limits {
-    /// Between these, surely.
+    /// Between these, certainly.
     nearest: f32,
     furthest: f32,
-    /// Beyond this, surely not.
+    /// Beyond this, certainly not.
     beyond: f32,
 }
 
@@ -71,28 +71,28 @@ impl Limits {
         Limits { nearest: min + slack(min), furthest: max - slack(max), beyond: max + slack(max) }
     }
 
-    /// Which depths are reported, and which of the others may have to be, bit by bit.
+    /// The reported depths, and others that may have to be reported, bit by bit.
     #[inline(always)]
     fn reported<L: Lanes>(&self, depth: L, ids: L) -> (L::Mask, u32) {
         let unresolved = ids.eq_bits(L::splat_bits(UNRESOLVED));
         let known = L::select(unresolved, L::splat(f32::NAN), depth);
         let reported = known.ge(L::splat(self.nearest)) & L::splat(self.furthest).ge(known);
-        // What is surely beyond the limit is no return, whatever it is; where nothing was rasterized, depth is infinite.
+        // Surfaces certainly beyond the limit are no return; without a surface, depth is infinite.
         let unknown = L::splat(self.beyond).ge(depth).bits() & !reported.bits();
         (reported, unknown)
     }
 }
 
-/// Which body an id belongs to.
+/// The body of each id.
 pub(super) struct Owners<'a> {
-    /// What numbered the surfaces, if ids are numbers of surfaces and not of bodies.
+    /// The table of surfaces, if ids are numbers of surfaces and not of bodies.
     pub(super) surfaces: Option<&'a BodyTable>,
     /// Class and instance of each body.
     pub(super) semantics: &'a [(u8, u32)],
 }
 
 impl Owners<'_> {
-    /// Class, instance and body of each id where one is reported; 0, 0 and -1 elsewhere.
+    /// Class, instance and body of each reported id; 0, 0 and -1 for the others.
     #[inline(always)]
     fn look_up<L: Lanes>(&self, ids: &[u32], reported: L::Mask) -> [L; 3] {
         let (bits, zero, none) = (reported.bits(), L::splat_bits(0), L::splat_bits(u32::MAX));
@@ -103,7 +103,7 @@ impl Owners<'_> {
         let (first, last) = (ids[bits.trailing_zeros() as usize], ids[bits.ilog2() as usize]);
         let (is_first, is_last) = (all.eq_bits(L::splat_bits(first)), all.eq_bits(L::splat_bits(last)));
         let [labels, instances, bodies] = if bits & !(is_first | is_last).bits() == 0 {
-            // Most vectors lie within one body, few in more than two.
+            // Most vectors are within one body, few in more than two.
             let ([a, b, c], [d, e, f]) = (self.owner(first), self.owner(last));
             [
                 L::select(is_first, L::splat_bits(a), L::splat_bits(d)),

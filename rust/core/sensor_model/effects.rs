@@ -1,4 +1,4 @@
-//! What happens to echoes, one function an effect, for a row of pixels at once, in the order of the light.
+//! The effects on echoes, one function each, for a row of pixels at once, in the order in which light meets them.
 
 use super::elementary::{exp, larger, ln, rounded, smaller};
 use super::receiver::{Echoes, received_power};
@@ -6,18 +6,18 @@ use super::surfaces::entry;
 use super::{Backscatter, Ranging, SensorModel, Surfaces};
 use crate::simd::Lanes;
 
-/// Behind glass: the response of what is there (seats, curtains, frames), and by how much its depth differs from patch
-/// to patch: estimates of ours.
+/// Behind glass: the response of the interior (seats, curtains, frames), and the spread of its depth from patch to
+/// patch: estimates.
 const BEHIND_RESPONSE: f32 = 0.25;
 const BEHIND_RELIEF: f32 = 0.3;
-/// Cosine of incidence below which rays meet the tops of a rough surface: an estimate of ours.
+/// Cosine of incidence below which rays meet the tops of a rough surface: an estimate.
 const GRAZING: f32 = 0.3;
 /// How often echoes at the detection threshold are dropped, as the mean of an exponential distribution.
 const WEAK_DROPS: f32 = 2.0;
 /// Standard deviations of the dust's pattern above which there is a stain.
 const STAINED: f32 = 1.2;
 
-/// Lets rays pass through glass to what is a little behind it, and back; `patches` are its relief.
+/// Lets rays pass through glass to the interior a little behind it, and back; `patches` are its relief.
 ///
 /// The stronger echo counts: that of the glass, which is weak unless it faces the sensor, or that from behind.
 #[inline(always)]
@@ -36,7 +36,7 @@ pub(crate) fn transmit_through_glass(
         if through > 0.0 {
             let relief = larger(1.0 + BEHIND_RELIEF * patches[column], 0.1);
             let deeper = echoes.depth[column] + surfaces.behind[glass] * relief;
-            // the little way behind it is in clear air
+            // the short way behind it is in clear air
             let behind = through * through * BEHIND_RESPONSE / (deeper * deeper * model.threshold());
             if behind > echoes.power[column] {
                 (echoes.depth[column], echoes.power[column]) = (deeper, behind);
@@ -45,11 +45,11 @@ pub(crate) fn transmit_through_glass(
     }
 }
 
-/// Multiplies the powers by a gain and by what scatters them.
+/// Multiplies the powers by a gain and by their scatter.
 ///
-/// `gain` is the logarithm of that of the beam, `texture` that of each place. Speckle is the sensor's, from
-/// pulse to pulse; `grain`, which is written, that of the surface each pixel shows. Both are independent from pixel to
-/// pixel, so one `normal` number stands for both.
+/// `gain` is the logarithm of the beam's gain, `texture` that of each place. Speckle is the sensor's, from pulse to
+/// pulse; `grain`, which is written, that of the surface at each pixel. Both are independent from pixel to pixel, so
+/// one `normal` number serves for both.
 #[inline(always)]
 pub(crate) fn scatter_power<L: Lanes>(
     echoes: &mut Echoes,
@@ -69,7 +69,7 @@ pub(crate) fn scatter_power<L: Lanes>(
     }
 }
 
-/// Dims what passes through dust on the window, by its pattern `stains`.
+/// Dims the light through dust on the window, by its pattern `stains`.
 #[inline(always)]
 pub(crate) fn dim_by_dust(echoes: &mut Echoes, stains: &[f32], model: &SensorModel) {
     if model.dust == 0.0 {
@@ -80,7 +80,7 @@ pub(crate) fn dim_by_dust(echoes: &mut Echoes, stains: &[f32], model: &SensorMod
     }
 }
 
-/// Lets the echo of fog, of a raindrop or a snowflake take the place of those that are weaker and further away.
+/// Replaces weaker and further echoes by that of fog, of a raindrop or a snowflake.
 ///
 /// It comes from no primitive of the layout. `white`, which is written, is its power if all light came back.
 #[inline(always)]
@@ -102,13 +102,13 @@ pub(crate) fn add_backscatter(
     }
 }
 
-/// Ray drop: where there is no echo, or one that is not detected.
+/// Ray drop: pixels without an echo, or with one that is not detected.
 ///
-/// An echo of power P is dropped with probability 1 - exp(-2 f / P^1.25 - drop_exponent): somewhat less speckle
-/// than developed one, whose power is distributed as the `exponential` numbers. Factor and exponent are fitted to how
-/// rays to the ground are dropped in recordings of a Pandar64 (docs/explanation/sensor-model.md). The fading f has the
-/// mean 1 and follows the `patches` of surfaces, so that dropped rays come in runs. `edge_drop` is added to the
-/// exponent if the beam made several echoes: receivers often report none of them.
+/// An echo of power P is dropped with probability 1 - exp(-2 f / P^1.25 - drop_exponent): somewhat less speckle than
+/// developed speckle, whose power is distributed as the `exponential` numbers. Factor and exponent are fitted to
+/// dropped rays on the ground in recordings of a Pandar64, see docs/explanation/sensor-model.md. The fading f has the mean 1 and
+/// follows the `patches` of surfaces, so that dropped rays come in runs. `edge_drop` is added to the exponent if the
+/// beam made several echoes: receivers often report none of them.
 #[inline(always)]
 pub(crate) fn drop_rays(
     echoes: &Echoes,
@@ -126,7 +126,7 @@ pub(crate) fn drop_rays(
     }
 }
 
-/// The stored intensity, 0 to 1: the power on the sensor's scale, as far as that corrects for range; 0 where the beam
+/// The stored intensity, 0 to 1: the power on the sensor's scale, as far as that corrects for range; 0 if the beam
 /// would show less than its `cutoff`.
 #[inline(always)]
 pub(crate) fn intensity(echoes: &Echoes, beam: usize, cutoff: f32, model: &SensorModel, shown: &mut [f32]) {
@@ -161,7 +161,7 @@ pub(crate) fn intensity(echoes: &Echoes, beam: usize, cutoff: f32, model: &Senso
 
 /// Variance of ranges to rough surfaces, whose heights vary by their `rms_height`.
 ///
-/// Along the ray it is the height over the cosine of incidence, but for grazing rays, which meet the tops.
+/// Along the ray it is the height over the cosine of incidence, except for grazing rays, which meet the tops.
 #[inline(always)]
 pub(crate) fn roughness<L: Lanes>(
     echoes: &mut Echoes,

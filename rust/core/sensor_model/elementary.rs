@@ -1,4 +1,4 @@
-//! Elementary functions without branches or calls, so that the compiler makes vectors of loops over them.
+//! Elementary functions without branches or calls, so that the compiler vectorises loops over them.
 //!
 //! Errors are a few units in the last place. There is no fused multiplication: the bits of these functions are the same on
 //! every machine. What calls the functions of the platform beside them, as [`super::noise::Patches`] does, may differ there in
@@ -6,7 +6,7 @@
 
 use std::f32::consts::{LN_2, LOG2_E};
 
-/// Adding this and taking it away again rounds to a whole number; what is 2^22 or more is beyond it.
+/// Adding this and subtracting it again rounds to a whole number; numbers of 2^22 or more are out of its range.
 const ROUNDING: f32 = 12_582_912.0;
 const MANTISSA: u32 = 23; // bits
 
@@ -48,7 +48,7 @@ pub(crate) fn cos_sin(x: f32) -> (f32, f32) {
     (cosine, sine)
 }
 
-/// The larger of two numbers, or the second where one is none: one instruction, unlike `f32::max`.
+/// The larger of two numbers, or the second if one is NaN: one instruction, unlike `f32::max`.
 #[inline(always)]
 pub(crate) fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
@@ -60,16 +60,16 @@ pub(crate) fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The whole part of what is at least 0 and less than 2^22, or one less where it is whole: quicker than a cast,
-/// which must make sure of what it is.
+/// The whole part of a number from 0 to less than 2^22, or one less if it is whole: quicker than a cast, which must
+/// check its input.
 #[inline(always)]
 pub(crate) fn whole_part(x: f32) -> u32 {
     (x - 0.5 + ROUNDING).to_bits() & 0x3f_ffff
 }
 
-/// The nearest whole number, the even one of two, of what is not negative.
+/// The nearest whole number, the even one of two, of a number that is not negative.
 #[inline(always)]
 pub(crate) fn rounded(x: f32) -> f32 {
-    // what is as large as that is whole, or nearly
+    // numbers this large are whole, or nearly
     if x < ROUNDING / 3.0 { (x + ROUNDING) - ROUNDING } else { x }
 }

@@ -19,7 +19,7 @@ pub struct Returns<'a> {
     pub incidence: &'a [f32],
 }
 
-/// What a sensor reports, to be written: 0 in all images and -1 in `primitive` where there is no return.
+/// The images of a sensor's scan, to be written: 0 in all images and -1 in `primitive` without a return.
 #[derive(Debug)]
 pub struct ReturnsMut<'a> {
     /// Measured ranges [m].
@@ -39,7 +39,7 @@ pub struct ReturnsMut<'a> {
 /// The echo of something in the air in front of each beam.
 #[derive(Clone, Copy, Debug)]
 pub struct Backscatter<'a> {
-    /// Distances [m], 0 where there is nothing.
+    /// Distances [m], 0 without a hit.
     pub depth: &'a [f32],
     /// The share of the light that comes back.
     pub response: &'a [f32],
@@ -54,7 +54,7 @@ impl Returns<'_> {
         same_size("incidence", self.incidence.len(), pixels)
     }
 
-    /// Row `number` of rows of so many pixels.
+    /// Row `number` of rows of this many pixels.
     pub(super) fn row(&self, number: usize, pixels: usize) -> Returns<'_> {
         let row = number * pixels..(number + 1) * pixels;
         Returns {
@@ -89,7 +89,7 @@ impl ReturnsMut<'_> {
         same_size("observed intensity", self.intensity.len(), pixels)
     }
 
-    /// Pieces of so many pixels.
+    /// Pieces of this many pixels.
     pub(super) fn bands(&mut self, pixels: usize) -> Vec<ReturnsMut<'_>> {
         let depth_label = self.depth.chunks_mut(pixels).zip(self.label.chunks_mut(pixels));
         let instance_primitive = self.instance.chunks_mut(pixels).zip(self.primitive.chunks_mut(pixels));
@@ -119,7 +119,7 @@ impl ReturnsMut<'_> {
         self.depth.copy_from_slice(&echoes.depth);
         self.primitive.copy_from_slice(&echoes.primitive);
         self.incidence.copy_from_slice(&echoes.incidence);
-        // what is in the air is no primitive
+        // particles in the air are not primitives
         let (label, instance) = (self.label.iter_mut(), self.instance.iter_mut());
         for ((label, instance), &primitive) in label.zip(instance).zip(&echoes.primitive) {
             *label = if primitive < 0 { 0 } else { *label };

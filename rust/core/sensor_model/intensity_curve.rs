@@ -1,4 +1,4 @@
-//! What one unit's lasers read of an echo: a curve and a cut-off of each, and gains by distance that they share.
+//! The readings of one unit's lasers: a curve and a cut-off of each, and gains by distance that they share.
 
 use super::elementary::{larger, ln, smaller};
 use crate::{Error, Result};
@@ -99,7 +99,7 @@ impl IntensityCurve {
         Ok(())
     }
 
-    /// Puts what `beam` reads at these distances [m] in the place of each response.
+    /// Replaces each response by the reading of `beam` at these distances [m].
     #[inline(always)]
     pub(super) fn read(&self, beam: usize, distances: &[f32], responses: &mut [f32]) {
         let curve = &self.readings[beam % self.readings.len()];

@@ -14,7 +14,7 @@ pub(crate) struct Mixed {
     pub(crate) depth: Vec<f32>,
     /// Powers of the sub-rays [S, N].
     pub(crate) power: Vec<f32>,
-    /// What the sub-rays met [S, N]: indices of primitives.
+    /// The hits of the sub-rays [S, N]: indices of primitives.
     primitive: Vec<i32>,
     /// The echoes [N] that are reported.
     pub(crate) echo: Echo,
@@ -77,7 +77,7 @@ impl Mixed {
 
     /// Finds the echo of each pulse: the strongest, or with `last_return` the last above the threshold.
     ///
-    /// Sub-rays whose ranges lie within the length of a pulse of each other make one echo at their mean range.
+    /// Sub-rays with ranges within the length of a pulse of each other make one echo at their mean range.
     #[inline(always)]
     pub(crate) fn separate(&mut self, model: &SensorModel) {
         let pulses = self.columns.len();
@@ -157,7 +157,7 @@ fn together(a: f32, b: f32, pulse_length: f32) -> bool {
     (a - b).abs() <= pulse_length
 }
 
-/// So many times the same value, in the memory of what was there before.
+/// The same value repeated, in the memory of the earlier content.
 #[inline(always)]
 pub(crate) fn restart<T: Copy>(numbers: &mut Vec<T>, count: usize, value: T) {
     numbers.clear();

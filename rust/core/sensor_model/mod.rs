@@ -1,4 +1,5 @@
-//! What a real sensor makes of clean returns. `effects` has one function for each effect; [`observe`] calls them all.
+//! From clean returns to the returns of a real sensor. `effects` has one function for each effect; [`observe`] calls
+//! them all.
 
 mod effects;
 pub(crate) mod elementary;
@@ -35,9 +36,9 @@ const BAND: usize = 8;
 pub struct Light<'a> {
     /// Where the sub-rays ended.
     pub returns: Returns<'a>,
-    /// What the surfaces there send back.
+    /// The light that the surfaces there return.
     pub surfaces: Surfaces<'a>,
-    /// What the air in front of them sends back.
+    /// The light that the air in front of them returns.
     pub backscatter: &'a [Backscatter<'a>],
     /// Light lost on a metre of air [1/m]; there and back it is twice that.
     pub extinction: f32,
@@ -47,7 +48,7 @@ pub struct Light<'a> {
     pub places: Places<'a>,
 }
 
-/// Writes to `scan` what a sensor reports of the light that comes back.
+/// Writes to `scan` the sensor's returns of the light that comes back.
 ///
 /// `seed` decides all that is random: a pure function of it, the row and the column; what belongs to the unit of the
 /// sensor is one of `model.unit`. `threads` is 0 for as many as there are cores; the images are the same for any
@@ -67,7 +68,7 @@ pub fn observe(
     observe_with(Backend::fastest(), light, ranging, model, seed, scan, threads)
 }
 
-/// The same with the vectors of one backend, all of which make the same bits.
+/// The same with the vectors of one backend; all of them make the same bits.
 pub(crate) fn observe_with(
     backend: Backend,
     light: &Light<'_>,
@@ -95,13 +96,13 @@ pub(crate) fn observe_with(
     Ok(())
 }
 
-/// What is the same for all rows of a scan.
+/// The values shared by all rows of a scan.
 struct Observer<'a> {
     light: &'a Light<'a>,
     ranging: Ranging,
     model: &'a SensorModel,
     seed: u64,
-    /// How the head stands in each column, if surfaces have a texture.
+    /// The pose of the head in each column, if surfaces have a texture.
     heads: [Points; 4],
     /// Where echoes fade.
     patches: Patches,
@@ -130,7 +131,7 @@ impl Kernel for ObserveRows<'_> {
     }
 }
 
-/// What is worked on in a row.
+/// The buffers of a row.
 struct Row {
     echoes: Echoes,
     numbers: Numbers,

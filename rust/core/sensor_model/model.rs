@@ -13,7 +13,7 @@ const LIGHT: f64 = 299_792_458.0; // m/s
 pub struct SensorModel {
     /// The shares that the sub-rays of a beam have of its power.
     pub shares: Vec<f32>,
-    /// How long a pulse lasts [s].
+    /// The duration of a pulse [s].
     pub pulse_duration: f64,
     /// The response over range squared of power 1 [1/m2]; 0: everything is detected.
     pub detection_threshold: f32,
@@ -23,7 +23,7 @@ pub struct SensorModel {
     pub glass_transmission: bool,
     /// Relative scatter of the power from pulse to pulse.
     pub speckle: f32,
-    /// Relative spread of what surfaces send back, from place to place.
+    /// Relative spread of the response of surfaces, from place to place.
     pub texture: f32,
     /// Whether materials add their own grain and roughness.
     pub material_noise: bool,
@@ -31,37 +31,37 @@ pub struct SensorModel {
     pub dust: f32,
     /// By how much ray drop differs from patch to patch: the spread of its logarithm.
     pub fading: f32,
-    /// What ray drop adds to the exponent at any power.
+    /// The addend of ray drop to the exponent at any power.
     pub drop_exponent: f32,
-    /// What ray drop adds to the exponent where a beam makes several echoes.
+    /// The addend of ray drop to the exponent if a beam makes several echoes.
     pub edge_drop: f32,
-    /// Which unit of the sensor this is.
+    /// The number of this unit of the sensor.
     pub unit: u64,
     /// By how much each beam reports more than its range [m]; none for 0.
     pub range_offsets: Vec<f32>,
-    /// How the range offsets of beams differ beyond these [m].
+    /// The spread of the range offsets of beams beyond these [m].
     pub offset_spread: f32,
-    /// How the gains of beams differ (relative).
+    /// The spread of the gains of beams (relative).
     pub gain_spread: f32,
     /// Range noise of an echo of power 1, on top of that of strong echoes [m].
     pub jitter: f32,
-    /// What ranges are rounded to [m].
+    /// The step to which ranges are rounded [m].
     pub range_step: f32,
-    /// The response that an intensity of 1 stands for; more than 0.
+    /// The response with an intensity of 1; more than 0.
     pub full_scale: f32,
-    /// What a response of 1 reads, if it is less than 1: brighter ones climb from there by their logarithm.
+    /// The reading of a response of 1, if it is less than 1: brighter ones rise from there by their logarithm.
     pub knee: f32,
     /// Steps of the intensity.
     pub levels: f32,
-    /// What a return reads at least.
+    /// The least reading of a return.
     pub least_reading: f32,
-    /// What the beams show least, of 1, on average: readings below it are 0.
+    /// The least reading of the beams, of 1, on average: lower readings are 0.
     pub cutoff: f32,
-    /// How the cut-offs of beams differ.
+    /// The spread of the cut-offs of beams.
     pub cutoff_spread: f32,
-    /// Up to which range the intensity is corrected for range [m]; infinite: at all ranges.
+    /// The range up to which the intensity is corrected for range [m]; infinite: at all ranges.
     pub compensation_range: f32,
-    /// What each beam reads of a response so corrected, in the place of `full_scale` and `knee`.
+    /// The readings of each beam for a response corrected in this way, in place of `full_scale` and `knee`.
     pub intensity_curve: Option<IntensityCurve>,
 }
 
@@ -119,13 +119,13 @@ impl SensorModel {
         LIGHT * self.pulse_duration / 2.0
     }
 
-    /// The response over range squared of power 1; where everything is detected, one that nothing is below.
+    /// The response over range squared of power 1; if everything is detected, a value below all.
     pub(super) fn threshold(&self) -> f32 {
         if self.detection_threshold > 0.0 { self.detection_threshold } else { 1e-20 }
     }
 }
 
-/// How a sensor reports ranges [m].
+/// The ranging of a sensor [m].
 #[derive(Clone, Copy, Debug)]
 pub struct Ranging {
     /// Standard deviation of the noise of strong echoes.

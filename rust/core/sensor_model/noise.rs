@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_PI_2;
 use super::elementary::{cos_sin, ln};
 use crate::medium::mix;
 
-/// What random numbers are for; each stream is independent of the others.
+/// The uses of random numbers; each stream is independent of the others.
 #[derive(Clone, Copy)]
 pub(crate) enum Stream {
     /// Speckle, ray drop and range of each pulse.
@@ -20,7 +20,7 @@ pub(crate) enum Stream {
     Cutoffs,
 }
 
-/// What the random numbers of a row are hashes of, with the column.
+/// The key that is hashed, with the column, to the random numbers of a row.
 #[derive(Clone, Copy)]
 pub(crate) struct Key(u64);
 
@@ -39,11 +39,11 @@ impl Key {
 /// Three independent random numbers for each pixel of a row.
 #[derive(Default)]
 pub(crate) struct Numbers {
-    /// Of a normal distribution, which ends at 5.8 standard deviations.
+    /// Normally distributed, up to 5.8 standard deviations.
     pub(crate) normal: Vec<f32>,
     /// Another one.
     pub(crate) other: Vec<f32>,
-    /// Of an exponential distribution of mean 1, which ends at 16.6.
+    /// Exponentially distributed with mean 1, up to 16.6.
     pub(crate) exponential: Vec<f32>,
     high: Vec<u32>,
     low: Vec<u32>,
@@ -98,7 +98,7 @@ pub(crate) struct Patches {
     coarse: Vec<Vec<f32>>,
 }
 
-/// Columns over which fading and dust change.
+/// The columns over which fading and dust change.
 const PATCH: usize = 8;
 
 impl Patches {
@@ -111,7 +111,7 @@ impl Patches {
         Patches { coarse: (0..rows / (PATCH / 2) + 2).map(coarse_row).collect() }
     }
 
-    /// One row, blended from its neighbours such that the variance stays.
+    /// One row, blended from its neighbours so that the variance stays.
     #[inline(always)]
     pub(crate) fn blend(&self, row: usize, noise: &mut [f32]) {
         let (above, step) = (row / (PATCH / 2), row % (PATCH / 2));

@@ -1,4 +1,4 @@
-//! What a receiver makes of the sub-rays of a pulse: their powers, and one echo.
+//! From the sub-rays of a pulse to its echo: their powers, and one echo.
 
 use super::elementary::{exp, larger, smaller};
 use super::mixed::{Mixed, restart};
@@ -9,17 +9,17 @@ use crate::simd::Lanes;
 /// The echo of each pulse of a row.
 #[derive(Default)]
 pub(crate) struct Echoes {
-    /// Ranges [m], 0 where there is none.
+    /// Ranges [m], 0 without an echo.
     pub(crate) depth: Vec<f32>,
     /// Powers over the detection threshold.
     pub(crate) power: Vec<f32>,
-    /// Primitives, -1 where there is none.
+    /// Primitives, -1 without an echo.
     pub(crate) primitive: Vec<i32>,
     /// Cosines of incidence.
     pub(crate) incidence: Vec<f32>,
     /// 1 where the pulse made several echoes, of which this is one, else 0.
     pub(crate) split: Vec<f32>,
-    /// Where sub-rays met different surfaces, and which of them was the brightest: elsewhere they are alike.
+    /// The sub-rays with different surfaces, and the brightest of them: elsewhere they are alike.
     pub(crate) mixed: Mixed,
     /// Power of each sub-ray [S, W] if everything were white and faced the sensor.
     white: Vec<f32>,
@@ -29,12 +29,12 @@ pub(crate) struct Echoes {
     responses: Vec<f32>,
 }
 
-/// How the sub-rays of each pulse differ.
+/// The differences between the sub-rays of each pulse.
 #[derive(Default)]
 struct Spread {
     nearest: Vec<f32>,
     furthest: Vec<f32>,
-    /// Not 0 where they met several primitives.
+    /// Not 0 if they met several primitives.
     primitive: Vec<i32>,
 }
 
@@ -55,7 +55,7 @@ pub(crate) fn received_power(depth: &[f32], response: f32, extinction: f32, mode
     }
 }
 
-/// One echo a pulse out of a row of sub-rays, of which each brings its share of the power.
+/// One echo a pulse from a row of sub-rays, each with its share of the power.
 ///
 /// Where all of them met one surface, its response is that at their mean incidence.
 #[inline(always)]
@@ -100,7 +100,7 @@ pub(crate) fn receive<L: Lanes>(
 }
 
 impl Echoes {
-    /// What a column of the surfaces has for the primitive of each pulse.
+    /// The value in a column of the surfaces for the primitive of each pulse.
     #[inline(always)]
     pub(super) fn look_up<L: Lanes>(&mut self, column: &[f32], values: &mut [f32]) {
         for (place, &primitive) in self.places.iter_mut().zip(&self.primitive) {

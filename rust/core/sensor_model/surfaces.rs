@@ -1,9 +1,9 @@
-//! What primitives send back.
+//! The responses of primitives.
 
 use super::elementary::{larger, whole_part};
 use crate::simd::Lanes;
 
-/// How many bins of incidence there are; 0.9 degrees each.
+/// The number of bins of incidence; 0.9 degrees each.
 pub const INCIDENCES: usize = 128;
 
 /// The surfaces of a layout as columns: an entry for each primitive, after one for no return.
@@ -11,13 +11,13 @@ pub const INCIDENCES: usize = 128;
 pub struct Surfaces<'a> {
     /// The share of the light that comes back in each bin of the root of 1 - cosine of incidence.
     pub table: &'a [[f32; INCIDENCES]],
-    /// What passes through once.
+    /// The share that passes through once.
     pub transmission: &'a [f32],
-    /// How far behind glass the next thing is [m].
+    /// The distance from glass to the next surface behind it [m].
     pub behind: &'a [f32],
     /// Relative scatter of the response from pixel to pixel.
     pub grain: &'a [f32],
-    /// How much of the world's texture the surface has.
+    /// The share of the world's texture that the surface has.
     pub texture: &'a [f32],
     /// Standard deviation of the heights of the surface [m].
     pub rms_height: &'a [f32],
@@ -38,13 +38,13 @@ pub(super) fn response_place(primitive: i32, incidence: f32) -> u32 {
     entry(primitive) * INCIDENCES as u32 + whole_part(cell) % INCIDENCES as u32
 }
 
-/// The entry of a primitive; what is below 0 is no return.
+/// The entry of a primitive; negative numbers are no return.
 #[inline(always)]
 pub(super) fn entry(primitive: i32) -> u32 {
     (primitive.max(-1) + 1).cast_unsigned()
 }
 
-/// What a table has at each of some places.
+/// The values of a table at some places.
 #[inline(always)]
 pub(super) fn look_up<L: Lanes>(table: &[f32], places: &[u32], values: &mut [f32]) {
     let whole = places.len() - places.len() % L::N;

@@ -10,9 +10,9 @@ use crate::{Error, Pose, Result, SensorPattern};
 /// Cells a metre, and shares of the standard deviation: asphalt is as patchy in recordings
 /// (docs/explanation/sensor-model.md).
 const OCTAVES: [(f32, f32); 4] = [(10.0, 0.22), (2.5, 0.30), (0.7, 0.44), (0.2, 0.82)];
-/// Places further apart than this share the cells' numbers [m]: so many are exact enough in 32 bits.
+/// The period of the cells' numbers [m]: this many are exact enough in 32 bits.
 const PERIOD: f64 = 4096.0;
-/// Added to every coordinate [m], so that the seam between two periods is not where layouts are.
+/// Added to every coordinate [m], so that the seam between two periods is away from layouts.
 const OFFSET: f64 = PERIOD / 2.0 + 0.37;
 /// Added afterwards [m]: no beam reaches below 0 from there.
 const REACH: f64 = 1024.0;
@@ -40,7 +40,8 @@ impl Places<'_> {
         if poses == 1 || poses == columns { Ok(()) } else { Err(Error::PoseCount { poses, columns }) }
     }
 
-    /// How the head stands in each column: where it is, and its axes ahead, to the left and up, coordinate by coordinate.
+    /// The pose of the head in each column: its place, and its axes ahead, to the left and up, coordinate by
+    /// coordinate.
     pub(super) fn heads(&self) -> [Points; 4] {
         let (spec, mut heads) = (self.rays.spec(), <[Points; 4]>::default());
         for column in 0..spec.columns {
@@ -78,7 +79,7 @@ impl Places<'_> {
     }
 }
 
-/// Writes the field at each place: nearly normal numbers of variance 1, which are alike where places are close.
+/// Writes the field at each place: nearly normal numbers of variance 1, alike at close places.
 #[inline(always)]
 pub(crate) fn texture([x, y, z]: &Points, field: &mut [f32]) {
     field.fill(0.0);

@@ -1,4 +1,4 @@
-//! Numbers that begin with a line of the cache, so that no vector lies across two.
+//! Numbers aligned to a line of the cache, so that no vector crosses two.
 
 use std::ops::{Deref, DerefMut};
 

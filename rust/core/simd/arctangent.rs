@@ -15,7 +15,7 @@ pub(crate) fn arctangent<L: Lanes>(y: L, x: L) -> L {
     angle.copysign(y)
 }
 
-/// The arctangent of what lies between -1 and 1, off by 1e-5 at most.
+/// The arctangent of a number between -1 and 1, with an error of 1e-5 at most.
 #[inline(always)]
 pub(crate) fn small_arctangent<L: Lanes>(tangent: L) -> L {
     let square = tangent * tangent;

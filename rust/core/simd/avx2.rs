@@ -46,7 +46,7 @@ impl Lanes for F32x8 {
         assert!(!from.is_empty(), "nothing to gather from");
         let last = i32::try_from(from.len() - 1).unwrap_or(i32::MAX);
         unsafe {
-            // NaN and what is too large become i32::MIN.
+            // NaN and too large numbers become i32::MIN.
             let index = _mm256_cvttps_epi32(self.0);
             let index = _mm256_min_epi32(_mm256_max_epi32(index, _mm256_setzero_si256()), _mm256_set1_epi32(last));
             F32x8(_mm256_i32gather_ps::<4>(from.as_ptr(), index))

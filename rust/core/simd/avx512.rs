@@ -46,7 +46,7 @@ impl Lanes for F32x16 {
         assert!(!from.is_empty(), "nothing to gather from");
         let last = i32::try_from(from.len() - 1).unwrap_or(i32::MAX);
         unsafe {
-            // NaN and what is too large become i32::MIN.
+            // NaN and too large numbers become i32::MIN.
             let index = _mm512_cvttps_epi32(self.0);
             let index = _mm512_min_epi32(_mm512_max_epi32(index, _mm512_setzero_si512()), _mm512_set1_epi32(last));
             F32x16(_mm512_i32gather_ps::<4>(index, from.as_ptr()))

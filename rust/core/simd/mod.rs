@@ -29,11 +29,11 @@ use crate::Backend;
 
 /// `N` numbers that are worked on at once.
 ///
-/// Comparisons with NaN are false. `a.min(b)` and `a.max(b)` are `b` where one of both is NaN.
+/// Comparisons with NaN are false. `a.min(b)` and `a.max(b)` are `b` if one of both is NaN.
 pub(crate) trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// How many; a divisor of [`WIDEST`].
+    /// The number of lanes; a divisor of [`WIDEST`].
     const N: usize;
     /// One truth value a lane.
     type Mask: Mask;
@@ -50,7 +50,7 @@ pub(crate) trait Lanes:
     /// `from[i]` for each i of `indices[at..at + N]`, which should be within the slice: another element else.
     fn gather_at(from: &[f32], indices: &[u32], at: usize) -> Self;
 
-    /// `self * factor + summand`; rounded once where the processor can.
+    /// `self * factor + summand`; rounded once if the processor can.
     fn mul_add(self, factor: Self, summand: Self) -> Self;
     /// `summand - self * factor`, likewise.
     fn neg_mul_add(self, factor: Self, summand: Self) -> Self;
@@ -73,7 +73,7 @@ pub(crate) trait Lanes:
     fn ordered(self, other: Self) -> Self::Mask;
     /// Where both have the same 32 bits.
     fn eq_bits(self, other: Self) -> Self::Mask;
-    /// `yes` where the mask is true, else `no`; bit by bit, whatever the lanes hold.
+    /// `yes` for lanes with a true mask, else `no`; bit by bit, for any content of the lanes.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
     /// The least lane.
@@ -87,7 +87,7 @@ pub(crate) trait Lanes:
     /// The lowest eight bits of each lane.
     fn low_bytes(self) -> [u8; WIDEST];
 
-    /// Writes the lowest eight bits of the first lanes, as many as there is room for; no more than `N`.
+    /// Writes the lowest eight bits of the first lanes, as many as fit; no more than `N`.
     #[inline(always)]
     fn store_bytes(self, to: &mut [u8]) {
         let bytes = self.low_bytes();
@@ -98,7 +98,7 @@ pub(crate) trait Lanes:
         }
     }
 
-    /// Writes the first lanes, as many as there is room for; no more than `N`.
+    /// Writes the first lanes, as many as fit; no more than `N`.
     #[inline(always)]
     fn store_first<W: Word>(self, to: &mut [W]) {
         if to.len() == Self::N {
@@ -109,11 +109,11 @@ pub(crate) trait Lanes:
         to.copy_from_slice(&lanes[..to.len()]);
     }
 
-    /// Writes `value` to `to[at + i]` for the lanes i where the mask is true.
+    /// Writes `value` to `to[at + i]` for the lanes i with a true mask.
     fn masked_store(mask: Self::Mask, value: u32, to: &mut [u32], at: usize);
 }
 
-/// What a lane may hold: 32 bits.
+/// The content of a lane: 32 bits.
 pub(crate) trait Word: Copy + Default {
     fn to_lane(self) -> f32;
     fn from_lane(lane: f32) -> Self;
@@ -166,7 +166,7 @@ pub(crate) trait Kernel {
     fn run<L: Lanes>(self);
 }
 
-/// Runs a kernel with the vectors of a backend, or with portable ones where this machine has none of that kind.
+/// Runs a kernel with the vectors of a backend, or with portable ones if this machine has none of that kind.
 pub(crate) fn run(backend: Backend, kernel: impl Kernel) {
     match backend {
         #[cfg(target_arch = "x86_64")]

@@ -65,7 +65,7 @@ impl Lanes for F32x8 {
         F32x8(from_fn(|i| from[(lanes[i] as usize).min(from.len() - 1)]))
     }
 
-    /// Not fused: without such an instruction that would be a call of a function for each lane.
+    /// Not fused: without such an instruction that would be a function call for each lane.
     #[inline(always)]
     fn mul_add(self, factor: F32x8, summand: F32x8) -> F32x8 {
         self * factor + summand

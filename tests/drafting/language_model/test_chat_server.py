@@ -123,7 +123,7 @@ def test_a_wait_that_is_longer_than_the_limit_is_told_at_once(server: ReplayServ
             Answer({"error": {"message": "model 'x' not found", "type": "not_found_error"}}, 404),
             "404 Not Found: model 'x' not found; the URL must be that of the API",
         ),
-        (Answer({"error": "invalid api key"}, 401), "holds, and it is empty"),
+        (Answer({"error": "invalid api key"}, 401), "LIDARDRAFT_LLM_KEY, and it is empty"),
         (Answer({"object": "error", "message": "Forbidden place", "code": 403}, 403), "403 Forbidden: Forbidden place"),
         (Answer(b"<html><h1>Bad\x1b[31m Gateway</h1></html>", 500), "500 Internal Server Error: <html><h1>Bad"),
         (Answer(b"", 599), "599"),

@@ -85,7 +85,7 @@ def test_a_request_is_known_by_all_that_its_reply_depends_on() -> None:
 def test_nothing_is_asked_where_no_reply_could_be_kept(server: ReplayServer, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     for folder in (tmp_path / "file", tmp_path / "file" / "below", tmp_path / "\0"):
-        with pytest.raises(FormatError, match="replies of language models cannot be kept there: "):
+        with pytest.raises(FormatError, match="cannot keep replies of language models: "):
             ask(server, folder)
     assert server.requests == []
 

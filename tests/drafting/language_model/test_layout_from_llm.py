@@ -331,7 +331,7 @@ def test_a_model_is_asked_once_more_for_what_it_left_out(server: ReplayServer) -
     layout = draft(server, NAMED)
     assert layout.notes == ()
     first, last = layout.provenance["llm"]["attempts"]
-    assert first["error"] == "the sentence names 'two buses'; the reply has bus: 1; add what is missing"
+    assert first["error"] == "the sentence names 'two buses'; the reply has bus: 1; add the missing parts"
     assert last["error"] is None
     assert len(server.answers) == 0 or len(server.requests) == 2
     assert draft(server, NAMED) == layout  # from the cache, in which are both replies

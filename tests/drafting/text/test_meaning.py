@@ -160,7 +160,7 @@ def test_a_mismatch_is_a_note_a_line_of_the_explanation_and_with_strict_an_error
     text, line = "two people on a motorbike ahead", "the sentence names 1 motorcycle; the scene has motorcycle: 2"
     assert layout_from_text(text).notes == (line,)
     assert str(explain(text)).splitlines()[-1] == line
-    with pytest.raises(TextError, match=f"{line}; say it otherwise; --llm-url takes free text"):
+    with pytest.raises(TextError, match=f"{line}; rephrase it; --llm-url takes free text"):
         spec_from_text(text, strict=True)
 
 
@@ -183,7 +183,7 @@ def lines_of(spec: SceneSpec, layout: Layout, road: Road) -> list[str]:
         (ObjectGroup(kind="person", heading="across"), "person_1", 30.0,
          "person_1 is to cross the road, and is beside it"),
         (ObjectGroup(kind="car", heading="parked", places=("right",)), "car_1", 4.0,
-         "car_1 is to be parked, and stands in a lane"),
+         "car_1 should be parked, but is in a lane"),
     ],
 )  # fmt: skip
 def test_what_a_layout_does_not_keep_is_a_line(group: ObjectGroup, name: str, across: float, line: str) -> None:
@@ -207,12 +207,12 @@ def test_gaps_missing_riders_and_wrong_distances_are_lines() -> None:
     near = ObjectGroup(kind="person", relation="near", references=(1,), distance=(3.0, 3.0))
     spec = SceneSpec(groups=(near, ObjectGroup(kind="tree", places=("left",))))
     layout = layout_from_spec(spec, seed=0)
-    line = "'person': person_1 is not 3 m from what it is placed from"
+    line = "'person': person_1 is not 3 m from its reference"
     assert lines_of(spec, moved(layout, "person_1", 9.0), road_of(layout)) == [line]
     trees = SceneSpec(groups=(ObjectGroup(kind="tree", count="many"),))
     layout = layout_from_spec(trees, seed=0)
     one = unkept(trees, layout, road_of(layout), {"tree_1": 0})
-    assert one == ["'tree': there is room for 1 of them, where many are 8 or more"]
+    assert one == ["'tree': there is room for 1 of them, but many means 8 or more"]
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -1,7 +1,7 @@
-"""Shapes around the points of an object, and the side of it that the sensor did not see.
+"""Shapes around the points of an object, and the completion of its sides that the sensor did not see.
 
 A box is a row of 7 numbers: its center (x, y, z), its size along its yaw, across and up [m], and its yaw [rad]. The z
-axis passes through the sensor, so that "away from the sensor" is away from x = y = 0.
+axis passes through the sensor, so "away from the sensor" is away from x = y = 0.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ OUTLIERS = 0.01  # of the points, at either end of an extent
 
 
 def fit_box(points: np.ndarray) -> np.ndarray:
-    """The box [7] around points [N, 3] whose sides lie closest to them. Extents are at least 0.1 m."""
+    """The box [7] whose sides fit points [N, 3] most closely. Extents are at least 0.1 m."""
     return np.array(_core.fit_box(points, OUTLIERS))
 
 
 def fit_post(points: np.ndarray) -> np.ndarray:
-    """The box [7] of the upright cylinder whose near side holds the points [N, 3], as thick as they usually are across
-    the line of sight."""
+    """The box [7] of the upright cylinder whose near side holds the points [N, 3]; its width is their usual spread
+    across the line of sight."""
     middle = points[:, :2].mean(axis=0)
     away = middle / max(float(np.linalg.norm(middle)), 1e-6)
     along, across = points[:, :2] @ away, points[:, :2] @ [-away[1], away[0]]
@@ -37,16 +37,16 @@ def fit_post(points: np.ndarray) -> np.ndarray:
 
 
 def completions(boxes: np.ndarray, size: tuple[float, float, float], headings: np.ndarray) -> np.ndarray:
-    """The seven boxes [7, B, 7] that objects may have of which `boxes` [B, 7] were seen, likeliest first.
+    """The seven possible boxes [7, B, 7] of partly seen objects, likeliest first; `boxes` [B, 7] are their seen parts.
 
-    `size` is the usual (length, width, height) [m] of their class, `headings` [B, rad] those of objects next to them,
-    NaN where there is none.
+    `size` is the usual (length, width, height) [m] of their class, `headings` [B, rad] those of adjacent objects, NaN
+    without one.
 
-    The longer side seen is the length if it is too long for a width of the class. Else the side along the heading is,
-    or without one the shorter side; or second the other. A side of at least 0.7 of the class's was seen whole; a
-    shorter one grows to the class's, away from the sensor, or that across the line of sight to the other hand, where
-    something may hide it. The next are these for a small object, whose sides have 0.7 of the class's; the last has the
-    sides that were seen, but none shorter than 0.7 of the class's width.
+    The longer seen side is the length if it is too long for a width of the class. Else the side along the heading is
+    the length, or without a heading the shorter side; the second guess is the other side. A side of at least 0.7 of the
+    class's was seen whole. A shorter one grows to the class's, away from the sensor; the side across the line of sight
+    may also grow to the other hand, which something may hide. The next two are these guesses for a small object, with
+    sides of 0.7 of the class's. The last has the seen sides, each at least 0.7 of the class's width.
     """
     turned = boxes[:, [0, 1, 2, 4, 3, 5, 6]]
     turned[:, 6] += np.copysign(math.pi / 2, -turned[:, 6])
@@ -65,12 +65,12 @@ def completions(boxes: np.ndarray, size: tuple[float, float, float], headings: n
 
 
 def is_length(side: np.ndarray, size: tuple[float, float, float]) -> np.ndarray:
-    """bool [B]: which sides seen [B, m] are too long to be the width of an object of the usual `size`."""
+    """bool [B]: whether each of the seen sides [B, m] is too long to be the width of an object of the usual `size`."""
     return side > LONGER_THAN_WIDE * size[1]
 
 
 def _grown(boxes: np.ndarray, least: np.ndarray, hand: int = 1) -> np.ndarray:
-    """The boxes [B, 7] with sides [B, 2] of at least so many metres, grown away from the sensor.
+    """The boxes [B, 7] grown away from the sensor, to sides [B, 2] of at least `least` [m].
 
     With -1 for `hand` the side across the line of sight grows to the other hand.
     """
@@ -86,7 +86,7 @@ def _grown(boxes: np.ndarray, least: np.ndarray, hand: int = 1) -> np.ndarray:
 
 
 def contain(boxes: np.ndarray, place: np.ndarray, margin: float = 0.0) -> np.ndarray:
-    """bool [B]: which boxes [B, 7] have x, y [2] above or below their footprint, further than `margin` [m] inside."""
+    """bool [B]: whether x, y [2] is in the footprint of each of the boxes [B, 7], by more than `margin` [m]."""
     x, y = (place - boxes[:, :2]).T
     cos, sin = np.cos(boxes[:, 6]), np.sin(boxes[:, 6])
     local = np.abs(np.column_stack([cos * x + sin * y, cos * y - sin * x]))

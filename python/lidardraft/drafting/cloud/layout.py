@@ -30,21 +30,21 @@ from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES, SemanticClass
 
-_STRAY = 10  # rays; as few that went through a box do not speak against it
+_STRAY = 10  # rays; this few through a box do not rule it out
 _STRAY_SHARE = 0.1  # of the points of an object, likewise
-_MOST_RAYS_THROUGH = 2  # for each point of a cluster; with more it is no object, and its points have a wrong class
-_LEAST_RISE = 0.2  # of the usual height of a class: what does not rise so far from the ground is the ground's
-_TOUCHING = 0.3  # of the usual width of a class: a cluster whose middle is so near to an object has no room of its own
-# The outline of a car is no box's: rays see the road under it and pass over its hood [m], and a fitted box is turned by
-# some degrees; only what passes through this share of its length and width passed through it.
+_MOST_RAYS_THROUGH = 2  # for each point of a cluster; with more the cluster is no object, and its class is wrong
+_LEAST_RISE = 0.2  # of the usual height of a class; a cluster that rises less is part of the ground
+_TOUCHING = 0.3  # of the usual width of a class; a cluster with its middle nearer to an object is part of it
+# A car's outline is not a box: rays meet the road under it and pass over its hood [m], and a fitted box is turned by
+# some degrees. So only rays through this share of its length and width have passed through the car.
 _CLEARANCE, _ROUNDED, _CORE = 0.3, 0.1, 0.8
-_NEIGHBOUR = 15.0  # m; objects no further apart are likely to be headed the same way
-_FURTHEST, _NEAREST = 1000.0, 1e-6  # m; no sensor sees further, or nearer
-_GROUND_POINTS = 200  # the nearest of the ground, which tell how high over it the sensor stands
-_LOWEST = 8.0  # m from the road: without a class of the ground, the lowest point is not so far off
-_OFF_GROUND, _SLOPE = 0.5, 0.08  # m off the ground, and for each metre that it lies to one side, that a road may be
-_ROUNDING = 0.01  # m, more than rounding makes of a distance
-_KNOWN = 2.0  # m; so near to ground that was seen, its height is known
+_NEIGHBOUR = 15.0  # m; objects no further apart are likely to have the same heading
+_FURTHEST, _NEAREST = 1000.0, 1e-6  # m, the limits of ranges
+_GROUND_POINTS = 200  # the nearest of the ground, which give the height of the sensor over it
+_LOWEST = 8.0  # m from the road: the limit for the lowest point if no point has a class of the ground
+_OFF_GROUND, _SLOPE = 0.5, 0.08  # m, the largest height of a road off the ground, and more for each metre to the side
+_ROUNDING = 0.01  # m, more than rounding changes a distance
+_KNOWN = 2.0  # m; the height is known this near to seen ground
 _VEGETATION = BY_NAME["vegetation"].id
 _HANGING = np.isin([row.name for row in CLASSES], HANGING_CLASSES)
 
@@ -61,19 +61,19 @@ def layout_from_cloud(
 ) -> Layout:
     """The layout of one labelled scan.
 
-    `points` [N, 3] in the sensor frame [m]; `labels` [N] class ids of `semantics.CLASSES`, 0 is left out, or a function
-    of the points that tells them, as `lambda points: segmenter.label_points(points, intensity, height)` does;
-    `instances` [N] numbers of objects, counted for each class, 0 where unknown: those points are clustered.
-    `weights` [N] numbers of rays, where the cloud was thinned and a point stands for several.
-    `sensor_height` is that over the road [m]; a note says if the labelled ground lies elsewhere.
+    `points` [N, 3] are in the sensor frame [m]. `labels` [N] are class ids of `semantics.CLASSES`; 0 is left out. They
+    may be a function of the points, as `lambda points: segmenter.label_points(points, intensity, height)`. `instances`
+    [N] are numbers of objects, counted for each class; points with 0, unknown, are clustered. `weights` [N] are numbers
+    of rays, for a thinned cloud in which a point stands for several. `sensor_height` is that over the road [m]; a note
+    reports labelled ground at another height.
 
-    The ground becomes a mesh for each class; people, vehicles and signs become boxes, one each, poles and trunks
-    cylinders. Buildings, walls and fences become boxes and vegetation ellipsoids: with `detail` "fine" as many as make
-    the cast of the layout agree with the points, with "objects" few whole ones, for layouts that are edited by hand.
-    An object seen from one side gets the usual size of its class, unless more rays than a tenth of its points went
-    through there. The same cloud always gives the same layout.
+    The ground becomes a mesh for each class. People, vehicles and signs become boxes, one each; poles and trunks become
+    cylinders. Buildings, walls and fences become boxes, and vegetation ellipsoids: with `detail` "fine" as many as make
+    the cast of the layout agree with the points, with "objects" few whole ones, for layouts that are edited by hand. An
+    object seen from one side gets the usual size of its class, unless more rays than a tenth of its points went through
+    it. The same cloud always gives the same layout.
 
-    Raises `LayoutError` on arrays that do not fit together or hold what cannot be.
+    Raises `LayoutError` on arrays that do not fit together or hold invalid values.
     """
     _check_points(points)
     labels = labels(points) if callable(labels) else labels
@@ -99,8 +99,8 @@ def layout_from_cloud(
 
 
 def _height_note(points: np.ndarray, labels: np.ndarray, sensor_height: float) -> Iterator[str]:
-    """A note if the road, or without one the ground, nearest to the sensor is not at z = 0, where `sensor_height` [m]
-    has it; if no ground has a class, one if no point is low."""
+    """A note if the ground nearest to the sensor, or the road if it has a class, is not at z = 0, as `sensor_height`
+    [m] puts it. If no ground has a class, a note if no point is low."""
     road = labels == BY_NAME["road"].id
     ground = points[road if road.sum() >= _GROUND_POINTS else np.isin(labels, GROUND_IDS)]
     if len(ground) >= MIN_POINTS:
@@ -117,8 +117,8 @@ def _height_note(points: np.ndarray, labels: np.ndarray, sensor_height: float) -
 
 
 class _Scan:
-    """Points [N, 3] over the road with their classes, `labels` u8 [N], and numbers of rays, `weights` [N]; what their
-    rays tell, and the ground."""
+    """Points [N, 3] relative to the road with their classes, `labels` u8 [N], and numbers of rays, `weights` [N]; the
+    free space along the rays, and the ground."""
 
     def __init__(
         self, points: np.ndarray, weights: np.ndarray, height: float, labels: np.ndarray, most_rays: int
@@ -132,7 +132,7 @@ class _Scan:
         return self.ground.heights(np.ascontiguousarray(boxes[:, :2]))[0]
 
     def grounded(self, boxes: np.ndarray, labels: np.ndarray) -> np.ndarray:
-        """Boxes [B, 7] let down to the ground where they begin less than 2.5 m over it: their foot was hidden."""
+        """Boxes [B, 7] extended down to the ground if they begin less than 2.5 m over it: their foot was hidden."""
         bottom, top = boxes[:, 2] - boxes[:, 5] / 2, boxes[:, 2] + boxes[:, 5] / 2
         height = self.heights(boxes)
         down = (height < bottom) & (bottom < height + HANGING_HEIGHT) & ~_HANGING[labels]
@@ -142,8 +142,8 @@ class _Scan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Found:
-    """The objects that stay whole, each a shape, a box [7] and a class; and the clusters that may be cut in pieces:
-    the number of each point's, `clusters` u32 [N], from 1, and the class of each."""
+    """The objects that stay whole, each a shape, a box [7] and a class; and the clusters that may be cut into pieces:
+    the cluster number of each point, `clusters` u32 [N], from 1, and the class of each cluster."""
 
     clusters: np.ndarray
     whole: list[tuple[str, np.ndarray, int]] = field(default_factory=list)
@@ -171,7 +171,7 @@ def _clustered(scan: _Scan, instances: np.ndarray, detail: Detail) -> _Found:
 
 
 def _refined(scan: _Scan, found: _Found, detail: Detail) -> Iterator[list[tuple[str, np.ndarray, int]]]:
-    """The parts of each object, on the ground: whole ones have one."""
+    """The parts of each object, on the ground; whole objects have one."""
     whole = np.array([box for _, box, _ in found.whole]).reshape(-1, 7)
     whole = scan.grounded(whole, np.array([label for *_, label in found.whole], dtype=int))
     yield from ([(shape, box, label)] for (shape, _, label), box in zip(found.whole, whole, strict=True))
@@ -196,7 +196,8 @@ def _refined(scan: _Scan, found: _Found, detail: Detail) -> Iterator[list[tuple[
 
 
 def _objects(row: SemanticClass, groups: list[np.ndarray], scan: _Scan) -> Iterator[np.ndarray]:
-    """A box [7] around each group with the sides that were not seen; none of what is flat or what rays went through."""
+    """A box [7] around each group, with its unseen sides completed; none for flat groups and those that rays went
+    through."""
     assert row.size is not None
     if not groups:
         return
@@ -204,7 +205,7 @@ def _objects(row: SemanticClass, groups: list[np.ndarray], scan: _Scan) -> Itera
     choices = completions(seen, row.size, _headings(seen, row.size))
     passed = _passed(choices.reshape(-1, 7), scan).reshape(len(choices), -1)
     counts = np.array([scan.weights[members].sum() for members in groups])
-    # rays that pass through what was seen, as through windows, do not tell one choice from the other
+    # rays through the seen part, as through windows, do not decide between the choices
     best = np.argmin(np.maximum(passed - passed[-1], np.maximum(_STRAY, _STRAY_SHARE * counts)), axis=0)
     unreal = passed.min(axis=0) > np.maximum(_STRAY, _MOST_RAYS_THROUGH * counts)
     height, away = scan.ground.heights(np.ascontiguousarray(seen[:, :2]))
@@ -220,8 +221,8 @@ def _objects(row: SemanticClass, groups: list[np.ndarray], scan: _Scan) -> Itera
 
 
 def _headings(seen: np.ndarray, size: tuple[float, float, float]) -> np.ndarray:
-    """For each of boxes [B, 7] the heading [rad] of the nearest other one whose length was seen; NaN without one."""
-    from scipy.spatial import cKDTree  # which no --help waits for
+    """The heading [rad] of the nearest other box with a seen length, for each of boxes [B, 7]; NaN without one."""
+    from scipy.spatial import cKDTree  # slow to import, so not for --help
 
     sure = np.flatnonzero(is_length(seen[:, 3:5].max(axis=1), size))
     if not len(sure):
@@ -235,9 +236,9 @@ def _headings(seen: np.ndarray, size: tuple[float, float, float]) -> np.ndarray:
 
 
 def _passed(boxes: np.ndarray, scan: _Scan) -> np.ndarray:
-    """How many rays [B] went through each of boxes [B, 7] and ended behind or below it.
+    """The number of rays [B] that went through each of boxes [B, 7] and ended behind or below it.
 
-    Only through its core, on the ground: no ray goes through that if the box is that of an object.
+    Only the core of a box on the ground counts: no ray goes through the core of a real object.
     """
     top = boxes[:, 2] + boxes[:, 5] / 2 - _ROUNDED
     bottom = np.minimum(scan.heights(boxes) + _CLEARANCE, top - MIN_EXTENT)
@@ -255,14 +256,14 @@ def _check_points(points: np.ndarray) -> None:
     for wrong, what in (
         (~np.isfinite(reach), "every coordinate must be finite"),
         (reach > _FURTHEST, f"a scan reaches {_FURTHEST:.0f} m"),
-        (reach < _NEAREST, "that is in the sensor itself; leave out what is no return"),
+        (reach < _NEAREST, "that is in the sensor itself; leave out points that are not returns"),
     ):
         if wrong.any():
             raise LayoutError(f"point {np.argmax(wrong)} is {points[np.argmax(wrong)].tolist()}; {what}")
 
 
 def _check_spread(points: np.ndarray) -> None:
-    """Raise `LayoutError` where several points lie in one spot or on one line, and so show the shape of nothing."""
+    """Raise `LayoutError` if several points are all in one spot or on one line, and so show no shape."""
     off = points.T.astype(np.float64, order="C")
     off -= off.mean(axis=1, keepdims=True)
     variances = np.linalg.eigvalsh(off @ off.T / len(points))
@@ -288,9 +289,9 @@ def _check_labels(labels: np.ndarray, instances: np.ndarray, count: int) -> None
 def _groups(
     row: SemanticClass, points: np.ndarray, mine: np.ndarray, instances: np.ndarray, detail: Detail
 ) -> Iterator[np.ndarray]:
-    """The indices of each numbered object's points, then those of the clusters of points without a number.
+    """The indices of the points of each numbered object, then those of each cluster of points without a number.
 
-    Of what has no typical size, small clusters of points further apart count too, if there is detail enough.
+    For classes without a typical size, small clusters of sparser points count too, if there is detail enough.
     """
     order = mine[np.argsort(instances[mine], kind="stable")]
     starts = np.flatnonzero(np.diff(instances[order], prepend=0))
@@ -306,13 +307,13 @@ def _groups(
 
 
 def clusters_of(points: np.ndarray, reach: float, min_points: int) -> list[np.ndarray]:
-    """The indices of the points [N, 3] of each cluster, largest first; neighbours are within `reach` [m], and 1 % of
+    """The indices of the points [N, 3] of each cluster, largest first; neighbours are within `reach` [m] plus 1 % of
     their range."""
     return _core.cluster(points, reach=reach, per_range=REACH_PER_RANGE, min_points=min_points)
 
 
 def _numbered(objects: Iterator[list[tuple[str, np.ndarray, int]]]) -> Iterator[Primitive]:
-    """The primitives, class by class, with a number for each object that is counted. Pieces are parts of one object."""
+    """The primitives, class by class, with an instance for each thing. Pieces are parts of one object."""
     number, index = 0, [0] * NUM_CLASSES
     for parts in sorted(objects, key=lambda parts: parts[0][2]):
         row = CLASSES[parts[0][2]]

@@ -1,15 +1,15 @@
 """The rules by which a labelled cloud becomes shapes. Numbers without a source are estimates.
 
-Those of the search itself stand where it is made, in `rust/core/cloud/`.
+The rules of the search itself are in `rust/core/cloud/`.
 """
 
 from dataclasses import dataclass
 
-# Classes whose clusters become upright cylinders, and those that need not reach down to the ground.
+# Classes with clusters that become upright cylinders, and classes that need not reach down to the ground.
 POST_CLASSES = ("pole", "trunk", "traffic-light")
 HANGING_CLASSES = ("vegetation", "traffic-sign", "traffic-light")
 
-# Clusters: points no further apart than a reach are neighbours; it grows with the range, as gaps between beams do.
+# Clusters: points within a reach are neighbours; it grows with the range, as gaps between beams do.
 REACH = {"building": 1.0, "vegetation": 0.8}  # m, by class
 OTHER_REACH = 0.5  # m, of all other classes
 REACH_PER_RANGE = 0.01  # m more for each metre from the sensor
@@ -17,14 +17,14 @@ MIN_POINTS = 6  # of a cluster
 
 # Boxes.
 MIN_EXTENT = 0.1  # m, of any shape
-SEEN_WHOLE = 0.7  # of the usual extent of a class: a side at least this long was seen whole, and is not completed
-# A side seen longer than so many widths of the class is a length: of 1.1 to 1.67, the smaller ones find the most of the
-# cars that PandaSet has boxes around (Xiao et al., ITSC 2021; CC BY 4.0).
+SEEN_WHOLE = 0.7  # of the usual extent of a class; a longer side was seen whole, and is not completed
+# A side longer than this many widths of the class is a length. Of 1.1 to 1.67, the smaller ones find the most of the
+# cars with boxes in PandaSet (Xiao et al., ITSC 2021; CC BY 4.0).
 LONGER_THAN_WIDE = 1.25
 
 # Ground.
-HANGING_HEIGHT = 2.5  # m; what begins higher over the ground than this does not stand on it
-GROUND_PLANE_DROP = 0.3  # m from the lowest ground that was seen down to the plane under all of it
+HANGING_HEIGHT = 2.5  # m; objects that begin higher over the ground do not stand on it
+GROUND_PLANE_DROP = 0.3  # m from the lowest seen ground down to the plane under all of it
 GROUND_PLANE_SIZE = 400.0  # m, length and width of that plane
 
 
@@ -32,10 +32,10 @@ GROUND_PLANE_SIZE = 400.0  # m, length and width of that plane
 class Detail:
     """How finely foliage and facades are cut.
 
-    At most `most_rays`, evenly chosen, say what agrees with them. A layout has about `most_shapes` shapes; a piece is
-    halved where it is longer than `least_length` [m] and wrong for `worth` returns or more; of fewer points than
-    `least_points` is made none. With `grounded` they all reach down to the ground, and none is left out; without, a
-    piece goes that shows fewer than two returns or hides more than it shows.
+    At most `most_rays` rays, evenly chosen, decide how well shapes agree with them. A layout has about `most_shapes`
+    shapes. A piece is halved if it is longer than `least_length` [m] and wrong for `worth` returns or more; a piece
+    needs at least `least_points` points. With `grounded` all pieces reach down to the ground, and none is left out.
+    Without, a piece is left out if it explains fewer than two returns or hides more than it explains.
     """
 
     most_rays: int

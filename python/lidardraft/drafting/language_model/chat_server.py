@@ -1,6 +1,6 @@
-"""A server that answers chats in the form that OpenAI made common: OpenAI, vLLM, llama.cpp, Ollama, LM Studio, ...
+"""A chat server with the API that OpenAI made common: OpenAI, vLLM, llama.cpp, Ollama, LM Studio, ...
 
-The only file of lidardraft that opens a socket: one request and its answer, within a time and a size.
+The only file of lidardraft that opens a socket: one request and its answer, within limits of time and size.
 """
 
 from __future__ import annotations
@@ -25,18 +25,18 @@ from lidardraft.json_fields import is_number, parse_object
 
 URL, MODEL, KEY = "LIDARDRAFT_LLM_URL", "LIDARDRAFT_LLM_MODEL", "LIDARDRAFT_LLM_KEY"  # variables of the environment
 _EXAMPLE = "http://localhost:11434/v1"
-_WAITS = (1.0, 4.0)  # s before a busy server is asked again, where it does not say how long
+_WAITS = (1.0, 4.0)  # s before a busy server is asked again, if it does not say how long
 _BUSY = (408, 429, 502, 503, 504)
-_OPTION_REFUSED = (400, 422, 500, 501)  # the ways in which servers refuse a `response_format`
-_LONGEST_QUOTE = 300  # characters of what a server says, in a message
-_SHORTEST_SECRET = 8  # characters; "none" or "EMPTY" are no secrets, and words of many replies
-_LONGEST = 1e6  # s, of a time limit: more than a week, and what threads can wait for
+_OPTION_REFUSED = (400, 422, 500, 501)  # statuses of servers that refuse a `response_format`
+_LONGEST_QUOTE = 300  # characters of a server's text, in a message
+_SHORTEST_SECRET = 8  # characters; "none" or "EMPTY" are not secret, and occur in many replies
+_LONGEST = 1e6  # s, of a time limit: more than a week, and within the limits of threads
 MAX_BYTES = 2**22  # of an answer; a scene of 5,000 objects has less
 
 
 @dataclass(frozen=True, slots=True)
 class ChatReply:
-    """What a model has written; `is_cut` where the server stopped it before its end. `model` is the server's name."""
+    """A model's reply; `is_cut` if the server stopped it before its end. `model` is the server's name for the model."""
 
     text: str
     model: str
@@ -45,9 +45,10 @@ class ChatReply:
 
 @dataclass(frozen=True, slots=True)
 class ChatServer:
-    """Where a model is asked: the `url` of the API, which ends in /v1 on most servers, and the name of the `model`.
+    """A server of language models: the `url` of the API, which ends in /v1 on most servers, and the name of the
+    `model`.
 
-    The key, where the server wants one, is in the environment variable LIDARDRAFT_LLM_KEY and nowhere else.
+    The key, if the server needs one, is in the environment variable LIDARDRAFT_LLM_KEY and nowhere else.
     """
 
     url: str
@@ -56,7 +57,7 @@ class ChatServer:
     def __post_init__(self) -> None:
         if not self.url:
             raise LanguageModelError(f"no language model is named; {URL} or --llm-url is its server, as in {_EXAMPLE}")
-        if "@" in self.url or "?" in self.url or "#" in self.url:  # and is not shown, as it may hold a secret
+        if "@" in self.url or "?" in self.url or "#" in self.url:  # it is not shown, as it may hold a secret
             raise LanguageModelError(f"the URL of a language model has no user, query or fragment: {_EXAMPLE}")
         try:
             parts = urlsplit(self.url)
@@ -66,14 +67,14 @@ class ChatServer:
         if not usable or not self.url.isprintable() or " " in self.url:
             raise LanguageModelError(f"the URL of the language model is {self.url!r}; it must be as {_EXAMPLE}")
         if not self.model or not isinstance(self.model, str):
-            raise LanguageModelError(f"which model of {self.url} to ask is not said; {MODEL} or --llm-model names it")
+            raise LanguageModelError(f"which model of {self.url} to ask is not given; {MODEL} or --llm-model names it")
         object.__setattr__(self, "url", self.url.rstrip("/").removesuffix("/chat/completions"))
 
     def reply(self, messages: list[dict[str, str]], options: dict[str, Any], limit: TimeLimit) -> ChatReply:
         """The model's reply to a chat; a server that refuses the `options` is asked without them.
 
         A busy server is asked again, up to twice, after the time that it asks for. Raises `LanguageModelError` in one
-        line for everything else, and when the limit is over.
+        line for every other failure, and at the end of the time limit.
         """
         asked = {"model": self.model, "messages": messages}
         answer = self._ask(asked | options, limit)
@@ -117,13 +118,14 @@ def _key() -> str:
 
 
 def _without_key(text: str) -> str:
-    """The text, which a server may have put the key into."""
+    """The text with the key masked, as a server may have put it there."""
     key = _key()
     return text.replace(key, "[key]") if len(key) >= _SHORTEST_SECRET else text
 
 
 def _without_key_in(answer: HttpAnswer) -> HttpAnswer:
-    """The answer, of which messages may quote any part: of a key that is cut in two the first half would be left."""
+    """The answer with the key masked everywhere, as messages may quote any part: a quote could cut the key and show
+    half."""
     key, headers = _key(), Message()
     if len(key) < _SHORTEST_SECRET:
         return answer
@@ -155,13 +157,13 @@ def _reply_of(answer: HttpAnswer) -> ChatReply:
         raise LanguageModelError("the answer is withheld by a content filter")
     if stopped != "length" and not (isinstance(text, str) and text.strip()):
         raise LanguageModelError("an answer without text")
-    # half characters, as "\ud83d" in JSON can be, have no bytes that could be kept
+    # lone surrogates, as from "\ud83d" in JSON, have no UTF-8
     whole = str(text or "").encode("utf-8", "replace").decode()
     return ChatReply(_without_key(whole), _without_key(str(body.get("model", ""))[:200]), stopped == "length")
 
 
 def _text_of(content: Any) -> Any:
-    """The content of a message; where it comes in parts, the texts of these, one after the other."""
+    """The content of a message; if it comes in parts, their texts joined."""
     if not isinstance(content, list):
         return content
     texts = [part.get("text") for part in content if isinstance(part, dict) and part.get("type") == "text"]
@@ -169,7 +171,7 @@ def _text_of(content: Any) -> Any:
 
 
 def _refusal(answer: HttpAnswer) -> str:
-    """What an answer says that is no success."""
+    """The message for an answer that is not a success."""
     known = answer.status in HTTPStatus.__members__.values()
     status = f"{answer.status} {HTTPStatus(answer.status).phrase}" if known else str(answer.status)
     if 300 <= answer.status < 400:
@@ -177,7 +179,7 @@ def _refusal(answer: HttpAnswer) -> str:
         return f"{status}: the API is at {target}; redirections are not followed, give that URL"
     said = f"{status}: {_said(answer.body)}".rstrip(": ")
     if answer.status in (401, 403):
-        return f"{said}; the key is what the environment variable {KEY} holds" + ("" if _key() else ", and it is empty")
+        return f"{said}; the key is that of the environment variable {KEY}" + ("" if _key() else ", and it is empty")
     if answer.status == 404:
         return f"{said}; the URL must be that of the API, as in {_EXAMPLE}, and the server must have the model"
     wait = answer.retry_after()
@@ -185,7 +187,7 @@ def _refusal(answer: HttpAnswer) -> str:
 
 
 def _said(body: bytes) -> str:
-    """The message of an error, where servers put it: {"error": {"message": ..}}, {"error": ..}, {"message": ..}, ..."""
+    """The message of an error, in the usual places: {"error": {"message": ..}}, {"error": ..}, {"message": ..}, ..."""
     try:
         found: Any = parse_object(body)
     except FormatError:
@@ -198,14 +200,14 @@ def _said(body: bytes) -> str:
 
 @dataclass(frozen=True, slots=True)
 class HttpAnswer:
-    """What a server answers, whatever the status; `body` has `MAX_BYTES` + 1 bytes where it is longer than that."""
+    """A server's answer of any status; `body` has `MAX_BYTES` + 1 bytes if the answer is longer than the limit."""
 
     status: int
     headers: Message
     body: bytes
 
     def retry_after(self) -> float | None:
-        """How long the server asks to wait before it is asked again [s]; None where it says nothing readable."""
+        """The time [s] to wait that the server asks for; None if it says nothing readable."""
         said = self.headers.get("Retry-After", "").strip()
         if said.isdecimal() and len(said) < 10:
             return float(said)
@@ -217,7 +219,7 @@ class HttpAnswer:
 
 
 class TimeLimit:
-    """A number of seconds over 0, which begin when it is made."""
+    """A number of seconds over 0, counted from its creation."""
 
     def __init__(self, seconds: float) -> None:
         if not (is_number(seconds) and 0 < seconds <= _LONGEST):
@@ -227,12 +229,12 @@ class TimeLimit:
 
     @property
     def left(self) -> float:
-        """The seconds that are left, 0 when it is over."""
+        """The seconds left, 0 at the end."""
         return max(0.0, self._end - time.monotonic())
 
 
 class _NothingFollowed(urllib.request.HTTPErrorProcessor):
-    """Answers of every status come back as they are: a redirection would carry the key to another server."""
+    """Returns answers of every status unchanged: a redirection would carry the key to another server."""
 
     def http_response(self, _request: Any, response: Any) -> Any:
         return response
@@ -242,9 +244,9 @@ class _NothingFollowed(urllib.request.HTTPErrorProcessor):
 
 
 def post(url: str, headers: dict[str, str], body: bytes, limit: TimeLimit) -> HttpAnswer:
-    """What the server at an http or https URL answers to a POST; proxies are those of the environment.
+    """The server's answer to a POST at an http or https URL; proxies are those of the environment.
 
-    Raises `TimeoutError` when the limit is over, whatever the server does, and another `OSError` where there is no
+    Raises `TimeoutError` at the end of the limit, whatever the server does, and another `OSError` if there is no
     answer: no such name, no connection, no valid certificate, no HTTP.
     """
     answers: queue.SimpleQueue[HttpAnswer | Exception] = queue.SimpleQueue()
@@ -253,10 +255,10 @@ def post(url: str, headers: dict[str, str], body: bytes, limit: TimeLimit) -> Ht
     def ask() -> None:
         try:
             answers.put(_answer(request, limit))
-        except Exception as error:  # carried over to the thread that waits
+        except Exception as error:  # passed to the waiting thread
             answers.put(error)
 
-    # A socket's own timeout starts again with each byte, and the search for a name has none: so a thread, left behind.
+    # A socket's own timeout restarts with each byte, and the look-up of a name has none: so a thread, left behind.
     threading.Thread(target=ask, name="lidardraft-http", daemon=True).start()
     try:
         answer = answers.get(timeout=limit.left)

@@ -1,4 +1,4 @@
-"""A request to a language model and what comes of it: replies that cannot be used go back with the reason."""
+"""A request to a language model and its outcome: unusable replies go back with the reason."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from lidardraft.json_fields import parse_object
 T = TypeVar("T")
 MAX_ATTEMPTS = 3  # the first one and two retries
 _PROMPTS = Path(__file__).with_name("prompts")
-_LONGEST_ECHO = 20_000  # characters of a refused reply that the model is shown again
+_LONGEST_ECHO = 20_000  # characters of a refused reply sent back to the model
 _SCHEMA = "lidardraft.replies/1"
 _FIELDS = {"text": str, "model": str, "is_cut": bool}
 
@@ -34,18 +34,18 @@ class Prompt:
 
     @classmethod
     def from_file(cls, name: str, **values: str) -> Prompt:
-        """The packaged prompt of that name with its $names replaced by `values`."""
+        """The packaged prompt of that name, with its $names replaced by `values`."""
         return cls(name, Template(read_text(_PROMPTS / f"{name}.md")).substitute(values))
 
     @property
     def version(self) -> str:
-        """Its name and the beginning of the hash of its text, which changes with each letter."""
+        """Its name and the start of the hash of its text, which changes with each letter."""
         return f"{self.name}-{_sha256(self.text)[:12]}"
 
 
 @dataclass(frozen=True, slots=True)
 class Request:
-    """What a server is asked for: a prompt, the text of the user, and options such as `response_format`."""
+    """A request to a server: a prompt, the text of the user, and options such as `response_format`."""
 
     server: ChatServer
     prompt: Prompt
@@ -59,14 +59,14 @@ class Request:
 
     @property
     def sha256(self) -> str:
-        """Of all that the reply depends on: server, model, prompt, text and options."""
+        """The hash of everything that decides the reply: server, model, prompt, text and options."""
         fields = {"url": self.server.url, "model": self.server.model, "messages": self.messages, **self.options}
         return _sha256(json.dumps(fields, sort_keys=True))
 
 
 @dataclass(frozen=True, slots=True)
 class Attempt:
-    """A reply, and why it could not be used; None for the one that could."""
+    """A reply, and the reason why it was refused; None for the accepted one."""
 
     reply: ChatReply
     error: str | None
@@ -74,14 +74,14 @@ class Attempt:
 
 @dataclass(frozen=True, slots=True)
 class Conversation(Generic[T]):
-    """What a request came to: the result of its last attempt."""
+    """The outcome of a request: the result of its last attempt."""
 
     request: Request
     attempts: tuple[Attempt, ...]
     result: T
 
     def provenance(self) -> dict[str, Any]:
-        """Where the result came from, as JSON types; nothing of it tells the server or the key."""
+        """The origin of the result, as JSON types, without the server and the key."""
         replies = [attempt.reply for attempt in self.attempts]
         return {
             "model": self.request.server.model,
@@ -94,13 +94,13 @@ class Conversation(Generic[T]):
 
 
 class ReplyCache:
-    """A folder with a file for each request: the replies that it got, of which the last one was good."""
+    """A folder with a file for each request: its replies, of which the last one was accepted."""
 
     def __init__(self, folder: str | os.PathLike[str]) -> None:
         self.folder = Path(folder)
 
     def make_folder(self) -> None:
-        """Raises `FormatError` where the folder cannot be made or written to, before a reply is asked for in vain."""
+        """Raises `FormatError` if the folder cannot be created or written to, before a reply is requested in vain."""
         reason = "it may not be written to"
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -108,10 +108,11 @@ class ReplyCache:
         except (OSError, ValueError) as error:
             usable, reason = False, getattr(error, "strerror", None) or str(error)
         if not usable:
-            raise FormatError(f"{self.folder}: replies of language models cannot be kept there: {reason}")
+            raise FormatError(f"{self.folder}: cannot keep replies of language models: {reason}")
 
     def find(self, request: str) -> list[ChatReply]:
-        """The replies to the request of that hash, none where there are none; a broken file is a `UserWarning`."""
+        """The replies to the request of that hash; an empty list if there are none. A broken file is a
+        `UserWarning`."""
         path = self.path(request)
         if not path.exists():
             return []
@@ -147,10 +148,10 @@ def _replies(text: str) -> list[ChatReply]:
 
 
 def converse(request: Request, read: Callable[[str], T], cache: ReplyCache, limit: TimeLimit) -> Conversation[T]:
-    """The conversation in which `read` could use the last reply: the one in the cache, or a new one, which is kept.
+    """The conversation whose last reply `read` accepts: from the cache, or a new one, which is kept.
 
-    `read` raises a `LidarDraftError` for what it cannot use. Raises `LanguageModelError` where the server gives no
-    reply, and when `MAX_ATTEMPTS` replies were of no use.
+    `read` raises a `LidarDraftError` for a reply that it refuses. Raises `LanguageModelError` if the server gives no
+    reply, and after `MAX_ATTEMPTS` refused replies.
     """
     attempts, result = [], None
     for reply in cache.find(request.sha256):
@@ -172,7 +173,7 @@ def converse(request: Request, read: Callable[[str], T], cache: ReplyCache, limi
 
 
 def once_more(read: Callable[[str], T], missing: Callable[[T], list[str]]) -> Callable[[str], T]:
-    """`read`, by which the first reply with something `missing` goes back to the model, unless it is the last one."""
+    """`read`, but the first reply with something `missing` goes back to the model, unless it is the last one."""
     seen: list[bool] = []
 
     def checked(reply: str) -> T:
@@ -181,7 +182,7 @@ def once_more(read: Callable[[str], T], missing: Callable[[T], list[str]]) -> Ca
         lines = missing(result) if len(seen) < MAX_ATTEMPTS and not any(seen) else []
         if lines:
             seen[-1] = True
-            raise LayoutError(f"{'; '.join(lines)}; add what is missing")
+            raise LayoutError(f"{'; '.join(lines)}; add the missing parts")
         return result
 
     return checked
@@ -197,7 +198,7 @@ def _use(reply: ChatReply, read: Callable[[str], T]) -> tuple[Attempt, T | None]
 
 
 def _retry(attempt: Attempt) -> list[dict[str, str]]:
-    """What a chat goes on with after a reply that cannot be used."""
+    """The next messages of a chat after a refused reply."""
     told = Prompt.from_file("retry", error=str(attempt.error)).text
     shown = attempt.reply.text[:_LONGEST_ECHO] or "(nothing)"
     return [{"role": "assistant", "content": shown}, {"role": "user", "content": told}]

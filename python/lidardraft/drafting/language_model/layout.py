@@ -1,4 +1,4 @@
-"""A text becomes a layout through a language model on a server that the user names."""
+"""A text becomes a layout by a language model on a server that the user names."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ from lidardraft.semantics import CLASSES
 
 Schema = dict[str, Any]
 MAX_LENGTH = 10_000  # characters of a text
-MAX_GROUPS = 50  # of a spec; the solver takes minutes for many that find no room
+MAX_GROUPS = 50  # of a spec; the solver takes minutes if many find no room
 
 
 def layout_from_llm(
@@ -63,23 +63,23 @@ def layout_from_llm(
     cache: str | os.PathLike[str] | None = None,
     timeout: float = 120.0,
 ) -> Layout:
-    """A layout of what a text describes, as a language model reads it.
+    """The layout of a text, as a language model understands it.
 
-    `url` is the API of any server that answers as OpenAI's does, by default the environment variable
-    LIDARDRAFT_LLM_URL, and `model` its model, by default LIDARDRAFT_LLM_MODEL. A key is read from LIDARDRAFT_LLM_KEY.
-    The model writes a `SceneSpec`, which the seed turns into metres as that of a sentence; with `blender` it writes a
-    Blender script for the seed, which is read as data. What cannot be used goes back to it with the reason, twice,
-    and what leaves out nouns or numbers of the text once; what it leaves out again is a note.
+    `url` is the API of any server compatible with OpenAI's, by default the environment variable LIDARDRAFT_LLM_URL, and
+    `model` its model, by default LIDARDRAFT_LLM_MODEL. A key is read from LIDARDRAFT_LLM_KEY. The model writes a
+    `SceneSpec`, which the seed turns into metres as for a sentence. With `blender` it writes a Blender script for the
+    seed, which is read as data. An unusable reply goes back to it with the reason, twice; a reply that omits nouns or
+    numbers of the text goes back once, and what it omits again is a note.
 
     Replies are kept in the folder `cache`, by default in the user's cache folder: the same text, seed, model and server
-    give the same layout again, without the server. `timeout` is how long all replies together may take [s].
+    give the same layout again, without the server. `timeout` is the time limit for all replies together [s].
 
     `layout.provenance` holds the text, the seed, and in "llm" the model, the version of the prompt, the hashes of the
-    request and of each reply, what was wrong with them, and the last reply; besides, what `layout_from_text` has
-    ("spec", "understood", "objects"). With `blender` the findings of `scene.check` are `layout.notes`.
+    request and of each reply, their errors, and the last reply; also the entries of `layout_from_text` ("spec",
+    "understood", "objects"). With `blender` the findings of `scene.check` are in `layout.notes`.
 
-    Raises `TextError` on a text that is empty or too long, `LanguageModelError` where there is no server, key or reply
-    that can be used, `LayoutError` where a relation cannot hold for the seed.
+    Raises `TextError` on a text that is empty or too long, `LanguageModelError` without a server, key or usable reply,
+    `LayoutError` if a relation cannot hold for the seed.
     """
     check_type("text", text, str)
     seed = check_seed(seed)
@@ -110,7 +110,7 @@ def layout_from_llm(
 
 
 def spec_prompt() -> Prompt:
-    """The instructions for a spec; what names a field can have is filled in from the code that reads them."""
+    """The instructions for a spec; the names that its fields allow come from the code that reads them."""
     names = {"roads": ROADS, "kinds": SENTENCE_KINDS, "counts": COUNTS, "places": PLACES, "lanes": LANES}
     names |= {"ego_lanes": EGO_LANES, "headings": HEADINGS, "motions": MOTIONS, "relations": RELATIONS}
     names |= {"districts": DISTRICTS, "activities": ACTIVITIES}
@@ -125,7 +125,7 @@ def blender_prompt() -> Prompt:
 
 
 def _spec_of(reply: str, text: str) -> SceneSpec:
-    """The spec that a reply holds; it can be arranged, and quotes nothing that is not in the text."""
+    """The spec in a reply; it can be arranged, and quotes only words of the text."""
     with named("spec"):
         fields = parse_object(json_of(reply))
         check_fields(
@@ -142,7 +142,8 @@ def _spec_of(reply: str, text: str) -> SceneSpec:
 
 
 def _drawn(layout: Layout, phrase: NounPhrase) -> list[tuple[float, float]]:
-    """Up to all objects of a layout that are of the class of a phrase: an object may be drawn as several."""
+    """From 1 up to all objects of a layout with the class of a phrase, as one object may be drawn as several; [] if
+    none."""
     kind = SENTENCE_KINDS[str(phrase.kind)]
     kinds = [one for one in SENTENCE_KINDS.values() if one == kind or (kind.name == "vehicle" and one.is_vehicle)]
     labels = {one.label for one in kinds} | ({"rider"} if kind.name == "person" else set())
@@ -157,35 +158,36 @@ def _with_provenance(layout: Layout, conversation: Conversation, said: dict[str,
 
 
 def json_of(reply: str) -> str:
-    """The JSON object at the first brace; where there is none, the text from there to the last brace, or all of it."""
+    """The JSON object at the first brace; if it is broken, the text from there to the last brace; without braces, all
+    of it."""
     text = _answer_of(reply)
     start, end = text.find("{"), text.rfind("}")
     if not 0 <= start < end:
         return text
     try:
         return text[start : json.JSONDecoder().raw_decode(text, start)[1]]
-    except (ValueError, RecursionError):  # whose reader says what is wrong with it
+    except (ValueError, RecursionError):  # the reader of the JSON reports the error
         return text[start : end + 1]
 
 
 def code_of(reply: str) -> str:
-    """The longest fenced block, whether its fence is closed or not, or all of the text where there is none.
+    """The longest fenced block, closed or not, or the whole text if there is none.
 
-    It ends in a line break, so it is never taken for the path of a file.
+    It ends in a line break, so it is never mistaken for the path of a file.
     """
     text = _answer_of(reply)
     return (fenced(text) or text).strip("\n") + "\n"
 
 
 def _answer_of(reply: str) -> str:
-    """What comes after the thoughts that models write down where a server does not take them out."""
+    """The answer after the thoughts that models write, which some servers do not remove."""
     return reply.rpartition("</think>")[2].strip()
 
 
 def scene_spec_schema() -> Schema:
-    """The JSON Schema of what `SceneSpec.from_dict` reads, in the part of the language that every server knows.
+    """The JSON Schema of the input of `SceneSpec.from_dict`, in the part of the language that every server supports.
 
-    Each field is required, null where it says nothing; there are no patterns, limits of numbers or references.
+    Each field is required, null if it says nothing; there are no patterns, limits of numbers or references.
     """
     numbers = _list_of({"type": "number"})
     road = {

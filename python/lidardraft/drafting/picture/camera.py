@@ -1,4 +1,4 @@
-"""A pinhole camera: how pixels of a picture become rays."""
+"""A pinhole camera: the rays of a picture's pixels."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from lidardraft.errors import LayoutError
 from lidardraft.json_fields import are_numbers, is_number
 
-_NARROWEST, _WIDEST = math.radians(5), math.radians(170)  # a picture outside of this is a telescope's or no pinhole's
+_NARROWEST, _WIDEST = math.radians(5), math.radians(170)  # wider or narrower pictures are not a pinhole's
 _FILM_DIAGONAL = math.hypot(36, 24)  # mm
 
 
@@ -18,8 +18,8 @@ _FILM_DIAGONAL = math.hypot(36, 24)  # mm
 class Pinhole:
     """Focal lengths fx, fy and principal point cx, cy of a picture of width times height, all in pixels.
 
-    As in OpenCV and KITTI, the centre of the upper left pixel is (0, 0). Lens distortion is not known of. Raises
-    `LayoutError` on what cannot be.
+    As in OpenCV and KITTI, the centre of the upper left pixel is (0, 0). Lens distortion is ignored. Raises
+    `LayoutError` on invalid values.
     """
 
     fx: float
@@ -67,12 +67,12 @@ class Pinhole:
 
     @classmethod
     def from_film(cls, focal_length: float, width: int, height: int) -> Pinhole:
-        """From the focal length [mm] that shows as much on film of 36 x 24 mm, measured along the diagonal."""
+        """From the focal length [mm] with the same view on film of 36 x 24 mm, measured along the diagonal."""
         focal = focal_length * math.hypot(width, height) / _FILM_DIAGONAL
         return cls(fx=focal, fy=focal, cx=(width - 1) / 2, cy=(height - 1) / 2, width=width, height=height)
 
     def resized(self, width: int, height: int) -> Pinhole:
-        """The camera of the same picture in another number of pixels."""
+        """The camera of the same picture at another resolution."""
         across, down = width / self.width, height / self.height
         return Pinhole(
             fx=self.fx * across,
@@ -84,7 +84,8 @@ class Pinhole:
         )
 
     def rays(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
-        """Directions [..., 3] through pixels, x forward, y left, z up, with x = 1: times depth they are points."""
+        """Directions [..., 3] through pixels, x forward, y left, z up, with x = 1: multiplied by depth they are
+        points."""
         left, up = (self.cx - columns) / self.fx, (self.cy - rows) / self.fy
         return np.stack([np.ones(np.broadcast(left, up).shape), *np.broadcast_arrays(left, up)], axis=-1)
 

@@ -1,6 +1,6 @@
-"""A picture becomes a layout: depth and classes of its pixels, a pseudo point cloud, and what clusters of that become.
+"""A picture becomes a layout: depth and classes of its pixels become a pseudo point cloud, and its clusters shapes.
 
-Networks are asked for depth and classes where they are not given; nothing else here knows of them.
+Networks predict depth and classes if these are not given; nothing else here depends on networks.
 """
 
 from __future__ import annotations
@@ -33,12 +33,12 @@ DEPTH = "depth-anything/Depth-Anything-V2-Metric-Outdoor-Small-hf"
 SEMANTICS = "tue-mps/cityscapes_semantic_eomt_large_1024"
 CAMERA_HEIGHT = 1.65  # m, of the cameras on KITTI's car (Geiger et al., IJRR 2013)
 _LONGEST_SIDE = 2048  # pixels; finer than `pseudo_cloud.CELL` in a picture of up to 170 degrees
-_FURTHEST = 100.0  # m; depth of pictures is not known further away
-_BEYOND = 1e9  # m; what is further is as far as that, so that the products of depths are numbers
-_VOXEL = 0.1  # m, of which one point is kept
-_TOGETHER = 1.0  # m; further apart are no points of one object, also where a pole hides its middle
+_FURTHEST = 100.0  # m; depth further away is unreliable
+_BEYOND = 1e9  # m, the limit of depths, so that their products are finite
+_VOXEL = 0.1  # m, a cell with one point
+_TOGETHER = 1.0  # m; the largest gap in an object, as behind a pole
 _MOST_MASKS = 1000  # SAM finds some 100 to 200 in a picture
-_FOOT = 0.1  # m over the road; what is lower is no object, but the road before it under a class that reaches too far
+_FOOT = 0.1  # m over the road; lower points are road, with the class of an object behind it
 
 PathLike = str | os.PathLike[str]
 Network = Callable[[np.ndarray], np.ndarray]  # pixels u8 [h, w, 3] -> a value a pixel [h, w]
@@ -56,21 +56,21 @@ def layout_from_image(
     camera_height: float | None = CAMERA_HEIGHT,
     place: tuple[float, float, float] = (0.0, 0.0, 0.0),
 ) -> Layout:
-    """The layout of what one picture shows.
+    """The layout of one picture.
 
-    `image`: u8 [H, W, 3] or a JPEG, PNG or WebP file.
-    `depth`: f [H, W] along the axis of the camera, 0 where unknown; or a network for metric depth: its id, its folder,
-    or a `DepthNetwork`. `semantics`: class ids [H, W] of `semantics.CLASSES`, 0 for the sky and what is unknown; or a
-    network, likewise. `masks` of objects, each of which takes the class that most of its pixels have: bool [M, H, W],
-    the best first; their numbers [H, W], 0 where unknown; or a network for masks, such as SAM.
-    `intrinsics`: K [3, 3] or (fx, fy, cx, cy) in pixels, or a file of them: JSON, or a calibration of KITTI; else
-    `hfov`, the horizontal field of view [rad]; else the focal length that the file says.
-    `camera_height` [m] over the road sets the scale; with None depth is taken as metres. The tilt comes from the road.
-    `place`: (x, y, yaw) of the camera in the frame of the layout [m, rad].
+    `image`: u8 [H, W, 3] or a JPEG, PNG or WebP file. `depth`: f [H, W] along the axis of the camera, 0 if unknown; or
+    a network for metric depth: its id, its folder, or a `DepthNetwork`. `semantics`: class ids [H, W] of
+    `semantics.CLASSES`, 0 for the sky and unknown pixels; or a network, likewise.
 
-    `coverage` of the layout is what the picture shows; `surround` puts a street around that. Raises `LayoutError` on
-    values that cannot be or where no ground is visible, `FormatError` on a file that is no picture, `CheckpointError`
-    where a network is not there.
+    `masks` of objects, each of which gets the class of most of its pixels: bool [M, H, W], the best first; their
+    numbers [H, W], 0 if unknown; or a network for masks, such as SAM. `intrinsics`: K [3, 3] or (fx, fy, cx, cy) in
+    pixels, or a file of them: JSON, or a calibration of KITTI; else `hfov`, the horizontal field of view [rad]; else
+    the focal length in the file. `camera_height` [m] over the road sets the scale; with None depth is in metres. The
+    tilt comes from the road. `place`: (x, y, yaw) of the camera in the frame of the layout [m, rad].
+
+    `coverage` of the layout is the field of view of the picture; `surround` puts a street around it. Raises
+    `LayoutError` on invalid values or if no ground is visible, `FormatError` on a file that is not a picture,
+    `CheckpointError` if a network is missing.
     """
     check_type("image", image, np.ndarray, str, os.PathLike)
     if isinstance(intrinsics, str | os.PathLike):
@@ -142,7 +142,7 @@ def _levelled_layout(cloud: PseudoCloud, plane: RoadPlane, stands: float, covera
 
 
 def _thinned(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The indices [M] of one point a cell, and how many points [M] a cell has."""
+    """The indices [M] of one point a cell, and the number of points [M] in each cell."""
     cells = np.floor((points - points.min(axis=0)) / _VOXEL).astype(np.int64)
     x, y, _ = cells.max(axis=0) + 1
     _, kept, count = np.unique(cells @ np.array([1, x, x * y]), return_index=True, return_counts=True)
@@ -150,9 +150,9 @@ def _thinned(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _over_edges(points: np.ndarray, labels: np.ndarray, instances: np.ndarray, rays: np.ndarray) -> np.ndarray:
-    """bool [N]: points of numbered objects apart from what most of the object's `rays` [N] show.
+    """bool [N]: points of numbered objects in other clusters than the one with most of the object's `rays` [N].
 
-    A mask that reaches over the edge of its object holds what is seen behind it, and the box of all would be as deep.
+    A mask that reaches over the edge of its object includes points behind it, and the box of all would be as deep.
     """
     over = np.zeros(len(points), dtype=bool)
     objects = np.where(instances > 0, instances.astype(np.int64) * NUM_CLASSES + labels, 0)
@@ -168,7 +168,7 @@ def _camera(
     width: int, height: int, intrinsics: object | None, hfov: float | None, film_focal_length: float | None
 ) -> Pinhole:
     if intrinsics is not None and hfov is not None:
-        raise LayoutError("intrinsics and hfov say the same; give one of them")
+        raise LayoutError("intrinsics and hfov both set the focal length; give one of them")
     if intrinsics is not None:
         return Pinhole.from_matrix(intrinsics, width, height)
     if hfov is not None:
@@ -176,7 +176,7 @@ def _camera(
     if film_focal_length is not None:
         return Pinhole.from_film(film_focal_length, width, height)
     raise LayoutError(
-        "the picture does not say its focal length; give hfov (--hfov), its horizontal field of view: 65 to 75 degrees "
+        "the picture has no focal length; give hfov (--hfov), its horizontal field of view: 65 to 75 degrees "
         "for most telephones, 80 for KITTI"
     )
 
@@ -197,7 +197,7 @@ def _check_array(name: str, array: np.ndarray, shape: tuple[int, int]) -> None:
             f"{name} holds {array.dtype}; it must hold {'numbers' if name == 'depth' else 'whole numbers'}"
         )
     wrong = ~np.isfinite(array) | (array < 0)
-    limit = "finite, and 0 where unknown"
+    limit = "finite, and 0 if unknown"
     if name == "semantics":
         wrong |= array >= NUM_CLASSES
         limit = f"a class id, 0 to {NUM_CLASSES - 1}; other tables are read by lidardraft.formats.cityscapes"
@@ -222,7 +222,8 @@ def _check_masks(masks: Any, shape: tuple[int, int]) -> None:
 
 
 def _seen(small: np.ndarray, depth: Any, semantics: Any, masks: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Depth, classes and numbers of objects: arrays of the whole picture, or what networks see in the small one."""
+    """Depth, classes and numbers of objects: arrays of the whole picture, or predictions of networks for the small
+    one."""
     if not isinstance(semantics, np.ndarray):
         semantics = _network("SemanticNetwork", semantics)(small)
     if not isinstance(depth, np.ndarray):
@@ -239,7 +240,7 @@ def _seen(small: np.ndarray, depth: Any, semantics: Any, masks: Any) -> tuple[np
 
 
 def _network(kind: str, given: Any) -> Any:
-    """A function as it is given, or the network of that kind that an id or a folder names."""
+    """A given function, or the network of that kind with an id or in a folder."""
     if callable(given):
         return given
     from lidardraft.perception import picture_networks
@@ -248,7 +249,7 @@ def _network(kind: str, given: Any) -> Any:
 
 
 def _resized(array: np.ndarray, like: np.ndarray) -> np.ndarray:
-    """The nearest pixels of an array [H, W], as many as `like` [h, w, ...] has."""
+    """The nearest pixels of an array [H, W], at the resolution of `like` [h, w, ...]."""
     rows, columns = (
         ((np.arange(few) + 0.5) * many / few).astype(np.intp)
         for few, many in zip(like.shape[:2], array.shape, strict=True)

@@ -11,20 +11,21 @@ from lidardraft.drafting.cloud.ground import GROUND_IDS
 from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.semantics import CLASSES
 
-# Angles and shares without a source are estimates of ours.
-CELL = math.radians(0.08)  # of which one point is kept: about as dense as a HDL-64E's along its rows
-_SIDE = math.radians(0.16)  # to either side of a point, where depth grows on both if it hangs between two surfaces
-_STEEPEST = 27.0  # times the depth, by which depth grows for each radian: more is no wall, however flat it is seen
-_JUMP = 1.15  # of depth, from an object to what is seen beside it
-_APART = 1.03  # of depth, from a cell to the next: more is too far for points of an object to be clustered
-_BLUR = math.radians(0.32)  # as far as this a class reaches over the edge of its object
+# Angles and shares without a source are estimates.
+CELL = math.radians(0.08)  # a cell with one point: about as dense as an HDL-64E's along its rows
+_SIDE = math.radians(0.16)  # to either side of a point: depth that grows across both means a point between two surfaces
+_STEEPEST = 27.0  # growth of depth for each radian, relative to the depth: more is no wall at any angle
+_JUMP = 1.15  # of depth, from an object to the background beside it
+_APART = 1.03  # of depth, from a cell to the next: more separates clusters
+_BLUR = math.radians(0.32)  # the reach of a class over the edge of its object
 
 _THINGS = np.array([row.is_thing for row in CLASSES])
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class PseudoCloud:
-    """Points f64 [N, 3] in the frame of the camera (x forward, y left, z up) with class and number of the object."""
+    """Points f64 [N, 3] in the frame of the camera (x forward, y left, z up), with the class and number of the
+    object."""
 
     points: np.ndarray
     labels: np.ndarray
@@ -32,10 +33,11 @@ class PseudoCloud:
 
 
 def pseudo_cloud(depth: np.ndarray, labels: np.ndarray, instances: np.ndarray, camera: Pinhole) -> PseudoCloud:
-    """The points of a picture whose depth [H, W] along the axis of the camera is not 0 and whose label is not 0.
+    """The points of a picture with depth [H, W] along the axis of the camera; pixels with depth 0 or label 0 are left
+    out.
 
-    One a cell of `CELL`, the pixel nearest to its middle. On edges of objects, depth of networks runs smoothly from
-    one surface to the other, and classes reach a little over the edge: such points are left out.
+    There is one a cell of `CELL`, the pixel nearest to its middle. At edges of objects, depth of networks runs smoothly
+    from one surface to the other, and classes reach a little over the edge: such points are left out.
     """
     step = max(1, round(CELL * camera.fx))
     rows, columns = _one_a_cell((depth > 0) & (labels > 0), step)
@@ -50,7 +52,8 @@ def pseudo_cloud(depth: np.ndarray, labels: np.ndarray, instances: np.ndarray, c
 
 
 def _one_a_cell(usable: np.ndarray, step: int) -> tuple[np.ndarray, np.ndarray]:
-    """Row and column [H / step, W / step] of the usable pixel nearest to the middle of each cell; -1 where none is."""
+    """Row and column [H / step, W / step] of the usable pixel nearest to the middle of each cell; -1 if there is
+    none."""
     height, width = (math.ceil(length / step) for length in usable.shape)
     padded = np.zeros((height * step, width * step), dtype=bool)
     padded[: usable.shape[0], : usable.shape[1]] = usable
@@ -65,7 +68,8 @@ def _one_a_cell(usable: np.ndarray, step: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _between_surfaces(depth: np.ndarray, cell: float) -> np.ndarray:
-    """bool [H, W]: depth rises steeply from what is on one side, and on to what is on the other; `cell` is in rad."""
+    """bool [H, W]: True if depth rises steeply from the surface on one side and on to that on the other; `cell` in
+    rad."""
     found = np.zeros(depth.shape, dtype=bool)
     side = max(1, round(_SIDE / cell))
     steep = math.exp(_STEEPEST * side * cell)
@@ -79,7 +83,8 @@ def _between_surfaces(depth: np.ndarray, cell: float) -> np.ndarray:
 
 
 def _over_the_edge(depth: np.ndarray, labels: np.ndarray, cell: float) -> np.ndarray:
-    """bool [H, W]: close by the same class is much nearer, so that the class may be that of the object there."""
+    """bool [H, W]: True if the same class is much nearer close by, so that the class may be that of the object
+    there."""
     found = np.zeros(depth.shape, dtype=bool)
     for image, classes, result in ((depth, labels, found), (depth.T, labels.T, found.T)):
         for step in range(1, max(1, round(_BLUR / cell)) + 1):
@@ -91,9 +96,9 @@ def _over_the_edge(depth: np.ndarray, labels: np.ndarray, cell: float) -> np.nda
 
 
 def _apart(depth: np.ndarray, labels: np.ndarray) -> np.ndarray:
-    """bool [H, W]: the cells of its class above and below, or beside it, are all much nearer or further.
+    """bool [H, W]: True if the cells of its class above and below, or on both sides, are all much nearer or further.
 
-    Such are the last rows of a roof that is seen at a flat angle: apart from the rest they would be an object more.
+    The last rows of a roof at a flat angle are such: apart from the rest they would be another object.
     """
     found = np.zeros(depth.shape, dtype=bool)
     for image, classes, result in ((depth, labels, found), (depth.T, labels.T, found.T)):

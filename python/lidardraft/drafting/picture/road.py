@@ -1,4 +1,4 @@
-"""The road in a picture: its plane says how the camera is tilted, how high it stands, and how far away the road is."""
+"""The road in a picture: its plane gives the tilt and height of the camera, and the distance of the road."""
 
 from __future__ import annotations
 
@@ -12,24 +12,24 @@ from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.errors import LayoutError
 from lidardraft.semantics import BY_NAME
 
-# Estimates of ours, but for the method: Fischler and Bolles, "Random Sample Consensus", CACM 1981.
+# Estimates, except for the method: Fischler and Bolles, "Random Sample Consensus", CACM 1981.
 FEWEST = 50  # points of ground
-_ENOUGH = 0.3  # of the points must lie on the plane
-_NEAR = 0.06  # of the camera's height; so near to the plane a point lies on it. Relative, as the scale is not known
+_ENOUGH = 0.3  # the least share of the points on the plane
+_NEAR = 0.06  # of the camera's height, the tolerance of points on the plane; the scale is not known
 _STEEPEST = math.radians(35)  # of the camera against the road
 _TRIALS, _TRIED = 300, 4000  # planes, and points that each is tried on
-_LEAST_SEEN_OF_ROAD = 200  # points; with less of it sidewalk and terrain count too
+_LEAST_SEEN_OF_ROAD = 200  # points; with fewer of road, sidewalk and terrain count too
 
-# A road that is off its plane by a share of the camera's height looks like depth that is off by that share. In KITTI's
-# frames that is 1 % up to 20 m and 1 to 6 % up to 30 m, and networks are off by some percents at any distance.
-_TRUSTED = 20.0  # m; out to there the plane counts for more than the network
-_LARGEST_ERROR = 0.1  # of depth; what is further off is a slope or no road
-_SMOOTH = math.radians(1.5)  # of the correction: errors of networks reach further than this
+# A road off its plane by a share of the camera's height looks like depth that is off by that share. In KITTI's frames
+# that is 1 % up to 20 m and 1 to 6 % up to 30 m; networks are off by some percents at any distance.
+_TRUSTED = 20.0  # m; up to here the plane counts more than the network
+_LARGEST_ERROR = 0.1  # of depth; a larger error is a slope or no road
+_SMOOTH = math.radians(1.5)  # of the correction: errors of networks are wider
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class RoadPlane:
-    """`level` [3, 3] turns points of the camera's frame so that the road is level and the camera looks along +x.
+    """`level` [3, 3] turns points of the camera's frame so that the road is level and the camera faces +x.
 
     `height` is that of the camera over the road, in the unit of the points.
     """
@@ -39,9 +39,9 @@ class RoadPlane:
 
 
 def find_road_plane(points: np.ndarray, labels: np.ndarray) -> RoadPlane:
-    """The plane that most ground points [N, 3] lie on; x forward, y left, z up. The same for the same points.
+    """The plane with most ground points [N, 3]; x forward, y left, z up. The same points give the same plane.
 
-    Raises `LayoutError` where no ground is seen, or none that is a plane below the camera.
+    Raises `LayoutError` if no ground is seen, or none that is a plane below the camera.
     """
     road = points[labels == BY_NAME["road"].id]
     if len(road) < _LEAST_SEEN_OF_ROAD:
@@ -64,7 +64,7 @@ def find_road_plane(points: np.ndarray, labels: np.ndarray) -> RoadPlane:
 
 
 def _best_of_random_planes(road: np.ndarray) -> tuple[np.ndarray, float]:
-    """Unit normal and the camera's height over it, of the plane through three points that most others are near to."""
+    """Unit normal and height of the camera for the plane through three points that is near to most others."""
     rng = np.random.default_rng(0)
     tried = road[rng.choice(len(road), min(_TRIED, len(road)), replace=False)]
     corners = tried[rng.integers(0, len(tried), (_TRIALS, 3))]
@@ -84,7 +84,7 @@ def _best_of_random_planes(road: np.ndarray) -> tuple[np.ndarray, float]:
 
 
 def _least_squares(points: np.ndarray) -> tuple[np.ndarray, float]:
-    """Unit normal, upwards, and the height over the plane z = a x + b y + c that fits best."""
+    """Unit normal, upwards, and the height over the best fit of a plane z = a x + b y + c."""
     (a, b, c), *_ = np.linalg.lstsq(np.column_stack([points[:, :2], np.ones(len(points))]), points[:, 2], rcond=None)
     length = math.sqrt(a * a + b * b + 1)
     return np.array([-a, -b, 1.0]) / length, float(-c / length)
@@ -93,10 +93,11 @@ def _least_squares(points: np.ndarray) -> tuple[np.ndarray, float]:
 def corrected_depth(
     depth: np.ndarray, labels: np.ndarray, camera: Pinhole, plane: RoadPlane, camera_height: float
 ) -> np.ndarray:
-    """Depth [H, W] along the axis of the camera, times what brings the road to its plane, the less the further it is.
+    """Depth [H, W] along the axis of the camera, corrected so that the road is on its plane; the correction fades with
+    distance.
 
-    Depth and plane are in one unit, of which `camera_height` [m] over the road tells the length.
-    What stands on the road takes the correction of the road at its foot: that next below it in the picture.
+    Depth and plane are in one unit, whose length follows from `camera_height` [m] over the road. Objects on the road
+    get the correction of the road at their foot: the next road pixel below them in the picture.
     """
     up = camera.rays(*np.indices(depth.shape)) @ plane.level[2]
     road = (labels == BY_NAME["road"].id) & (depth > 0) & (up < 0)

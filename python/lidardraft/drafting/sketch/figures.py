@@ -19,21 +19,21 @@ from lidardraft.semantics import CLASSES, NUM_CLASSES
 _SCALE = re.compile(r"scale[\s_:=-]*(\d+(?:\.\d+)?)[\s_-]*m(?:et(?:er|re)s?)?(?![a-z])")
 _MARKINGS = ("marking", "markings", "crosswalk", "crosswalks", "zebra")
 _EGO = ("ego", "sensor")
-_SAME_COLOUR = 12.0  # in RGB: files say colours exactly, programs change them by little
+_SAME_COLOUR = 12.0  # in RGB: files hold exact colours, which programs change a little
 _MASK_PIXELS = 20_000_000  # of the masks of all areas together
-_MASK_SIDE, _COARSEST = (200, 1200), 60  # pixels of the longer side of one; and where there are very many
+_MASK_SIDE, _COARSEST = (200, 1200), 60  # pixels of the longer side of one; and if there are very many
 _MASK_CROSSINGS = 4_000_000  # of outlines and rows of pixels, at most, in one
 _FINE = 10  # pixels across the width of an area
-_THIN = 2  # pixels: the middles of pixels may miss an area that is no wider; its outline is in the mask then
-_SCRIBBLED = 0.6  # of its length: an open line of a blob's class whose ends are nearer is its outline
+_THIN = 2  # pixels: the centres of pixels may miss a narrower area, whose outline is then in the mask
+_SCRIBBLED = 0.6  # of its length: an open line of a blob's class with its ends nearer is an outline
 
 
 def read_svg(text: str, metres_per_unit: float | None) -> Sketch:
     """The shapes of the text of an SVG file.
 
-    Its names say what a shape is: Inkscape's label, the title, the id, the class; then those of the groups that it is
-    in; then its colour, if that is one of a class. A shape named "scale 10 m" says the scale by its longer side,
-    unless `metres_per_unit` [m] of a CSS pixel is given; one named "ego" says where the ego vehicle is.
+    The class of a shape comes from its names: Inkscape's label, the title, the id, the class; then those of its groups;
+    then from its colour, if that is a class's. A shape named "scale 10 m" gives the scale by its longer side, unless
+    `metres_per_unit` [m] of a CSS pixel is given; one named "ego" is at the ego vehicle.
     """
     page = read_page(text)
     marks = [figure for figure in page.figures if _says(figure, _EGO)]
@@ -52,7 +52,7 @@ def read_svg(text: str, metres_per_unit: float | None) -> Sketch:
         if label == "road" and _says(figure, _MARKINGS):
             sketch.ignored.append(f"{figure.where}: markings are not read")
         elif label is None:
-            sketch.ignored.append(f"{figure.where}: neither a name nor a colour says its class")
+            sketch.ignored.append(f"{figure.where}: neither its name nor its colour gives a class")
         elif label != "terrain":
             sketch.add(_shapes(figure, label, frame, share))
     return sketch
@@ -93,7 +93,7 @@ def _label(figure: Figure) -> str | None:
 
 
 def _shapes(figure: Figure, label: str, frame: SketchFrame, share: float) -> Iterator[Blob | Stroke]:
-    """What a figure stands for; masks of it get a `share` of the pixels to a side that they should have."""
+    """The shapes of a figure; its masks get a `share` of the usual pixels to a side."""
     points = frame.to_layout(np.concatenate([points for points, _ in figure.pieces]))
     if float(np.abs(points).max()) > FURTHEST:
         raise LayoutError(f"{figure.where}: it reaches further than {FURTHEST:.0f} m from the ego vehicle")
@@ -114,7 +114,7 @@ def _shapes(figure: Figure, label: str, frame: SketchFrame, share: float) -> Ite
 
 
 def _line_as_blob(line: np.ndarray, width: float, label: str, figure: Figure) -> Blob | None:
-    """A car that is drawn as a line from its rear to its front; None for a line that runs around something."""
+    """A car drawn as a line from its rear to its front; None for a line that is an outline."""
     along, chord = float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum()), line[-1] - line[0]
     if float(np.linalg.norm(chord)) < _SCRIBBLED * along:
         return None
@@ -123,13 +123,13 @@ def _line_as_blob(line: np.ndarray, width: float, label: str, figure: Figure) ->
 
 
 def _side(pieces: list[np.ndarray]) -> float:
-    """How many pixels the longer side of the mask of an area should have."""
+    """The number of pixels for the longer side of an area's mask."""
     extent = float(np.ptp(np.concatenate(pieces), axis=0).max())
     return min(max(_FINE * extent / max(_width(pieces), 1e-9), _MASK_SIDE[0]), _MASK_SIDE[1])
 
 
 def _width(pieces: list[np.ndarray]) -> float:
-    """How wide a long area is: twice its area by its outline; the smaller pieces are holes in the largest."""
+    """The width of a long area: twice its area over its outline; the smaller pieces are holes in the largest."""
     steps = [(piece, np.roll(piece, -1, axis=0)) for piece in pieces]
     areas = [abs(float(np.sum(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]))) / 2 for a, b in steps]
     outline = sum(float(np.linalg.norm(b - a, axis=1).sum()) for a, b in steps)
@@ -139,7 +139,7 @@ def _width(pieces: list[np.ndarray]) -> float:
 def _area(
     pieces: list[np.ndarray], figure: Figure, label: str, frame: SketchFrame, share: float
 ) -> Iterator[Blob | Stroke]:
-    """What a filled area is."""
+    """The shapes of a filled area."""
     points = np.concatenate(pieces)
     low, extent = points.min(axis=0), np.ptp(points, axis=0)
     side = max(min(share * _side(pieces), _MASK_CROSSINGS / len(points)), _COARSEST)
@@ -158,8 +158,9 @@ def _area(
 
 
 def _turns(lines: list[np.ndarray], height: int, width: int) -> np.ndarray:
-    """How often closed lines [N, 2] (right, down) run around the middle of each pixel, f64 [H, W]: one way > 0, the
-    other < 0. The middles of a row cross the edges that go up or down there; a crossing counts for all on its right."""
+    """The winding number of closed lines [N, 2] (right, down) around the centre of each pixel, f64 [H, W]: one way > 0,
+    the other < 0. The centres of a row cross the edges that go up or down there; a crossing counts for all on its
+    right."""
     begins = np.concatenate(lines)
     steps = np.concatenate([np.roll(line, -1, axis=0) for line in lines]) - begins
     rows = np.ceil([begins[:, 1], begins[:, 1] + steps[:, 1]]).astype(int)

@@ -1,4 +1,4 @@
-"""A sketch from above, painted or of named shapes, becomes a layout; up on the sheet is the ego vehicle's way ahead."""
+"""A sketch from above, painted or of named shapes, becomes a layout; up on the sheet is ahead of the ego vehicle."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.road_surfaces import terrain
 from lidardraft.semantics import BY_NAME, GROUND
 
-_EXTENT = 200.0  # m of terrain to each side, or what the sketch needs
+_EXTENT = 200.0  # m of terrain to each side, or more for a larger sketch
 _MOST_OBJECTS = 20_000
-_MOST_PIXELS = 2**25  # of a picture, of which there are several copies at once
-_MOST_LINES = 40  # of what was ignored
+_MOST_PIXELS = 2**25  # of a picture; several copies of it are in memory at once
+_MOST_LINES = 40  # on ignored content
 
 
 def layout_from_sketch(
@@ -47,15 +47,15 @@ def layout_from_sketch(
 ) -> Layout:
     """The layout of a sketch: the path of a picture (PNG, JPEG, WebP) or of an .svg file, or pixels u8 [H, W, 3].
 
-    In a picture the colours of `semantics.CLASSES` say the classes, white is paper, pure green marks the ego vehicle
-    and black is a scale bar, `scale_bar` [m] long. In an SVG file names of shapes or of the groups that they are in say
-    the classes, or else these colours; "ego" is the ego vehicle and "scale 10 m" the scale. `metres_per_pixel` takes
-    the place of a scale. Without a mark the ego vehicle is in the middle.
+    In a picture the colours of `semantics.CLASSES` give the classes, white is paper, pure green marks the ego vehicle
+    and black is a scale bar, `scale_bar` [m] long. In an SVG file the names of shapes or of their groups give the
+    classes, or else these colours; "ego" is the ego vehicle and "scale 10 m" the scale. `metres_per_pixel` replaces a
+    scale. Without a mark the ego vehicle is in the middle.
 
-    What a view from above leaves open, such as heights, is drawn at random from `seed`. `layout.provenance` says in
-    "understood" how many objects of which kind there are, and `layout.notes` what was left out.
+    Values that a view from above leaves open, such as heights, are drawn at random from `seed`. `layout.provenance`
+    lists in "understood" the number of objects of each kind; `layout.notes` list the omissions.
 
-    Raises `FormatError` where the file is broken, `LayoutError` where it has no scale or shows nothing.
+    Raises `FormatError` if the file is broken, `LayoutError` if it has no scale or shows nothing.
     """
     check_type("sketch", sketch, np.ndarray, str, os.PathLike)
     for name, value in (("metres_per_pixel", metres_per_pixel), ("scale_bar", scale_bar)):
@@ -81,7 +81,7 @@ def _painting(pixels: np.ndarray, metres_per_pixel: float | None, scale_bar: flo
 
 
 def _on_paper(path: Path) -> np.ndarray:
-    """The pixels u8 [H, W, 3] of a picture; what is transparent is paper."""
+    """The pixels u8 [H, W, 3] of a picture; transparent ones are paper."""
     from PIL import Image
 
     image = opened_picture(path)
@@ -137,7 +137,7 @@ def _objects(sketch: Sketch, surfaces: list[DrawnSurface], rng: np.random.Genera
 
 
 def _reach(sketch: Sketch) -> float:
-    """How far the terrain goes to each side [m]."""
+    """The reach of the terrain to each side [m]."""
     places = [blob.center for blob in sketch.blobs] + [stroke.line for stroke in sketch.strokes]
     return max(_EXTENT, max(float(np.abs(place).max()) for place in places) + 50.0)
 
@@ -153,7 +153,7 @@ def _standing(
 
 
 def _shortened(lines: list[str]) -> list[str]:
-    """The lines, the last of which says how many there are beyond what anyone reads."""
+    """The lines up to a limit, and a last one with the number of further ones."""
     if len(lines) <= _MOST_LINES:
         return lines
     return [*lines[:_MOST_LINES], f"and {len(lines) - _MOST_LINES} more"]

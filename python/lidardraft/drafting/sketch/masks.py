@@ -1,6 +1,6 @@
-"""A piece of a sketch, as a mask of pixels, is a blob, or strokes that touch and cross: middle lines with widths.
+"""A piece of a sketch, as a mask of pixels, is a blob, or strokes that touch and cross: centre lines with widths.
 
-Places of middle lines are (down, right) in pixels.
+Places on centre lines are (down, right) in pixels.
 """
 
 from __future__ import annotations
@@ -16,31 +16,31 @@ from lidardraft.drafting.sketch.shapes import Blob, SketchFrame, Stroke, resampl
 from lidardraft.errors import FormatError
 from lidardraft.semantics import GROUND
 
-STROKE_CLASSES = ("road", "sidewalk", "wall", "fence", "vegetation")  # which come as strokes, and as blobs too
-_SLENDER = 2.5  # times as long as wide: a stroke
-_NARROW = 0.5  # of the width of an area: a strip that is narrower leads to it
-_ARM = 0.4  # of the square of that: what is smaller is a corner
-_NEARLY_SQUARE = 1.3  # times as long as wide: moments no longer tell the direction well
+STROKE_CLASSES = ("road", "sidewalk", "wall", "fence", "vegetation")  # drawn as strokes, or as blobs
+_SLENDER = 2.5  # times as long as wide: the least of a stroke
+_NARROW = 0.5  # of the width of an area: a narrower strip is an arm that leads to it
+_ARM = 0.4  # of the square of that: a smaller piece is a corner
+_NEARLY_SQUARE = 1.3  # times as long as wide: below, moments give no reliable direction
 _THICK = 5.0  # pixels from the middle of a stroke to its edge: thicker ones are thinned in a coarser image
-_SPUR = 1.7  # times the half width: shorter ends grow out of bumps of the outline, or into corners of an end
-_BEND = math.radians(40)  # lines that go on through a junction turn by less
-_OVERLAP = 0.75  # of the half width of a stroke: there others end that meet it, so that no gap is left
-_BUMP = 3.0  # times the half width: bumps and bites of the outline that are as long are no bends
+_SPUR = 1.7  # times the half width: shorter ends come from bumps of the outline, or from corners of an end
+_BEND = math.radians(40)  # the limit for the turn of a line through a junction
+_OVERLAP = 0.75  # of the half width of a stroke: strokes that meet it end here, without a gap
+_BUMP = 3.0  # times the half width: bumps and bites of the outline up to this length are not bends
 _RAY_STEP = 0.5  # pixels: rays to both edges end half a step beyond them on average
 _MOST_PIXELS = 60_000  # of all middle lines of a mask
-_MOST_BRANCHES = 2000  # of a mask, between places where strokes meet
+_MOST_BRANCHES = 2000  # of a mask, between junctions of strokes
 _EIGHT = np.ones((3, 3), dtype=bool)
-# Around a pixel, from above it on clockwise: down and right.
+# Around a pixel, clockwise from above: down and right.
 _AROUND = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))
 
 
-Joined = dict[tuple[int, int], tuple[int, int]]  # which end (branch, 0 or 1) goes on in which
+Joined = dict[tuple[int, int], tuple[int, int]]  # from an end (branch, 0 or 1) to the one that continues it
 
 
 def shapes_of_mask(
     mask: np.ndarray, frame: SketchFrame, label: str, names: tuple[str, ...], where: str
 ) -> Iterator[Blob | Stroke]:
-    """What a mask bool [H, W] shows, whose pixel 0, 0 lies at 0, 0 of the frame. Outlines of objects are filled."""
+    """The shapes in a mask bool [H, W], whose pixel 0, 0 is at 0, 0 of the frame. Outlines of objects are filled."""
     if label not in STROKE_CLASSES:
         mask = ndimage.binary_fill_holes(mask)
     slender = label in STROKE_CLASSES and _is_slender(mask)
@@ -64,7 +64,7 @@ def _is_slender(mask: np.ndarray) -> bool:
 
 
 def _without_arms(mask: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
-    """An area bool [H, W] without the narrow strips that lead to it, as to a parking lot, and these strips."""
+    """An area bool [H, W] without the narrow strips that lead to it, as to a car park, and these strips."""
     padded = np.pad(mask, 1)
     depth = ndimage.distance_transform_edt(padded)
     reach = _NARROW * float(depth.max())
@@ -76,13 +76,13 @@ def _without_arms(mask: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
 
 
 def _rectangle(points: np.ndarray, grain: float) -> tuple[np.ndarray, float, float, float]:
-    """Centre [2], length, width and yaw of the rectangle that has the moments of pixels at `points` [N, 2].
+    """Centre [2], length, width and yaw of the rectangle with the same moments as pixels at `points` [N, 2].
 
-    A rectangle of length L has the variance L^2 / 12 along it; wobbles of an outline hardly move that.
+    A rectangle of length L has the variance L^2 / 12 along it, which wobbles of an outline hardly change.
     """
     center = points.mean(axis=0)
     off = points - center
-    # a pixel is a square, and no point: its own variance is a twelfth
+    # a pixel is a square, not a point: its own variance is a twelfth
     covariance = off.T @ off / len(off) + np.eye(2) * grain**2 / 12
     values, vectors = np.linalg.eigh(covariance)
     yaw = math.atan2(vectors[1, 1], vectors[0, 1])
@@ -96,8 +96,8 @@ def _rectangle(points: np.ndarray, grain: float) -> tuple[np.ndarray, float, flo
 
 
 def _tightest_yaw(off: np.ndarray) -> float:
-    """The heading of the smallest rectangle around pixels, row by row, to a degree."""
-    rows = np.flatnonzero(np.diff(off[:, 0]))  # where the next one begins: no pixel is further out than its ends
+    """The heading of the smallest rectangle around pixels, given row by row, to a degree."""
+    rows = np.flatnonzero(np.diff(off[:, 0]))  # the starts of the next rows: the ends of a row are its outermost pixels
     corners = off[[0, *rows, *rows + 1, -1]]
     headings = np.deg2rad(np.arange(90.0))
     along = corners @ np.stack([np.cos(headings), np.sin(headings)])
@@ -107,7 +107,7 @@ def _tightest_yaw(off: np.ndarray) -> float:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CentreLine:
-    """Points f64 [N, 2] of the middle of a stroke, and its width [pixels]; a closed one ends where it begins."""
+    """Points f64 [N, 2] of the middle of a stroke, and its width [pixels]; a closed one ends at its start."""
 
     points: np.ndarray
     width: float
@@ -116,7 +116,7 @@ class CentreLine:
 
 @dataclass(slots=True, eq=False)
 class _Branch:
-    """Points from one node to another; a node is None where the stroke ends freely."""
+    """Points from one node to another; a node is None at a free end of the stroke."""
 
     points: np.ndarray
     nodes: list[int | None]
@@ -135,7 +135,7 @@ class _Graph:
     halves: dict[int, float]
 
     def met_at(self, number: int, end: int) -> int | None:
-        """The node at an end of a branch, if others meet it there."""
+        """The node at an end of a branch, if other branches meet it there."""
         node = self.branches[number].nodes[end]
         return node if node is not None and len(self.ends_at(node)) > 1 else None
 
@@ -144,15 +144,15 @@ class _Graph:
 
 
 def centre_lines(mask: np.ndarray) -> Iterator[CentreLine]:
-    """The strokes of a mask bool [H, W] that is one piece. Where several meet, the one that goes on straight is whole,
-    and the others end at its edge. Raises `FormatError` where there are too many."""
+    """The strokes of a mask bool [H, W] of one piece. At a junction, the stroke that goes straight on is whole, and the
+    others end at its edge. Raises `FormatError` if there are too many."""
     depth = ndimage.distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
     step = max(1, int(depth.max() / _THICK))
     coarse = mask
     if step > 1:
         share = ndimage.uniform_filter(mask.astype(np.float32), step, mode="constant")
         coarse = share[step // 2 :: step, step // 2 :: step] > 0.5
-        depth = ndimage.maximum_filter(depth, step + 1)  # a coarse line is up to half a step beside the middle
+        depth = ndimage.maximum_filter(depth, step + 1)  # a coarse line is up to half a step off the middle
     graph = _graph(thinned(coarse), step, step // 2, depth)
     _prune(graph, step)
     _join_near_nodes(graph)
@@ -161,9 +161,9 @@ def centre_lines(mask: np.ndarray) -> Iterator[CentreLine]:
 
 
 def _recentred(mask: np.ndarray, points: np.ndarray, closed: bool, half: float) -> CentreLine:
-    """The line through the middle between both edges of the mask, which thinning finds to a step only.
+    """The line in the middle between both edges of the mask, which thinning finds only to within a step.
 
-    Bumps and bites, as of cars that stood on the edge of a road, are shorter than the window of the median.
+    Bumps and bites, as of cars at the edge of a road, are shorter than the window of the median.
     """
     raw, spacing = resampled(points, max(1.0, half / 3))
     line = smooth(raw, min(3.0, len(raw) / 6), closed)
@@ -176,7 +176,7 @@ def _recentred(mask: np.ndarray, points: np.ndarray, closed: bool, half: float) 
         rays = line[:, None] + side * away[:, None] * aside[:, None]
         inside = _at(np.pad(mask, 1), rays.reshape(-1, 2) + 1).reshape(rays.shape[:2])
         reaches.append(away[np.argmin(inside, axis=1)])
-        between &= ~inside.all(axis=1)  # and not into another stroke, where two meet
+        between &= ~inside.all(axis=1)  # and not into another stroke at a junction
     if not between.any():
         return CentreLine(line, 2.0 * half, closed)
     known, places = np.flatnonzero(between), np.arange(len(line))
@@ -240,7 +240,7 @@ def _walked(pixels: np.ndarray) -> np.ndarray:
 
 
 def _prune(graph: _Graph, step: int) -> None:
-    """Take away the ends that are no strokes; what they grew out of stays."""
+    """Remove the ends that are not strokes; the line that they branch from stays."""
     while True:
         spurs = []
         for number, branch in graph.branches.items():
@@ -253,7 +253,7 @@ def _prune(graph: _Graph, step: int) -> None:
 
 
 def _join_near_nodes(graph: _Graph) -> None:
-    """Two nodes of one crossing, a short branch apart, become one."""
+    """Merge two nodes of one crossing, a short branch apart."""
     for number, branch in list(graph.branches.items()):
         first, second = branch.nodes
         if first is None or second is None or branch.length > max(graph.halves[first], graph.halves[second]):
@@ -268,7 +268,7 @@ def _join_near_nodes(graph: _Graph) -> None:
 
 
 def _through_lines(graph: _Graph, depth: np.ndarray) -> Iterator[tuple[np.ndarray, bool]]:
-    """The branches, joined where they go on through a node, and whether they are closed."""
+    """The branches, joined if they go on through a node, and whether they are closed."""
     joined: Joined = {}
     for node in graph.middles:
         if pair := _straightest(graph, node):
@@ -310,7 +310,7 @@ def _straightest(graph: _Graph, node: int) -> tuple[tuple[int, int], tuple[int, 
 
 
 def _direction(graph: _Graph, number: int, end: int, half: float) -> np.ndarray:
-    """The unit vector along a branch away from its end, further from the node than its surface is bent by it."""
+    """The unit vector along a branch away from its end, measured beyond the part that the node distorts."""
     points = graph.branches[number].points[:: 1 if end == 0 else -1]
     near, far = (_beyond(points, points[0], reach) for reach in (half, 4 * half))
     off = far - (near if np.any(far != near) else points[0])
@@ -319,15 +319,15 @@ def _direction(graph: _Graph, number: int, end: int, half: float) -> np.ndarray:
 
 
 def _beyond(points: np.ndarray, place: np.ndarray, reach: float) -> np.ndarray:
-    """The first of points [N, 2] that is as far from a place [2], or the one that is furthest."""
+    """The first of points [N, 2] at least `reach` from a place [2], or the furthest one."""
     away = np.linalg.norm(points - place, axis=1)
     first: np.ndarray = points[np.argmax(away >= min(reach, away.max()))]
     return first
 
 
 def _trimmed(graph: _Graph, number: int, joined: Joined, depth: np.ndarray) -> np.ndarray:
-    """The points of a branch without those at its nodes, where the lines of several strokes pull at each other; it ends
-    at the edge of a stroke that goes on there."""
+    """The points of a branch without those at its nodes, which other strokes distort; it ends at the edge of a stroke
+    that goes on there."""
     branch = graph.branches[number]
     keep = np.ones(len(branch.points), dtype=bool)
     met = [graph.met_at(number, end) for end in (0, 1)]
@@ -346,9 +346,10 @@ def _trimmed(graph: _Graph, number: int, joined: Joined, depth: np.ndarray) -> n
 def _edge_of(
     graph: _Graph, node: int, through: list[tuple[int, int]], beside: np.ndarray, depth: np.ndarray
 ) -> np.ndarray:
-    """Where a line from `beside` [2] meets the stroke that goes on through a node, within its edge.
+    """The point at which a line from `beside` [2] meets the stroke that goes on through a node, within its edge.
 
-    The stroke runs between its parts on both sides of the node, whose own middle is drawn towards what meets there.
+    The stroke is taken between its parts on both sides of the node, whose own middle is pulled towards the strokes that
+    meet there.
     """
     half = float(np.mean([np.median(_at(depth, graph.branches[number].points)) for number, _ in through]))
     lines = [graph.branches[number].points[:: -1 if end else 1] for number, end in through]
@@ -364,7 +365,7 @@ def _edge_of(
 def _lengthened(
     points: np.ndarray, begin: tuple[int, int], last: tuple[int, int], graph: _Graph, depth: np.ndarray
 ) -> np.ndarray:
-    """The line with its free ends moved out to where the mask ends, from which thinning draws them in."""
+    """The line with its free ends extended to the edge of the mask, from which thinning pulls them in."""
     ends = []
     for (number, end), row in ((begin, points), ((last[0], 1 - last[1]), points[::-1])):
         half = float(_at(depth, row[:1])[0])
@@ -393,18 +394,18 @@ def thinned(mask: np.ndarray) -> np.ndarray:
 
 
 def branch_points(thin: np.ndarray) -> np.ndarray:
-    """Where lines of one pixel meet, bool [H, W]."""
+    """The junctions of lines one pixel wide, bool [H, W]."""
     meeting: np.ndarray = thin & (how_many(around(np.pad(thin, 1))) >= 3)
     return meeting
 
 
 def around(padded: np.ndarray) -> list[np.ndarray]:
-    """What is above each pixel [H, W], and on clockwise: views of the image with an edge [H + 2, W + 2]."""
+    """The neighbours of each pixel [H, W], clockwise from above: views of the image with an edge [H + 2, W + 2]."""
     height, width = padded.shape[0] - 2, padded.shape[1] - 2
     return [padded[1 + down :, 1 + right :][:height, :width] for down, right in _AROUND]
 
 
 def how_many(masks: Iterable[np.ndarray]) -> np.ndarray:
-    """How many of some masks [H, W] are set, u8 [H, W]."""
+    """The number of masks [H, W] that are set at each pixel, u8 [H, W]."""
     count: np.ndarray = sum(mask.view(np.uint8) for mask in masks)  # type: ignore[assignment]
     return count

@@ -1,6 +1,6 @@
-"""Blobs become objects, and strokes of plants and walls rows of parts: in the places, sizes and turns that were drawn.
+"""Blobs become objects, and strokes of plants and walls rows of parts, with the places, sizes and turns of the drawing.
 
-What a view from above does not say, heights above all, is drawn at random from the sizes of `SENTENCE_KINDS`.
+Values that a view from above does not give, heights above all, are drawn at random from the sizes of `SENTENCE_KINDS`.
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ from lidardraft.scene import class_names
 from lidardraft.scene.check import SIZE_RANGES
 from lidardraft.scene.pose import point_at
 
-# The kind that a class stands for where neither a name nor a size says it, unless it has the name of the class.
+# The kind of a class if neither a name nor a size gives it, unless it has the name of the class.
 _USUAL_KIND = {"building": "house", "vegetation": "tree", "trunk": "tree", "rider": "bicycle"}
 _USUAL_KIND |= {"train": "tram", "other": "bin"}
 _BUSH = 2.3  # m across, at most
 _LONGEST_CAR = 4.7  # m; a longer one is a van, between the sizes of both, and a still longer one a row of cars
-_AS_DRAWN = ("building", "vegetation", "wall", "fence")  # classes whose footprints are as large as they are drawn
-_LEAST = 0.6  # of the smallest extent of a class: what is drawn smaller is a mark, and has the usual size
-_LARGEST_MARK = 8.0  # m across, of what stands for a person, a pole or a sign
-_MOST_AREAS = 4.0  # times the largest footprint of a vehicle: no vehicle
-_GAP = 1.0  # m between vehicles that were drawn as one stroke; an estimate
+_AS_DRAWN = ("building", "vegetation", "wall", "fence")  # classes with footprints as large as drawn
+_LEAST = 0.6  # of the smallest extent of a class: a smaller drawing is a mark of an object of usual size
+_LARGEST_MARK = 8.0  # m across, of a mark for a person, a pole or a sign
+_MOST_AREAS = 4.0  # times the largest footprint of a vehicle: the limit of a blob
+_GAP = 1.0  # m between vehicles drawn as one stroke; an estimate
 _ROUND = 2 / math.sqrt(3)  # diameters of a disc to a side of the square with the same moments
 _CROWN = (1.0, 14.0)  # m across; wider vegetation is several trees
 _STAND_CROWN = 6.0  # m across, of the trees of a stand
 _TREE_HEIGHT = (4.0, 16.0)  # m
-_HEIGHT_PER_CROWN = 1.9  # the middle of what `SENTENCE_KINDS` says of trees
+_HEIGHT_PER_CROWN = 1.9  # the middle of the range in `SENTENCE_KINDS`
 _WIDEST_HEDGE = 2.2  # m; a wider stroke of vegetation is a row of trees
 _TREE_SPACING = 1.15  # crowns from one tree of a row to the next
-_CORNER = 0.4  # m that a hedge, fence or wall may be beside its stroke
+_CORNER = 0.4  # m, the largest distance of a hedge, fence or wall from its stroke
 _SHORTEST_PART = 0.05  # m
 _MOST_PARTS = 2_000  # of one stroke or stand
 
@@ -51,11 +51,11 @@ Placed = tuple[str, list[tuple[CoarseShape, float]], np.ndarray]  # kind, parts 
 
 
 class NotDrawnError(Exception):
-    """A shape that stands for no object; says why."""
+    """A shape that stands for no object; gives the reason."""
 
 
 def kind_of(blob: Blob) -> SentenceKind:
-    """The kind of object that a blob stands for: what its names say, or else its class and size."""
+    """The kind of object of a blob: from its names, or else from its class and size."""
     if name := class_names.kind_of(blob.names, blob.label):
         return SENTENCE_KINDS[name]
     if blob.label == "vegetation" and math.sqrt(blob.length * blob.width) < _BUSH:
@@ -70,7 +70,7 @@ def kind_of(blob: Blob) -> SentenceKind:
 
 
 def objects_of_blob(blob: Blob, yaw: float, rng: np.random.Generator) -> Iterator[Placed]:
-    """The objects that a blob stands for, headed for `yaw` [rad]: one, or a row of vehicles, or a stand of trees."""
+    """The objects of a blob with heading `yaw` [rad]: one, or a row of vehicles, or a stand of trees."""
     kind = kind_of(blob)
     if blob.label in ("wall", "fence"):
         yield _placed(kind.name, _resized(kind, (blob.length, _thickness(kind, blob.width)), rng), blob.center, yaw)
@@ -91,7 +91,7 @@ def objects_of_blob(blob: Blob, yaw: float, rng: np.random.Generator) -> Iterato
 
 
 def objects_of_stroke(stroke: Stroke, rng: np.random.Generator) -> Iterator[Placed]:
-    """A hedge, wall or fence along a stroke, or a row of trees where it is wide."""
+    """A hedge, wall or fence along a stroke, or a row of trees along a wide one."""
     name = stroke.label
     if name == "vegetation":
         name = class_names.kind_of(stroke.names, name) or ("hedge" if stroke.width <= _WIDEST_HEDGE else "tree")
@@ -176,20 +176,20 @@ def _even(stroke: Stroke) -> np.ndarray:
 
 
 def _thickness(kind: SentenceKind, width: float) -> float:
-    """That of a strip that is drawn so wide [m]; a finer line is a mark."""
+    """The thickness of a strip drawn with this width [m]; a finer line is a mark."""
     assert kind.sizes is not None
     return max(width, kind.sizes.smallest[1])
 
 
 def _resized(kind: SentenceKind, footprint: tuple[float, float], rng: np.random.Generator) -> list[CoarseShape]:
-    """The parts of an object of that footprint (length, width) [m], as high as one of its kind."""
+    """The parts of an object with that footprint (length, width) [m] and the height of one of its kind."""
     parts = kind.sample_parts(rng, parked=True)
     size = extents(parts)
     return resized(parts, (footprint[0] / size[0], footprint[1] / size[1], 1.0))
 
 
 def _cornered(line: np.ndarray, tolerance: float) -> np.ndarray:
-    """The corners of a line [N, 2] that leaves none of its points further away than a tolerance [m].
+    """The corners of a line [N, 2] within a tolerance [m] of all of its points.
 
     Douglas and Peucker, "Algorithms for the reduction of the number of points required to represent a digitized line",
     Cartographica 1973.

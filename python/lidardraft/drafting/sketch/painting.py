@@ -1,4 +1,4 @@
-"""A painted sketch, a colour for each class, becomes blobs and strokes, whatever a brush or a JPEG file does to it."""
+"""A painted sketch, a colour for each class, becomes blobs and strokes, despite the effects of brushes and JPEG."""
 
 from __future__ import annotations
 
@@ -17,41 +17,41 @@ from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES
 
 Colour = tuple[int, int, int]
 _WHITE: Colour = (255, 255, 255)
-PAPER, EGO, BAR, UNKNOWN = 0, NUM_CLASSES, NUM_CLASSES + 1, NUM_CLASSES + 2  # beside the ids of classes
+PAPER, EGO, BAR, UNKNOWN = 0, NUM_CLASSES, NUM_CLASSES + 1, NUM_CLASSES + 2  # in addition to the ids of classes
 _OTHER_COLOURS = ((0, 255, 0), (0, 0, 0))  # of the ego vehicle and of the scale bar; the paper is white
 PALETTE = np.array([(255, 255, 255), *(row.colour for row in CLASSES[1:]), *_OTHER_COLOURS], dtype=np.float32)
 _FURTHEST_COLOUR = 45.0  # from a colour of the palette, in RGB: noise of JPEG files and brushes
 _BITS = 5  # of each channel, of the table of colours
 _MIXED = 30.0  # from the line between two colours, in RGB
-_DIFFERENT = 60.0  # colours closer than this have no edge between them that could look like a third
+_DIFFERENT = 60.0  # an edge between colours closer than this cannot look like a third
 _REACH = 3  # pixels that an edge is blurred over, to either side
 _DARK = 96  # of 255: on paper darker than this, the scale bar is white
 _LIGHT, _GREY = 180, 30  # of 255: paper is as light, or differs as little from grey
-_MOST_PAPER = 0.4  # of the pixels along the edges have one colour if it is that of the paper
+_MOST_PAPER = 0.4  # the least share of the paper's colour among the pixels along the edges
 _MOST_REPORTED, _LEAST_REPORTED = 8, 0.002  # colours without a class, and the share of the pixels that each has
 _LEAST_PAPER = 0.15  # of all pixels
-_SAME = 2 ** (8 - _BITS)  # in each channel: a colour that the table does not tell from another
-_SUPPORTED = 5  # of the eight pixels around, of the same class: no edge
-_MOST_PIXELS = 1_000_000  # of a sketch that is read whole; of a larger one every second pixel, every third, ...
+_SAME = 2 ** (8 - _BITS)  # in each channel: colours closer than this are one in the table
+_SUPPORTED = 5  # of the eight neighbours of the same class: the least away from an edge
+_MOST_PIXELS = 1_000_000  # of a sketch read whole; of a larger one every second pixel is read, every third, ...
 _SPECK = 8  # pixels; a smaller piece is noise
 _NARROWEST = 1.0  # m, of a sketch
 _LEAST_GROUND = 1.0  # m^2 of road or sidewalk
-_MOST_UNKNOWN = 0.5  # of the pixels may have no class
+_MOST_UNKNOWN = 0.5  # the largest share of pixels without a class
 _ROAD = BY_NAME["road"].id
-_MARKING = 0.8  # m, as wide as a stripe of a crossing may be
-_BAR_FILLED, _BAR_SLENDER = 0.6, 3.0  # of the rectangle around it, and times as long as wide
+_MARKING = 0.8  # m, the largest width of a stripe of a crossing
+_BAR_FILLED, _BAR_SLENDER = 0.6, 3.0  # the least share of the rectangle around it, and times as long as wide
 _GROUND = [BY_NAME[name].id for name in GROUND]
 _MOVERS = [EGO, *(row.id for row in CLASSES if row.is_thing)]
-_DRIVEN = 2.5  # m further away than paper, a road still goes on under a vehicle
-# Colours that differ by less than noise: a piece is what most of it is nearer to.
+_DRIVEN = 2.5  # m: a road goes on under a vehicle even if it is this much further than paper
+# Colours that differ by less than noise: a piece gets the class nearest to most of it.
 _ALIKE = {BY_NAME["train"].id: BY_NAME["bus"].id}
 
 
 def read_painting(pixels: np.ndarray, metres_per_pixel: float | None, scale_bar: float | None) -> Sketch:
     """The shapes of pixels u8 [H, W, 3].
 
-    A metre is given by `metres_per_pixel`, or by a black bar that is `scale_bar` [m] long. The ego vehicle is where
-    pure green is, or else in the middle.
+    The scale is `metres_per_pixel`, or that of a black bar `scale_bar` [m] long. The ego vehicle is at pure green, or
+    else in the middle.
     """
     height, width = pixels.shape[:2]
     step = max(1, math.ceil(math.sqrt(height * width / _MOST_PIXELS)))
@@ -97,7 +97,7 @@ def _scale_of_bar(found: np.ndarray, length: float | None) -> float:
 
 
 def _without_markings(found: np.ndarray, scale: float) -> np.ndarray:
-    """Classes [H, W] where narrow lines of paper on a road, such as lane markings and crossings, are road."""
+    """Classes [H, W] with narrow lines of paper on a road, such as lane markings and crossings, turned into road."""
     road, reach = np.pad(found == _ROAD, 1, mode="edge"), _MARKING / 2 / scale
     if reach < 1 or not road.any():
         return found
@@ -132,7 +132,7 @@ def _read_pieces(found: np.ndarray, pixels: np.ndarray, frame: SketchFrame, step
 
 
 def _ground(found: np.ndarray, reach: int) -> np.ndarray:
-    """What is under the objects: what is nearest, but under vehicles and people a road within some pixels more."""
+    """The ground under the objects: the nearest one, but under vehicles and people a road within some more pixels."""
     ground = filled(found, ~np.isin(found, [*_GROUND, PAPER]))
     movers = np.isin(found, _MOVERS)
     if not movers.any() or not (roads := np.isin(found, _GROUND)).any():
@@ -143,7 +143,7 @@ def _ground(found: np.ndarray, reach: int) -> np.ndarray:
 
 
 def _likely(name: str, colours: np.ndarray) -> str:
-    """The class of a piece among those of like colours."""
+    """The class of a piece among those of similar colours."""
     like = [name, *(CLASSES[other].name for other, one in _ALIKE.items() if CLASSES[one].name == name)]
     mean = colours.mean(axis=0)
     return min(like, key=lambda each: float(np.linalg.norm(mean - BY_NAME[each].colour)))
@@ -152,7 +152,7 @@ def _likely(name: str, colours: np.ndarray) -> str:
 def paper_of(pixels: np.ndarray) -> Colour:
     """The colour of the paper of pixels u8 [H, W, 3]: white, or that of most of its edges if it is light or grey.
 
-    The colour of a class is never taken for paper, as city blocks may reach the edges.
+    The colour of a class is never paper, as city blocks may reach the edges.
     """
     edges = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
     count, colour = next(_commonest(edges))
@@ -187,7 +187,7 @@ def _table(paper: Colour) -> np.ndarray:
 
 
 def nearest_colour(colours: np.ndarray, palette: np.ndarray = PALETTE) -> tuple[np.ndarray, np.ndarray]:
-    """How far [...] from the nearest colour of a palette some colours [..., 3] are, and which that is."""
+    """The distance [...] of colours [..., 3] from the nearest colour of a palette, and its index."""
     distance = np.linalg.norm(colours[..., None, :].astype(np.float32) - palette, axis=-1)
     return distance.min(axis=-1), distance.argmin(axis=-1)
 
@@ -195,7 +195,7 @@ def nearest_colour(colours: np.ndarray, palette: np.ndarray = PALETTE) -> tuple[
 def classes_of_pixels(pixels: np.ndarray, paper: Colour = _WHITE) -> np.ndarray:
     """u8 [H, W] of pixels u8 [H, W, 3] on some paper: class ids, or `PAPER`, `EGO`, `BAR` or `UNKNOWN`.
 
-    What lies at an edge between two colours and is a mixture of them becomes the one that it is more of.
+    A pixel at an edge that mixes two colours gets the one that dominates.
     """
     short = pixels >> (8 - _BITS)
     codes = (short[..., 0].astype(np.uint16) << 2 * _BITS) | (short[..., 1].astype(np.uint16) << _BITS) | short[..., 2]
@@ -207,7 +207,7 @@ def classes_of_pixels(pixels: np.ndarray, paper: Colour = _WHITE) -> np.ndarray:
 
 
 def _at_edges(found: np.ndarray) -> np.ndarray:
-    """Where most of the eight pixels around are of another class, bool [H, W]."""
+    """Whether most of the eight neighbours are of another class, bool [H, W]."""
     near = around(np.pad(found, 1, mode="edge"))
     alone: np.ndarray = how_many(each == found for each in near) < _SUPPORTED
     return alone
@@ -216,7 +216,7 @@ def _at_edges(found: np.ndarray) -> np.ndarray:
 def _unmixed(
     pixels: np.ndarray, found: np.ndarray, down: np.ndarray, right: np.ndarray, palette: np.ndarray
 ) -> np.ndarray:
-    """The classes of some pixels: of those that are a mixture of what is on both sides of them, that of a side."""
+    """The classes of some pixels; a mixture of the classes on both sides gets that of one side."""
     height, width = found.shape
     result, open_ = found[down, right], np.ones(len(down), dtype=bool)
     colours = pixels[down, right].astype(np.float32)
@@ -250,7 +250,7 @@ def unknown_colours(pixels: np.ndarray, found: np.ndarray) -> list[str]:
 
 
 def _commonest(pixels: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-    """How many of some pixels u8 [N, 3] have nearly one colour, and that [3]; the commonest one comes first."""
+    """The number of pixels u8 [N, 3] of nearly one colour, and that colour [3]; the commonest one first."""
     codes = (pixels >> (8 - _BITS)).astype(np.int64) @ [1, 2**_BITS, 4**_BITS]
     values, counts = np.unique(codes, return_counts=True)
     for index in np.argsort(-counts, kind="stable").tolist():
@@ -258,8 +258,8 @@ def _commonest(pixels: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
 
 
 def without_specks(found: np.ndarray, least: int) -> tuple[np.ndarray, int]:
-    """Classes u8 [H, W] where lines of one pixel, pieces of fewer than `least` and what has no class got the class of
-    the nearest other pixel; and how many pixels that were."""
+    """Classes u8 [H, W] in which lines of one pixel, pieces of fewer than `least` pixels and pixels without a class got
+    the class of the nearest other pixel; and the number of those pixels."""
     speck = np.ones(found.shape, dtype=bool)
     for value in np.unique(found[found != UNKNOWN]).tolist():
         pieces, _ = ndimage.label(ndimage.binary_opening(found == value, np.ones((2, 2))), np.ones((3, 3)))
@@ -270,7 +270,7 @@ def without_specks(found: np.ndarray, least: int) -> tuple[np.ndarray, int]:
 
 
 def filled(found: np.ndarray, gone: np.ndarray) -> np.ndarray:
-    """`found` [H, W] with the value of the nearest pixel that stays where `gone`."""
+    """`found` [H, W] in which each pixel of `gone` has the value of the nearest remaining one."""
     if not gone.any():
         return found
     if gone.all():

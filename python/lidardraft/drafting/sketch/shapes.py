@@ -1,4 +1,4 @@
-"""What a sketch holds, whatever it was drawn with: blobs and strokes in metres; and how lines lose their wobble."""
+"""The content of a sketch of any source: blobs and strokes in metres; and the smoothing of lines."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ _MOST_POINTS = 10_000  # of a line
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Blob:
-    """A filled shape: the rectangle with the same centre [2], area and moments as it has, in the layout's frame.
+    """A filled shape: the rectangle with its centre [2], area and moments, in the layout's frame.
 
-    `label` is its class, `names` are what its author called it, `where` tells an author which shape it is. `yaw` is
-    that of its length; it is a heading if it `points`, else the object may as well look the other way.
+    `label` is its class, `names` are its author's names for it, `where` identifies the shape for the author. `yaw` is
+    that of its length. It is a heading if it `points`; else the object may face either way.
     """
 
     label: str
@@ -36,9 +36,9 @@ class Blob:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Stroke:
-    """A line [N, 2] of the layout's frame with a `width` [m]; the end of a closed one is its begin.
+    """A line [N, 2] of the layout's frame with a `width` [m]; a closed one ends at its start.
 
-    What is finer than `grain` [m] is no shape, but the pixels that it was painted with.
+    Details finer than `grain` [m] are pixels of the painting, not shape.
     """
 
     label: str
@@ -50,14 +50,14 @@ class Stroke:
     grain: float = 0.0
 
     def smoothed(self, sigma: float, step: float) -> np.ndarray:
-        """Points [N, 2] of its line every `step` [m], without what is shorter than some `sigma` [m]."""
+        """Points [N, 2] of its line every `step` [m], without details shorter than some `sigma` [m]."""
         line, spacing = resampled(self.line, step)
         return smooth(line, min(sigma / spacing, len(line) / 6), self.closed)
 
 
 @dataclass(slots=True, eq=False)
 class Sketch:
-    """Shapes of a sketch in the order in which they were found, a scale, and a line for all that was ignored."""
+    """Shapes of a sketch in the order in which they were found, a scale, and a line for each ignored item."""
 
     metres_per_unit: float
     ego_marked: bool
@@ -66,7 +66,7 @@ class Sketch:
     ignored: list[str] = field(default_factory=list)
 
     def add(self, shapes: Iterable[Blob | Stroke]) -> None:
-        """Put shapes to their like. Raises `FormatError` where there are too many."""
+        """Add shapes to their lists. Raises `FormatError` if there are too many."""
         for shape in shapes:
             if isinstance(shape, Blob):
                 self.blobs.append(shape)
@@ -78,7 +78,7 @@ class Sketch:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SketchFrame:
-    """Where the ego vehicle is on the sheet, right and down in its units, and how many metres a unit has."""
+    """The place of the ego vehicle on the sheet, right and down in its units, and the length of a unit in metres."""
 
     ego: np.ndarray
     metres_per_unit: float
@@ -90,7 +90,7 @@ class SketchFrame:
 
 
 def resampled(points: np.ndarray, step: float) -> tuple[np.ndarray, float]:
-    """At least four points along a polyline [N, 2], evenly apart by about a step; and how far that is."""
+    """At least four evenly spaced points along a polyline [N, 2], about `step` apart, and their spacing."""
     off = np.linalg.norm(np.diff(points, axis=0), axis=1)
     along = np.concatenate([[0.0], np.cumsum(off)])
     kept = np.concatenate([[True], off > 0])
@@ -101,22 +101,23 @@ def resampled(points: np.ndarray, step: float) -> tuple[np.ndarray, float]:
 
 
 def smooth(line: np.ndarray, deviation: float, closed: bool) -> np.ndarray:
-    """A line [N, 2] convolved with a Gaussian of a standard deviation in points; its ends stay in place."""
+    """A line [N, 2] convolved with a Gaussian, whose standard deviation is in points; its ends stay in place."""
     padded, more = _continued(line, math.ceil(4 * deviation), closed)
     wide = ndimage.gaussian_filter1d(padded, max(deviation, 1e-6), axis=0)
     return _ended(wide[more : more + len(line)], closed)
 
 
 def without_bumps(line: np.ndarray, window: int, closed: bool) -> np.ndarray:
-    """A line [N, 2] whose places are medians of an odd number of points: what is shorter than half of it is gone."""
+    """A line [N, 2] with each place the median of a window, an odd number of points: bumps shorter than half of it
+    vanish."""
     padded, more = _continued(line, window // 2, closed)
     wide = ndimage.median_filter(padded, size=(window, 1))
     return _ended(wide[more : more + len(line)], closed)
 
 
 def _continued(line: np.ndarray, more: int, closed: bool) -> tuple[np.ndarray, int]:
-    """The line with up to `more` points before and behind it, and their number: it goes round, or is turned about its
-    ends, so that these stay where they are."""
+    """The line with up to `more` points before and behind it, and their number: a closed line continues around, another
+    is turned about its ends, so that these stay in place."""
     more = min(len(line) - 1, more)
     if closed:
         ring = line[:-1]

@@ -1,4 +1,4 @@
-"""Roads and sidewalks of a sketch become surfaces, as `scene.road` makes them; objects look the way that they run."""
+"""Roads and sidewalks of a sketch become surfaces, as in `scene.road`; objects get headings along them."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from lidardraft.scene.layout import Primitive
 from lidardraft.scene.road import KERB_HEIGHT
 from lidardraft.scene.road_surfaces import profile_of, ribbon, slab
 
-_NARROWEST = {"road": 2.0, "sidewalk": 0.5}  # m; a thinner stroke is a middle line, and the road as wide as usual
+_NARROWEST = {"road": 2.0, "sidewalk": 0.5}  # m; a thinner stroke is a centre line of a road of usual width
 _USUAL = {"road": 7.0, "sidewalk": 2.0}  # m, two lanes of 3.5 m; as in `Road`
 _WIDEST = 60.0  # m
 _SHORTEST = 0.3  # m
-_STRAIGHT = 0.5, 0.12  # m, and of the width: how far a straight line wobbles in a hand
-_BENT = 0.35  # of the width, that the ends of a straight line may be off it, unless it goes on
+_STRAIGHT = 0.5, 0.12  # m, and of the width: the wobble of a straight line drawn by hand
+_BENT = 0.35  # of the width: the largest offset of the ends of a straight line, unless it goes on
 _GOES_ON = 3.0  # widths of straight line between the ends
 _STEP = 2.0  # m between the stations of a bend, as in `Road`
-_BESIDE = 12.0  # m from the edge of a road: what is nearer goes along it, is parked at it or faces it
-_ACROSS = math.radians(50)  # what is turned against a road by more does not go along it
+_BESIDE = 12.0  # m from the edge of a road: nearer objects drive along it, park beside it or face it
+_ACROSS = math.radians(50)  # an object turned further against a road does not go along it
 _FACING_ROAD = ("pole", "traffic-light", "traffic-sign")
-_WOBBLE = 0.5  # of the width: what is shorter along a stroke is wobble
+_WOBBLE = 0.5  # of the width: shorter details along a stroke are wobble
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DrawnSurface:
-    """A road or sidewalk `width` [m] wide along a middle line [N, 2], of two points where it is straight."""
+    """A road or sidewalk `width` [m] wide along a centre line [N, 2], of two points if it is straight."""
 
     label: str
     line: np.ndarray
@@ -48,8 +48,8 @@ class Nearest:
         self._squares = np.maximum((self._steps**2).sum(axis=1), 1e-12)
 
     def to(self, place: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:
-        """How far [m] a place [2] is from an edge, less than 0 on the surface; the way [2] to it from the middle line,
-        and the direction [2] there. Infinitely far where there is none."""
+        """The distance [m] of a place [2] from the nearest edge, negative on the surface; the offset [2] from the
+        centre line, and the direction [2] there. The distance is infinite without surfaces."""
         if not len(self._begins):
             return math.inf, np.zeros(2), np.array([1.0, 0.0])
         share = np.clip(((place - self._begins) * self._steps).sum(axis=1) / self._squares, 0.0, 1.0)
@@ -60,7 +60,7 @@ class Nearest:
 
 
 def drawn_surfaces(sketch: Sketch) -> list[DrawnSurface]:
-    """The roads and sidewalks of a sketch; a blob is one that is hardly longer than wide."""
+    """The roads and sidewalks of a sketch; one that is hardly longer than wide was drawn as a blob."""
     surfaces = []
     for stroke in sketch.strokes:
         if stroke.label in _USUAL:
@@ -86,15 +86,15 @@ def ground_primitives(surfaces: list[DrawnSurface]) -> Iterator[Primitive]:
 
 
 def height_at(walks: Nearest, place: np.ndarray) -> float:
-    """How high what stands at a place [2] stands over the road [m]: as high as a kerb on a sidewalk."""
+    """The height over the road [m] of an object at a place [2]: that of a kerb on a sidewalk, else 0."""
     return KERB_HEIGHT if walks.to(place)[0] < 0 else 0.0
 
 
 def heading(blob: Blob, roads: Nearest) -> float:
-    """The yaw of what a blob stands for: along its length, and forwards as right-hand traffic on the nearest road goes.
+    """The yaw of a blob's object: along its length, and forwards in right-hand traffic on the nearest road.
 
-    What does not lie along a road looks ahead rather than back. What has no length, such as a lamp or a sign, stands
-    as it does beside a road: its front to who comes, its right to the road if it is a pole.
+    Objects that are not along a road face ahead rather than back. Those without a length, such as a lamp or a sign,
+    stand as usual beside a road: facing oncoming traffic, or with the right to the road for a pole.
     """
     if blob.points:
         return blob.yaw
@@ -120,17 +120,17 @@ def _forwards(yaw: float, along: float) -> float:
 
 
 def _strip_width(stroke: Stroke) -> float:
-    """How wide a surface its stroke stands for [m]."""
+    """The width [m] of the surface of a stroke."""
     width = stroke.width if stroke.width >= _NARROWEST[stroke.label] else _USUAL[stroke.label]
     return min(width, _WIDEST)
 
 
 def _middle_line(stroke: Stroke) -> np.ndarray:
-    """The middle line [N, 2] of a surface: two points where it is straight but for the wobble of a hand."""
+    """The centre line [N, 2] of a surface: two points if it is straight except for the wobble of a hand."""
     width = _strip_width(stroke)
     line = stroke.smoothed(max(_WOBBLE * width, 1.5 * stroke.grain), _STEP)
     away = [np.linalg.norm(line - end, axis=1) > width for end in (line[0], line[-1])]
-    inner = line[away[0] & away[1]]  # a hand, and a junction, bend the ends
+    inner = line[away[0] & away[1]]  # hands and junctions bend the ends
     chord = _chord(inner if len(inner) > 2 else line)
     if stroke.closed or chord is None:
         return line
@@ -145,7 +145,7 @@ def _middle_line(stroke: Stroke) -> np.ndarray:
 
 
 def _chord(line: np.ndarray) -> tuple[np.ndarray, np.ndarray, float] | None:
-    """The middle and the direction of a line, and how far it is from straight [m]; None where it has no length."""
+    """The middle and the direction of a line, and its deviation from straight [m]; None if it has no length."""
     middle = line.mean(axis=0)
     off = line - middle
     ahead = np.linalg.eigh(off.T @ off)[1][:, 1]
@@ -156,7 +156,7 @@ def _chord(line: np.ndarray) -> tuple[np.ndarray, np.ndarray, float] | None:
 
 
 def _surface(label: str, line: np.ndarray, width: float, id: str) -> Primitive:
-    """The surface of a width [m] along a middle line [N, 2]: a plane or box if it is straight, else a mesh."""
+    """The surface of a width [m] along a centre line [N, 2]: a plane or box if it is straight, else a mesh."""
     top = KERB_HEIGHT if label == "sidewalk" else 0.0
     if len(line) == 2:
         (x, y), (dx, dy) = line.mean(axis=0).tolist(), (line[1] - line[0]).tolist()

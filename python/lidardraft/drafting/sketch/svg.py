@@ -1,4 +1,4 @@
-"""The shapes of an SVG file with what they are called and how they are painted, all in CSS pixels of the page.
+"""The shapes of an SVG file with their names and paint, all in CSS pixels of the page.
 
 As in the W3C's recommendation "Scalable Vector Graphics 1.1"; points are (right, down).
 """
@@ -24,12 +24,12 @@ from lidardraft.files import named
 
 _MOST_CHARACTERS, _MOST_ELEMENTS, _DEEPEST, _MOST_ATTRIBUTES = 2**24, 50_000, 100, 200
 _MOST_FIGURES = 1_500
-_MOST_USED = 10_000  # elements that <use> shows
+_MOST_USED = 10_000  # elements shown by <use>
 _MOST_COMMANDS = 30_000  # of all paths of a file
 _MOST_NUMBERS = 7 * _MOST_COMMANDS  # of one path or polygon
 _MOST_IGNORED = 200  # lines
 _LONGEST_NAME, _LONGEST_ATTRIBUTE, _LONGEST_SHEET = 200, 2_000, 200_000  # characters; <use> repeats a shape
-LARGEST = 1e7  # units; further away is no sketch
+LARGEST = 1e7  # units, the limit of a sketch
 
 _SHAPES = ("rect", "circle", "ellipse", "line", "polyline", "polygon", "path")
 _GROUPS = ("g", "a", "switch")
@@ -43,9 +43,9 @@ _PROPERTIES |= {"display", "opacity", "visibility"}
 _NAMES = ("data-name", "id", "class")  # Illustrator's name comes first, and Inkscape's label before it
 _SELECTOR = re.compile(r"[.#]?[\w-]+")
 _LIGHT = re.compile(r"light-dark\((.+),[^,()]+(?:\([^()]*\))?\)")  # of draw.io: a colour for light pages, one for dark
-# Pixels of CSS, of which an inch has 96.
+# Pixels of CSS; an inch has 96.
 _PIXELS = {"": 1.0, "px": 1.0, "in": 96.0, "cm": 96 / 2.54, "mm": 96 / 25.4, "pt": 96 / 72, "pc": 16.0, "q": 96 / 101.6}
-_EM = 16.0  # pixels, the size of letters where a file does not say it
+_EM = 16.0  # pixels, the size of letters if a file does not set it
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _LENGTH = re.compile(rf"\s*({_NUMBER})\s*([a-zA-Z%]*)\s*")
 _NUMBERS = re.compile(_NUMBER)
@@ -57,14 +57,14 @@ _BARE_POINT = re.compile(r"(?<=\d)\.(?!\d)")  # "5." is a number, but not to svg
 _ARC_STEP, _CURVE_STEPS = math.radians(10), 12
 
 Piece = tuple[np.ndarray, bool]  # points [N, 2], and whether it is closed
-Paint = tuple[int, int, int] | str  # "none"; "clear" where nothing shows; "" where nothing is said, or no plain colour
+Paint = tuple[int, int, int] | str  # "none"; "clear" if invisible; "" if unset, or not a plain colour
 Style = dict[str, str]  # properties; those of lengths in pixels
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Figure:
-    """One shape: its own names, those of the groups around it, the innermost first; its pieces, how they are painted,
-    and the width of its stroke. Holes follow from the direction of the pieces where `nonzero`, else from their number.
+    """One shape: its own names, those of the groups around it, the innermost first; its pieces, their paint, and the
+    width of its stroke. Holes follow from the direction of the pieces if `nonzero`, else from their number.
     """
 
     names: tuple[str, ...]
@@ -83,11 +83,11 @@ class Figure:
 
     @property
     def where(self) -> str:
-        """What messages call it."""
+        """Its name in messages."""
         return f"{self.tag} {self.names[0]!r}" if self.names else f"a {self.tag} without a name"
 
     def is_line(self, closed: bool) -> bool:
-        """Whether a piece is a line and no area: it has no fill, or is open and nobody asked for one."""
+        """Whether a piece is a line and not an area: it has no fill, or it is open and no fill is set."""
         if self.tag == "line" or self.fill in ("none", "clear"):
             return True
         return not closed and self.fill == "" and self.stroke not in ("none", "clear")
@@ -95,14 +95,14 @@ class Figure:
 
 @dataclass(slots=True, eq=False)
 class Page:
-    """All shapes of a file in the order of painting, and what of it is not read."""
+    """All shapes of a file in the order of painting, and a line for each ignored item."""
 
     figures: list[Figure] = field(default_factory=list)
     ignored: list[str] = field(default_factory=list)
     size: np.ndarray | None = None
 
     def middle(self) -> np.ndarray:
-        """The middle [2] of the page, or of what is on it where its size is not known."""
+        """The middle [2] of the page, or of its content if its size is not known."""
         return self.size / 2 if self.size is not None else middle_of(self.figures)
 
 
@@ -114,7 +114,7 @@ def middle_of(figures: list[Figure]) -> np.ndarray:
 
 
 def read_page(text: str) -> Page:
-    """The page that the text of an SVG file is. Raises `FormatError` where it is broken or too much."""
+    """The page of the text of an SVG file. Raises `FormatError` if it is broken or exceeds a limit."""
     root = _outermost(text)
     if root.tag != "svg":
         raise FormatError(f"no SVG: its outermost element is {root.tag!r:.60}")
@@ -201,7 +201,7 @@ def transform(text: str) -> np.ndarray:
 
 
 def path_pieces(data: str) -> tuple[list[Piece], int]:
-    """The polylines of path data, and how many commands these have. Raises `FormatError` where they are no path."""
+    """The polylines of path data, and the number of its commands. Raises `FormatError` if the data are invalid."""
     text, letters = _COMMAND.subn(" ", data)
     points: list[list[np.ndarray]] = []
     closed: list[bool] = []
@@ -210,7 +210,7 @@ def path_pieces(data: str) -> tuple[list[Piece], int]:
         if letters > _MOST_COMMANDS or data.lstrip()[:1] not in ("", *"Mm"):
             raise ValueError
         numbers(text, "d")
-        for chunk in _TO_CLOSE.findall(_BARE_POINT.sub(".0", data)):  # at each "z" svgelements looks back to the "m"
+        for chunk in _TO_CLOSE.findall(_BARE_POINT.sub(".0", data)):  # at each "z" svgelements searches back to the "m"
             x, y = points[-1][0][0] if points else (0.0, 0.0)
             for segment in Path(f"M{x} {y}{chunk}"):
                 count += 1
@@ -231,7 +231,7 @@ def path_pieces(data: str) -> tuple[list[Piece], int]:
 
 
 def _flattened(segment: Line | Curve) -> np.ndarray:
-    """Places [N, 2] on a segment of a path, without its begin."""
+    """Places [N, 2] on a segment of a path, without its start."""
     if isinstance(segment, Line):
         return np.array([[segment.end.x, segment.end.y]])
     steps = max(2, math.ceil(abs(segment.sweep) / _ARC_STEP)) if isinstance(segment, Arc) else _CURVE_STEPS
@@ -241,7 +241,7 @@ def _flattened(segment: Line | Curve) -> np.ndarray:
 
 
 class _Within(NamedTuple):
-    """What an element is in: a matrix [3, 3] to the page, a style, and the names of groups, the innermost first."""
+    """The context of an element: a matrix [3, 3] to the page, a style, and the names of groups, the innermost first."""
 
     matrix: np.ndarray
     style: Style
@@ -254,11 +254,11 @@ class _Reader:
     def __init__(self, root: Element) -> None:
         self.page = Page()
         self.page.size, matrix = _page_size(root)
-        self.extent = self.page.size  # of the page in the units of what is on it
+        self.extent = self.page.size  # of the page in the units of its content
         if "viewBox" in root.attrib:
             self.extent = numbers(root.attrib["viewBox"], "viewBox")[2:]
         self.commands = self.count_of_used = 0
-        self.used: list[str] = []  # the ids of the elements that <use> shows now, the outermost first
+        self.used: list[str] = []  # the ids of the elements inside <use> now, the outermost first
         self.rules: dict[str, Style] = {}  # of style sheets, for tags, ".classes" and "#ids"
         self.by_id: dict[str, Element] = {}
         for element in root.iter():
@@ -268,7 +268,7 @@ class _Reader:
         self.read_children(root, _Within(matrix, self._inside({}, root), ()))
 
     def _read_sheet(self, text: str) -> None:
-        """Add the rules of a style sheet; later ones come before earlier ones."""
+        """Add the rules of a style sheet; later ones override earlier ones."""
         first, *others = text.split("/*")
         text = first + "".join(other.partition("*/")[2] for other in others)
         for rule in text.replace("<!--", "").replace("-->", "").split("}"):
@@ -281,7 +281,7 @@ class _Reader:
                     self._ignore(f"style rule {selector!r:.60}: not read")
 
     def read(self, element: Element, within: _Within) -> None:
-        """Read an element and what is in it."""
+        """Read an element and its content."""
         if element.tag in _SILENT:
             return
         if self.used:
@@ -307,12 +307,12 @@ class _Reader:
             self.read_children(element, inner)
 
     def read_children(self, element: Element, within: _Within) -> None:
-        """Read what is in an element."""
+        """Read the content of an element."""
         for child in element:
             self.read(child, within)
 
     def _inside(self, style: Style, element: Element) -> Style:
-        """The style of an element within what has a style: by its attributes, the style sheets, and its own rules."""
+        """The style of an element inside another style: from its attributes, the style sheets, and its own rules."""
         said = {name: value.strip() for name, value in element.attrib.items() if name in _PROPERTIES}
         said |= self.rules.get(element.tag, {})
         for name in element.get("class", "")[:_LONGEST_ATTRIBUTE].split():
@@ -330,7 +330,7 @@ class _Reader:
         return style | said
 
     def _use(self, element: Element, within: _Within) -> None:
-        """Read the element that a <use> shows once more, in its place."""
+        """Read the element that a <use> shows again, in its place."""
         id = element.get("href", "").strip().removeprefix("#")
         target = self.by_id.get(id) if id else None
         if target is None or id in self.used:
@@ -352,7 +352,7 @@ class _Reader:
         return length(element.get(name, "0"), name, self._whole(name), _em(style))
 
     def _whole(self, name: str) -> float | None:
-        """What a length of an attribute is a percentage of."""
+        """The length of which a percentage of an attribute is a part."""
         if self.extent is None:
             return None
         across, down = self.extent.tolist()
@@ -376,7 +376,7 @@ class _Reader:
         linear, steps = matrix[:2, :2], np.concatenate([np.diff(points, axis=0) for points, _ in pieces])
         pieces = [(points @ linear.T + matrix[:2, 2], closed) for points, closed in pieces]
         width = float(style.get("stroke-width", "1")) * math.sqrt(area := abs(float(np.linalg.det(linear))))
-        if np.abs(linear @ linear.T - area * np.eye(2)).max() > 1e-6 * area > 0:  # as wide as what is across the stroke
+        if np.abs(linear @ linear.T - area * np.eye(2)).max() > 1e-6 * area > 0:  # a uniform scale
             long, drawn = (float(np.linalg.norm(each, axis=1).sum()) for each in (steps, steps @ linear.T))
             width *= math.sqrt(area) * long / (drawn or 1.0)
         nonzero = style.get("fill-rule") != "evenodd"
@@ -402,7 +402,7 @@ class _Reader:
                 pieces, count = path_pieces(element.get("d", ""))
             case _:
                 values = numbers(element.get("points", ""), "points")
-                count = len(values) // 8  # a point costs little beside a curve
+                count = len(values) // 8  # a point costs little compared with a curve
                 pieces = [(values[: len(values) // 2 * 2].reshape(-1, 2), element.tag == "polygon")]
         self.commands += count
         if self.commands > _MOST_COMMANDS:
@@ -415,7 +415,8 @@ class _Reader:
 
 
 def _page_size(root: Element) -> tuple[np.ndarray | None, np.ndarray]:
-    """The size [2] of the page in CSS pixels, where it is known, and the matrix [3, 3] that brings its units there."""
+    """The size [2] of the page in CSS pixels, None if unknown, and the matrix [3, 3] that converts its units to
+    them."""
     given = [root.get(name, "").strip() for name in ("width", "height")]
     sizes = [length(text, "width or height") if text and text != "auto" and text[-1] != "%" else None for text in given]
     if "viewBox" not in root.attrib:
@@ -429,26 +430,26 @@ def _page_size(root: Element) -> tuple[np.ndarray | None, np.ndarray]:
     if "none" in said and len(shares) == 2:
         share = np.array(shares)
     size = np.array([given or each for given, each in zip(sizes, share * box[2:], strict=True)])
-    # where the box is on a page of other sides, as shares of what is over; in the middle where nothing is said
+    # the place of the box on a page of other proportions, as shares of the excess; centred by default
     place = np.array([next((at for word, at in _PLACES.items() if axis + word in said), 0.5) for axis in "xY"])
     move = size * place - share * (box[:2] + place * box[2:])
     return size, np.array([[share[0], 0, move[0]], [0, share[1], move[1]], [0, 0, 1]])
 
 
 def _names_of(element: Element) -> tuple[str, ...]:
-    """What its author called an element: its label, title, Illustrator's name, id and class."""
+    """The author's names for an element: its label, title, Illustrator's name, id and class."""
     titles = [(child.text or "").strip() for child in element if child.tag == "title"]
     given = [element.get("label", ""), *titles, *(element.get(name, "") for name in _NAMES)]
     return tuple(name[:_LONGEST_NAME] for name in given if name)
 
 
 def _called(element: Element) -> str:
-    """What messages call an element."""
+    """The name of an element in messages."""
     return " ".join([element.tag, *(repr(name) for name in _names_of(element)[:1])])
 
 
 def _declarations(text: str) -> Style:
-    """The properties that are read of declarations such as "fill: red; stroke: none"."""
+    """The properties that are used, from declarations such as "fill: red; stroke: none"."""
     said = {}
     for rule in text.split(";"):
         name, _, value = rule.partition(":")
@@ -458,7 +459,7 @@ def _declarations(text: str) -> Style:
 
 
 def _em(style: Style) -> float:
-    """How high letters are [pixels]."""
+    """The height of letters [pixels]."""
     return float(style.get("font-size", _EM))
 
 

@@ -1,4 +1,4 @@
-"""What a solved layout does not keep of its spec, by what stands in it: what can fail without a refusal."""
+"""The parts of a spec that a solved layout does not keep, by its objects: those that can fail without a refusal."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from lidardraft.scene.check import objects
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.road import Road
 
-_NO_GAP = 0.5  # m between the ends of what stands without gaps, at most
-_OFF = 1.0  # m that a distance from something else may be missed by
+_NO_GAP = 0.5  # m, the largest distance between neighbours without gaps
+_OFF = 1.0  # m, the tolerance of a distance from another object
 
 
 class Stands(NamedTuple):
-    """An object from its parts, in the frame of the road [m]: from and to along it and across it, and its middle."""
+    """An object from its parts, in the frame of the road [m]: from and to along and across it, and its middle."""
 
     name: str
     along: tuple[float, float]
@@ -46,9 +46,9 @@ class Stands(NamedTuple):
 
 
 def unkept(spec: SceneSpec, layout: Layout, road: Road, groups: Mapping[str, int]) -> list[str]:
-    """A line for each group of a spec, and thing asked of it, that its objects in the layout do not show.
+    """A line for each property of a spec's group that its objects in the layout do not have.
 
-    `groups` are the numbers of the groups that the objects belong to, by their names.
+    `groups` maps the names of objects to the numbers of their groups.
     """
     placed: dict[int, list[Stands]] = {number: [] for number in range(len(spec.groups))}
     parts = objects(layout)
@@ -66,7 +66,7 @@ def _unkept_of(
 ) -> Iterator[str]:
     kind = group.record
     if isinstance(group.count, str) and len(found) < (least := getattr(kind.counts, group.count)[0]):
-        yield f"there is room for {len(found)} of them, where {group.count} are {least} or more"
+        yield f"there is room for {len(found)} of them, but {group.count} means {least} or more"
     for one in found:
         if group.goes_across and group.surface != "sidewalk" and min(map(abs, one.across)) > road.edge:
             yield f"{one.name} is to cross the road, and is beside it"
@@ -74,22 +74,22 @@ def _unkept_of(
             yield f"{one.name} has no rider"
         in_lane = abs(one.middle[1]) < road.edge - road.parking - 0.5 and not (group.lane or road.paved_areas)
         if kind.is_vehicle and group.heading == "parked" and in_lane:
-            yield f"{one.name} is to be parked, and stands in a lane"
+            yield f"{one.name} should be parked, but is in a lane"
         others = [other for number in group.references for other in placed[number]]
         if group.distance is not None and others and not any(_is_at(one, other, group.distance) for other in others):
-            yield f"{one.name} is not {group.distance[0]:g} m from what it is placed from"
+            yield f"{one.name} is not {group.distance[0]:g} m from its reference"
     gap = max(_gaps(group, found, road), default=0.0)
     if gap > _NO_GAP:
         yield f"there are gaps of up to {gap:.1f} m between them"
 
 
 def _is_at(one: Stands, other: Stands, distance: tuple[float, float]) -> bool:
-    """Whether two objects are at a distance, from side to side or from middle to middle."""
+    """Whether two objects are at a distance [m], from side to side or from middle to middle."""
     return any(distance[0] - _OFF <= apart <= distance[1] + _OFF for apart in one.apart(other))
 
 
 def _gaps(group: ObjectGroup, found: Sequence[Stands], road: Road) -> Iterator[float]:
-    """The gaps [m] of each side of a row that is to have none, but for roads that cross it."""
+    """The gaps [m] on each side of a row that should have none; those for crossing roads do not count."""
     if not group.is_closed:
         return
     for side in (True, False):

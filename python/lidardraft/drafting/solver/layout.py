@@ -33,38 +33,38 @@ from lidardraft.scene.layout import Layout
 from lidardraft.scene.road_network import RoadNetwork
 from lidardraft.scene.street import StreetFrame
 
-TRIES = 60  # of places for one object
+TRIES = 60  # places tried for one object
 ARRANGEMENTS = 10  # of the whole scene
-_CROWDED = 100  # objects of one group that need more room from the start
-_DEEPER = 5  # arrangement from which the buildings of an alley may stand further back
-_LATER = 4.0  # m that a row begins later with each arrangement
-_MOST_SPACED = 40  # objects of a row whose number is a word
-# Estimates of ours.
-_APART = 1.5  # m between what stands in a row at a wall
+_CROWDED = 100  # objects of a group that needs more room from the start
+_DEEPER = 5  # the first arrangement in which the buildings of an alley may be further back
+_LATER = 4.0  # m by which a row begins later in each arrangement
+_MOST_SPACED = 40  # objects of a row if the number is a word
+# Estimates.
+_APART = 1.5  # m between objects in a row at a wall
 _BETWEEN_CROWNS = 0.3  # m
 _LONGEST_ROW, _SHORTEST_STRIP = 90.0, 3.0  # m, of many walls or hedges together, and of one of them
 _NARROWEST = 5.0  # m, of a house in a long terrace
 _BARRIER = 2.0  # m, the length of a fence or wall that stands in a lane, across it
 _AT_KERB = (0.1, 0.4)  # m from the road to the fronts of an alley
-_LEAST = 200  # tries to find room in a crowd before anything is said of it
+_LEAST = 200  # tries to find room in a crowd before its limit is estimated
 # Objects placed at random saturate at 0.56 (squares) or 0.75 (along a line) of their area (Feder, J. Theor. Biol. 1980;
-# Renyi, 1958). With the share r of places still free, at most (1 + c sqrt(r) / (1 - r)) times those that stand then
-# do; c is 1.2 to 2.3 for these, whatever their density, so that what has room is never given up.
+# Renyi, 1958). If a share r of places is still free, at most (1 + c sqrt(r) / (1 - r)) times the placed objects fit. c
+# is 1.2 to 2.3 for these, at any density, so a crowd with room is never given up.
 _FACTOR = 2.6
 
 
 def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
     """A layout in which every relation of the spec holds and that passes every check; the same for the same arguments.
 
-    What finds no room makes the scene be arranged anew, with that first and more room for what the spec leaves open.
-    `layout.intent` says what was asked of each object, `layout.roads` holds the road, `layout.provenance` the spec;
-    a note names what the objects do not keep of it.
+    If an object finds no room, the scene is arranged again, with that object first and more room for the properties
+    that the spec leaves open. `layout.intent` holds the request for each object, `layout.roads` the road,
+    `layout.provenance` the spec; a note names the properties that the objects do not keep.
 
-    Raises `LayoutError` on an invalid seed, and where a relation cannot hold, naming it, how many of how
-    many objects found room, and what is in the way.
+    Raises `LayoutError` on an invalid seed, and if a relation cannot hold: the error names the relation, the number of
+    objects that found room, and the obstacles.
     """
     seed = check_seed(seed)
-    urgent: dict[int, int] = {}  # the groups that found no room, and in which arrangement
+    urgent: dict[int, int] = {}  # groups without room, and the arrangement in which they found none
     crowded = False
     most = max((group.fewest or 0 for group in spec.groups), default=0)
     for attempt in range(min(most // _CROWDED, ARRANGEMENTS - 3), ARRANGEMENTS):
@@ -73,7 +73,7 @@ def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
         if failed is None:
             return solver.layout(seed)
         urgent |= dict.fromkeys(with_references(spec, failed), attempt)
-        if solver.crowd is not None and not crowded:  # whether those between are worth the time: the last has most room
+        if solver.crowd is not None and not crowded:  # skips to the last arrangement, which has most room
             crowded, solver = True, _Solver(spec, seed, ARRANGEMENTS - 1)
             if solver.arrange(urgent) is not None:
                 break
@@ -81,7 +81,7 @@ def layout_from_spec(spec: SceneSpec, *, seed: int = 0) -> Layout:
 
 
 class _Solver:
-    """One arrangement of a scene; `attempt` numbers those that came to nothing before."""
+    """One arrangement of a scene; `attempt` counts the failed ones before it."""
 
     def __init__(self, spec: SceneSpec, seed: int, attempt: int) -> None:
         self.spec, self.attempt = spec, attempt
@@ -97,7 +97,7 @@ class _Solver:
         self.refusal = ""
 
     def arrange(self, urgent: dict[int, int]) -> int | None:
-        """Place all groups; the number of the group that found no room, or None."""
+        """Place all groups; returns the number of the group that found no room, or None."""
         for number in placing_order(self.spec, urgent):
             if number in self.placed:
                 continue
@@ -108,7 +108,7 @@ class _Solver:
         return None
 
     def layout(self, seed: int) -> Layout:
-        """The layout of what has been placed."""
+        """The layout of the placed objects."""
         kind, where = self.spec.road.kind, self.spec.district
         speed = SETTINGS[where or only_district(self.road, kind) or "urban"].speed
         roads = RoadNetwork(street=StreetFrame(road=self.road, speed=speed))
@@ -120,7 +120,7 @@ class _Solver:
         return layout.noted(*unkept(self.spec, layout, self.road, objects))
 
     def _fill(self, number: int, group: ObjectGroup, place: str) -> bool:
-        """Place what a group wants at one place; a number is met exactly, a word by as many as find room."""
+        """Place the objects of a group at one place; a number is met exactly, a word by as many as find room."""
         wanted = self._count(group, place)
         least = self._least(group, wanted)
         self.scene.in_the_way.clear()
@@ -158,7 +158,7 @@ class _Solver:
         return None
 
     def _references(self, group: ObjectGroup, place: str) -> list[Footprint]:
-        """What the objects of a group are placed from, at their own place if any are; between, two neighbours."""
+        """The reference objects for a group, those at its own place if there are any; for "between", two neighbours."""
         each = [self.placed[reference] for reference in group.references]
         there = [[one for one in found if is_at(one.pose, place, self.road)] for found in each]
         each = [near or found for near, found in zip(there, each, strict=True)]
@@ -180,7 +180,7 @@ class _Solver:
         length, width = (asked[axis] or kind.sizes.largest[axis] * scale[axis] for axis in (0, 1))
         lanes = lanes_of(group, "", "", self.road) if group.lane is not None else ()
         if relation == "between" and near[0] is near[-1]:
-            relation = "beside"  # of "the parked cars" there is only one
+            relation = "beside"  # "the parked cars" turned out to be one car
         poses = RelativePoses(
             self.road, kind, (length, width), group.heading, relation, group.distance, lanes, group.surface
         )
@@ -229,7 +229,7 @@ class _Solver:
         )
 
     def _least(self, group: ObjectGroup, wanted: int) -> int:
-        """How many objects meet a count; in the last arrangement one is enough for a word."""
+        """The least number of objects for a count; in the last arrangement one is enough for a word."""
         if isinstance(group.count, int):
             return wanted
         if isinstance(group.count, tuple):
@@ -254,18 +254,18 @@ class _Solver:
         return int(self.rng.integers(low, high + 1)) * (1 if place or group.relation else 2)
 
     def _times(self, group: ObjectGroup) -> int:
-        """How often a count is meant at one place: in each lane, or once."""
+        """How many times a count applies at one place: once for each lane, or once."""
         return len(each_lane(group, self.road)) if group.lane == "each" else 1
 
     def _kind(self, group: ObjectGroup) -> SentenceKind:
-        """The kind of one object of a group: its own, or one of the mix that traffic is."""
+        """The kind of one object of a group: its own, or one of the mix of traffic."""
         kind = group.record
         if kind.sizes is not None:
             return kind
         mix = [one for one in SENTENCE_KINDS.values() if one.traffic_share and one.name not in self.spec.absent]
-        if group.heading == "parked":  # what a usual parking strip takes
+        if group.heading == "parked":  # kinds that fit a usual parking strip
             mix = [one for one in mix if one.parking_width < kind.parking_width]
-        if group.spacing is not None:  # what fits into a row, or the shortest
+        if group.spacing is not None:  # kinds that fit into a row, or the shortest
             room = group.spacing - GAP
             mix = [one for one in mix if _longest(one) <= room] or sorted(mix, key=_longest)[:1]
         if not mix:
@@ -276,11 +276,11 @@ class _Solver:
     def _poses(self, zone: Zone, group: ObjectGroup, number: int, wanted: int) -> Iterator[tuple[bool, bool, RoadPose]]:
         """The poses to try in order: in the object's own slot first, then, unless it is bound to it, anywhere.
 
-        With each goes whether it is anywhere, and whether it is that of the near end.
+        Each comes with whether it is anywhere, and whether it is the pose of the near end.
         """
         rng, (near, far) = self.rng, zone.span
         step = (far - near) / wanted
-        # what another object finds no room behind, or in front of, is moved as far as its distance allows
+        # an object that blocks another one behind or in front of it is moved as far as its distance allows
         referenced = any(self.groups[one] is group for other in self.groups for one in other.references)
         leeway = self.attempt / ARRANGEMENTS if referenced else 0.0
         bound = group.distance is not None and group.distance[0] == group.distance[1] == abs(near)
@@ -313,27 +313,28 @@ def _longest(kind: SentenceKind) -> float:
 
 @dataclasses.dataclass(slots=True)
 class Crowd:
-    """How many objects of a crowd can find room at most, from how seldom a place taken at random was free of late."""
+    """The most objects of a crowd that can find room, estimated from the share of recent random places that were
+    free."""
 
     tries: float = 0.0
     free: float = 0.0
 
     def add(self, *, found: bool) -> None:
-        """A place at random that was free or not."""
+        """Count a random place, free or not."""
         forget = 1.0 - 1.0 / _LEAST if self.tries >= _LEAST else 1.0
         self.tries, self.free = self.tries * forget + 1.0, self.free * forget + found
 
     def most(self, placed: int) -> float:
-        """How many find room at most when so many have; infinite while too little is known."""
-        # two standard deviations more than counted, and two
+        """The most objects that find room in all, if `placed` have; infinite while too little is known."""
+        # two standard deviations more than counted, plus two
         share = (self.free + 2 * math.sqrt(self.free) + 2) / self.tries if self.tries >= _LEAST else 1.0
         return math.inf if share >= 1.0 else math.ceil(placed * (1.0 + _FACTOR * math.sqrt(share) / (1.0 - share)))
 
 
 def placing_order(spec: SceneSpec, urgent: Mapping[int, int]) -> list[int]:
-    """The numbers of the groups as they are placed: the `urgent`, what has relations, what is bound, the largest.
+    """The numbers of the groups in the order of placing: `urgent` ones, those with relations, bound ones, the largest.
 
-    The urgent are those that found no room, with when they did so: the last of them first.
+    The urgent groups are those that found no room, with the arrangement in which they did not: the latest first.
     """
     referenced = {reference for group in spec.groups for reference in group.references}
 
@@ -350,7 +351,7 @@ def placing_order(spec: SceneSpec, urgent: Mapping[int, int]) -> list[int]:
 
 
 def with_references(spec: SceneSpec, number: int) -> set[int]:
-    """A group, and all that it is placed from."""
+    """A group, and all groups that its place depends on."""
     return {number}.union(*(with_references(spec, reference) for reference in spec.groups[number].references))
 
 
@@ -371,7 +372,7 @@ def row_of(spec: SceneSpec, number: int) -> tuple[int, int, int] | None:
 
 
 def long_strips(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
-    """The groups, with the length of walls and hedges whose length is open."""
+    """The groups, with a length for walls and hedges whose length is open."""
     found = []
     for number, group in enumerate(groups):
         length = _strip_length(group, [other for other in groups if other.references == (number,)])
@@ -381,9 +382,9 @@ def long_strips(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
 
 
 def _strip_length(group: ObjectGroup, at_it: list[ObjectGroup]) -> float | None:
-    """The length of a strip [m], None where it is said or the usual one.
+    """The length of a strip [m], None if it is given or the usual one.
 
-    One is as long as a row of what stands at it, many are shorter than usual, and in a lane they are short.
+    A single strip is as long as the row of objects at it, many are shorter than usual, and in a lane they are short.
     """
     sizes, count = group.record.sizes, group.fewest or 0
     if sizes is None or not group.record.follows_road or (group.size and group.size[0] is not None):
@@ -400,10 +401,10 @@ def _strip_length(group: ObjectGroup, at_it: list[ObjectGroup]) -> float | None:
 
 
 def with_sides(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
-    """The groups, where what is placed nowhere is on the side that something at one side is placed from it.
+    """The groups, in which an unplaced group gets the side that the place of another group relative to it requires.
 
-    What stands beside the road has others that do so to the left of it only on the left side, and vehicles only on the
-    right side.
+    With roadside objects to its left, a roadside group is on the left side of the road; with vehicles to its left, on
+    the right side.
     """
     found = list(groups)
     for group in groups:
@@ -411,7 +412,7 @@ def with_sides(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
         if group.relation in ("left-of", "right-of") and not group.places:
             sides = {"left" if (group.relation == "left-of") != group.on_road else "right"}
         if group.record.is_vehicle and group.relation == "near" and group.heading is None and not group.places:
-            sides = {"right"}  # where it can be overtaken
+            sides = {"right"}  # it can be overtaken there
         for number in group.references:
             reference = found[number]
             free = not (reference.places or reference.not_places or reference.references or reference.lane)
@@ -423,9 +424,9 @@ def with_sides(groups: tuple[ObjectGroup, ...]) -> tuple[ObjectGroup, ...]:
 
 
 def with_gap(group: ObjectGroup) -> ObjectGroup:
-    """The group, where a spacing that is shorter than the objects is that between the end of one and the next.
+    """The group; a spacing shorter than the objects becomes the gap between the end of one and the start of the next.
 
-    All objects are of one length then, that of trees what leaves room for the crowns.
+    All objects then have one length; trees have one that leaves room for the crowns.
     """
     spacing, sizes, size = group.spacing, group.record.sizes, group.size or (None, None, None)
     if spacing is None or group.relation is not None or sizes is None:
@@ -444,7 +445,7 @@ def with_gap(group: ObjectGroup) -> ObjectGroup:
 
 
 def closed(group: ObjectGroup, rng: np.random.Generator) -> ObjectGroup:
-    """The group of one size and in line, if it is a row without gaps."""
+    """The group with one size and in line, if it is a row without gaps."""
     kind = group.record
     if kind.sizes is None or not group.is_closed:
         return group
@@ -458,13 +459,13 @@ def closed(group: ObjectGroup, rng: np.random.Generator) -> ObjectGroup:
 
 
 def at_the_kerb(group: ObjectGroup) -> ObjectGroup:
-    """The group, with its front at the kerb where it is one of buildings that nothing is said of."""
+    """The group, with its front at the kerb if it is of buildings whose place is open."""
     free = group.record.family == "buildings" and not (group.relation or group.distance or group.set_back)
     return dataclasses.replace(group, from_road=_AT_KERB) if free else group
 
 
 def _row_length(group: ObjectGroup) -> float:
-    """How long a row of all its objects is [m], 0 for what drives or is one."""
+    """The length of a row of all its objects [m]; 0 for vehicles and single objects."""
     sizes, count = group.record.sizes, group.count
     most = getattr(group.record.counts, count)[1] if isinstance(count, str) else count
     most = most[1] if isinstance(most, tuple) else most

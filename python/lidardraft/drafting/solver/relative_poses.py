@@ -1,4 +1,4 @@
-"""Poses from other objects: behind, in front of, beside, between, opposite or near what stands already."""
+"""Poses relative to other objects: behind, in front of, beside, between, opposite or near placed objects."""
 
 from __future__ import annotations
 
@@ -12,19 +12,19 @@ from lidardraft.drafting.solver.poses import BACKWARDS, Lane, RoadPose, Try, lot
 from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.road import Road
 
-# Estimates of ours: gaps between two objects [m], smallest and largest, where no distance is asked for.
+# Estimates: gaps between two objects [m], smallest and largest, without a requested distance.
 _IN_LANE = (1.5, 5.0)  # along a lane
 _CLOSE = (0.4, 1.2)
 _NEAR = (0.5, 4.0)
-_FURTHER, _DEEPEST = 8.0, 90.0  # m more, for want of room; behind a row, for hundreds
-_MOVED_TO_SIDEWALK = 2.0  # m, of what is near something
-_ACROSS_LANES = 0.6  # m between what stands side by side
-_MOVED, _MOVED_BETWEEN, _MOVED_EXACTLY = 12.0, 3.0, 0.3  # m across the road, at most, to where its kind may be
+_FURTHER, _DEEPEST = 8.0, 90.0  # m more if there is no room; behind a row, for hundreds
+_MOVED_TO_SIDEWALK = 2.0  # m, of an object near another
+_ACROSS_LANES = 0.6  # m between objects side by side
+_MOVED, _MOVED_BETWEEN, _MOVED_EXACTLY = 12.0, 3.0, 0.3  # m across the road, at most, to a place that its kind allows
 
 
 @dataclass(frozen=True, slots=True)
 class Footprint:
-    """Where an object stands in the road's frame, and how far it reaches from its middle along and across [m]."""
+    """The pose of an object in the road's frame, and its reach from the middle along and across [m]."""
 
     name: str
     kind: SentenceKind
@@ -34,13 +34,13 @@ class Footprint:
 
     @classmethod
     def of(cls, name: str, kind: SentenceKind, pose: RoadPose, length: float, width: float) -> Footprint:
-        """The footprint of an object of such a length and width [m]."""
+        """The footprint of an object with that length and width [m]."""
         cos, sin = abs(math.cos(pose.yaw)), abs(math.sin(pose.yaw))
         return cls(name, kind, pose, (cos * length + sin * width) / 2, (sin * length + cos * width) / 2)
 
     @property
     def forwards(self) -> int:
-        """1 if its front is in the direction of the ego's, as far as it has one, or away from the ego; else -1."""
+        """1 if it faces the ego's direction or, without a front, is ahead of the ego; else -1."""
         if self.kind.drives:
             return 1 if math.cos(self.pose.yaw) > 0 else -1
         return 1 if self.pose.along >= 0 else -1
@@ -55,7 +55,7 @@ class Footprint:
 class RelativePoses:
     """Samples poses of an object of `kind` by its `relation` to the references; `distance` is a range from them [m].
 
-    `lanes` are those that it may be in, all if it is empty; a `surface` "sidewalk" is where it stands.
+    `lanes` are those allowed, all if empty; a `surface` "sidewalk" puts it there.
 
     The relation "row" continues a row: in line with the reference, on the side away from the ego.
     """
@@ -70,7 +70,7 @@ class RelativePoses:
     surface: str | None = None
 
     def sample(self, references: Sequence[Footprint], at: Try) -> RoadPose | None:
-        """A pose, or None where one of its kind cannot be; where one reference leaves no room, from others too."""
+        """A pose, or None if its kind allows none; if one reference leaves no room, relative to others too."""
         turn = at.number + max(0, int((2 * at.effort - 1) * len(references)))
         reference = references[turn % len(references)]
         at = at._replace(along=reference.pose.along, number=at.number // len(references))  # of those at this one
@@ -96,7 +96,7 @@ class RelativePoses:
         return self._pose(at.along + reach * at.uniform(-1.0, 1.0), -reference.side * beside, reference, at)
 
     def _behind(self, reference: Footprint, at: Try) -> RoadPose | None:
-        """At its back: of what drives the rear, of what stands beside the road the side away from it."""
+        """At its back: behind the rear of a vehicle, on the far side of a roadside object."""
         if reference.kind.drives or reference.kind.walks or self.kind.is_vehicle:
             return self._in_line(reference, (-1 if reference.kind.drives else 1) * reference.forwards, at)
         deep = min(_DEEPEST, (at.number - 10) * self.size[1])  # hundreds make a wood
@@ -105,7 +105,7 @@ class RelativePoses:
         return self._pose(along, reference.pose.across + reference.side * off, reference, at)
 
     def _in_front(self, reference: Footprint, at: Try) -> RoadPose | None:
-        """At its front: of what drives the nose, of what stands beside the road the side towards it."""
+        """At its front: before the nose of a vehicle, on the near side of a roadside object."""
         if reference.kind.drives or reference.kind.walks:
             return self._in_line(reference, (1 if reference.kind.drives else -1) * reference.forwards, at)
         off = reference.half_across + self.size[1] / 2 + self._gap(_CLOSE, at)
@@ -113,8 +113,8 @@ class RelativePoses:
         return self._pose(along, reference.pose.across - reference.side * off, reference, at)
 
     def _width_of_row(self, reference: Footprint, at: Try) -> float:
-        """How far along the road those behind one object, or in front of it, reach [m]; more, as they find no room."""
-        if reference.kind.follows_road and at.number:  # first along all of it
+        """How far objects behind or in front of one object extend along the road [m]; more as they find no room."""
+        if reference.kind.follows_road and at.number:  # first along the whole object
             free = max(reference.half_along, 2.0 * reference.half_along - self.size[0])
             return free + 2.0 * max(0.0, 2.0 * at.effort - 1.0) * at.number * self.size[0]
         return reference.half_along + 2.0 * at.effort * at.number * self.size[0]
@@ -124,7 +124,7 @@ class RelativePoses:
         usual = _IN_LANE if self.kind.is_vehicle or reference.kind.is_vehicle else _CLOSE
         least = reference.half_along + self.size[0] / 2
         off = at.uniform(*self.distance) if self.distance else least + self._gap(usual, at)
-        off = least + off if self.distance and off < least + 0.3 else off  # no room for the middle: between the ends
+        off = least + off if self.distance and off < least + 0.3 else off  # no room: measured between the ends
         off += at.number * (self.size[0] + usual[0])
         return self._pose(at.along + way * off, reference.pose.across, reference, at)
 
@@ -142,17 +142,17 @@ class RelativePoses:
             off = reference.half_along + self.size[0] / 2 + self._gap(usual, at)
             off += min(1.0, 2.0 * at.effort) * at.number * self.size[0]
             along, across = at.along + (off if at.rng.random() < 0.5 else -off), reference.pose.across
-            if not reference.kind.drives:  # in line with the face towards the road
+            if not reference.kind.drives:  # in line with its roadside face
                 across -= reference.side * (reference.half_across - self.size[1] / 2)
             return self._pose(along, across, reference, at)
         return self._aside(reference, 1 if at.rng.random() < 0.5 else -1, at, usual)
 
     def _aside(self, reference: Footprint, side: int, at: Try, usual: tuple[float, float] = _CLOSE) -> RoadPose | None:
-        """To one side of it, several in a row along the road as they find no room."""
+        """To one side of it; several form a row along the road if they find no room."""
         near = at._replace(effort=at.effort / 4)
         off = reference.half_across + self.size[1] / 2 + max(_ACROSS_LANES, self._gap(usual, near))
         together = at.number > 0 and self.kind.drives and reference.kind.drives  # several overtake one after another
-        beyond = at.number + at.effort  # the first finds room there too, where something larger stands
+        beyond = at.number + at.effort  # so the first finds room beside a larger object too
         row = 0.0 if together else 5.0 * at.effort * beyond * (self.size[0] + 1.0)
         along = at.along + at.uniform(-0.4, 0.4) * (reference.half_along + row)
         if together:
@@ -160,7 +160,7 @@ class RelativePoses:
         return self._pose(along, reference.pose.across + side * off, reference, at, side)
 
     def _between(self, one: Footprint, other: Footprint, at: Try) -> RoadPose | None:
-        """On the way from one to the other, where it leaves room."""
+        """On the line from one to the other, if there is room."""
         share = 0.5 + at.uniform(-0.25, 0.25) * at.effort * (1.6 if self.kind.drives else 1.0)
         along = one.pose.along + share * (other.pose.along - one.pose.along)
         across = one.pose.across + share * (other.pose.across - one.pose.across)
@@ -170,7 +170,7 @@ class RelativePoses:
         return self._pose(along, across, one, at)
 
     def _gap(self, usual: tuple[float, float], at: Try, further: float = _FURTHER) -> float:
-        """The metres that are left free to the reference: those asked for, or more than usual for want of room."""
+        """The gap to the reference [m]: the requested one, or more than usual if there is no room."""
         gap = at.uniform(*usual) + further * at.effort * float(at.rng.random())
         return at.uniform(*self.distance) if self.distance else gap
 
@@ -183,7 +183,7 @@ class RelativePoses:
         return (self.kind.walks or self.kind.cycles) and str(self.heading).startswith("across")
 
     def _pose(self, along: float, across: float, reference: Footprint, at: Try, side: int = 0) -> RoadPose | None:
-        """The pose there, moved to where its kind may be: a lane or the kerb, or beside the road."""
+        """The pose there, moved to a place that its kind allows: a lane or the kerb, or beside the road."""
         found, yaw = self._ground_at(across, reference, at, side)
         moved, apart = abs(found - across), (found - reference.pose.across) * side
         in_between = self.relation == "between" and reference.kind.drives == self.kind.drives
@@ -200,8 +200,8 @@ class RelativePoses:
         return RoadPose(along, found, yaw)
 
     def _ground_at(self, across: float, reference: Footprint, at: Try, side: int) -> tuple[float, float]:
-        """The nearest place across the road where its kind may be, and the yaw there."""
-        if self._goes_across:  # between the kerbs, wherever what it is in front of stands
+        """The nearest place across the road that its kind allows, and the yaw there."""
+        if self._goes_across:  # between the kerbs, wherever the reference is
             free = self.road.edge - self.road.parking - 0.5
             across = across if abs(across) < free or self._on_sidewalk else at.uniform(-free, free)
             return across, at.walking_yaw(str(self.heading))
@@ -213,7 +213,7 @@ class RelativePoses:
         if self.kind.walks or (self.kind.cycles and self.heading == "parked"):
             kerb = self.road.edge + self.size[0] / 2
             on_road = abs(across) < kerb and reference.side * reference.pose.across > self.road.edge
-            if on_road and not self.kind.walks:  # a bicycle at a wall stands on its side of the kerb
+            if on_road and not self.kind.walks:  # a bicycle at a wall is on the wall's side of the kerb
                 across = reference.side * kerb
             return across, at.any_yaw()
         if self.surface == "road" and not self.kind.drives:
@@ -245,7 +245,7 @@ class RelativePoses:
         return lane, at.turned(reference.pose.yaw if same_row else 0.0 if way > 0 else BACKWARDS)
 
     def _verge(self, side: int) -> float:
-        """Where the land begins that this kind stands on, on a side, from the centreline [m]."""
-        if self.road.paved_areas and "sidewalk" not in self.kind.surfaces:  # lamps and trees stand in the lot too
+        """The distance from the centreline to the land that this kind stands on, on a side [m]."""
+        if self.road.paved_areas and "sidewalk" not in self.kind.surfaces:  # lamps and trees are in the car park too
             return lot_edge(self.road, side)
         return self.road.edge if "sidewalk" in self.kind.surfaces else self.road.verge

@@ -1,4 +1,4 @@
-"""The road that a spec asks for, with room for everything that the spec puts on it."""
+"""The road of a spec, with room for all of its objects."""
 
 from __future__ import annotations
 
@@ -15,21 +15,21 @@ from lidardraft.errors import LayoutError
 from lidardraft.scene.check import MAX_RANGE
 from lidardraft.scene.road import LEFT, PARKING_STRIP, RIGHT, RING, PavedArea, Road
 
-HARD_SHOULDER, MEDIAN = 3.0, 4.0  # m, of motorways: estimate of ours, and the German RAA (2008)
-MAX_DISTANCE = MAX_RANGE - 10.0  # m, that an object can be asked for at
-_LONGEST_QUEUE = 110.0  # m, what a road is long for where no distance is asked for: estimate of ours
+HARD_SHOULDER, MEDIAN = 3.0, 4.0  # m, of motorways: an estimate, and the German RAA (2008)
+MAX_DISTANCE = MAX_RANGE - 10.0  # m, the largest distance of an object in a request
+_LONGEST_QUEUE = 110.0  # m, the largest length of a road for objects without a distance: an estimate
 AISLE_LANE = 3.0  # m; the aisle of a parking lot is 6 m wide (EAR 05)
-_LOT_LENGTH = (60.0, 90.0)  # m, estimate of ours
+_LOT_LENGTH = (60.0, 90.0)  # m, an estimate
 _WIDEST_LANE = 3.7  # m, of the usual ones
 _PARKED = 2.0  # m further to the right than in a lane; estimate
 
 
 def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -> Road:
-    """A road in the ego's frame, with what the spec leaves open sampled.
+    """A road in the ego's frame; the properties that the spec leaves open are sampled.
 
-    Each `effort` more makes what is open larger, for what found no room before. Raises `LayoutError` on a distance that
-    is further than a sensor sees, on a sidewalk in a parking lot, and on a median where there are no two directions or
-    they have different numbers of lanes.
+    A larger `effort` makes open extents larger, for objects that found no room before. Raises `LayoutError` on a
+    distance beyond the range of sensors, on a sidewalk in a car park, and on a median without two directions of as many
+    lanes.
     """
     kind = spec.road.kind
     motorway, lot, narrow = kind == "motorway", kind == "parking-lot", spec.district == "alley"
@@ -50,7 +50,7 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
         raise LayoutError(f"road: junction is {spec.road.junction[1]:g} m; it must be {MAX_DISTANCE - 30:g} m or less")
     farthest = max(farthest, spec.road.junction[1] + 30.0 if spec.road.junction else 0.0)
     half_length = max(80.0, farthest + 15.0, row + 5.0, min(_LONGEST_QUEUE, max(queue, 30.0 * effort) + 10.0))
-    if motorway:  # nothing else of it may differ from one seed to the next
+    if motorway:  # nothing else of a motorway may differ between seeds
         half_length += float(rng.spawn(1)[0].uniform(0.0, 8.0))
     wanted = spec.road.sidewalk
     usual_walk = not (motorway or lot) and (spec.district is None or SETTINGS[spec.district].sidewalk[1] > 0.0)
@@ -86,7 +86,7 @@ def road_from_spec(spec: SceneSpec, rng: np.random.Generator, effort: int = 0) -
 
 
 def _median(spec: SceneSpec) -> float:
-    """The width of what lies between the directions [m]."""
+    """The width of the strip between the directions [m]."""
     if spec.road.median or any(group.surface == "median" for group in spec.groups):
         ways = f"has {spec.road.lanes} lanes this way and {spec.road.oncoming_lanes} oncoming"
         ways = "is one-way" if spec.road.one_way else ways if spec.road.oncoming_lanes else ""
@@ -101,7 +101,7 @@ def _median(spec: SceneSpec) -> float:
 
 
 def _branch(spec: SceneSpec, usual: int) -> int:
-    """The side of the ego's road that another one joins: where something comes from, if it is said."""
+    """The side of the ego's road that another one joins: the one that traffic comes from, if the spec says so."""
     ways = {group.way_across for group in spec.groups if group.crosses} - {0}
     if len(ways) > 1:
         raise LayoutError("road: a T-junction has one branch, but vehicles come from both sides; ask for a crossroads")
@@ -109,7 +109,7 @@ def _branch(spec: SceneSpec, usual: int) -> int:
 
 
 def _crossed_at(spec: SceneSpec, road: Road) -> Road:
-    """The road with its junction where a vehicle is asked for that crosses at a distance."""
+    """The road with its junction at the distance of a vehicle that crosses, if the spec gives one."""
     crossing = [
         (group.kind, group.way_across or 1, group.distance)
         for group in spec.groups
@@ -128,13 +128,13 @@ def _crossed_at(spec: SceneSpec, road: Road) -> Road:
     junction = sum(distance) / 2 + lane
     nearest = NEAREST_JUNCTION + (road.edge if road.roundabout_radius is None else road.roundabout_radius)
     if junction < nearest:
-        limit = f"what crosses must be {math.ceil(nearest - lane)} m away or more"
+        limit = f"crossing traffic must be {math.ceil(nearest - lane)} m away or more"
         raise LayoutError(f"{kind}: distance is {sum(distance) / 2:g} m; {limit}")
     return replace(road, junction=junction, half_length=max(road.half_length, junction + 30.0))
 
 
 def _row_end(group: ObjectGroup) -> float:
-    """How far away the last of a row stands that begins at a distance [m]; 0 for what is no such row."""
+    """The distance of the last object of a row that begins at a distance [m]; 0 for other groups."""
     if group.spacing is None or group.distance is None or group.fewest is None:
         return 0.0
     return min(MAX_RANGE, group.distance[0] + group.spacing * (group.fewest - 1))
@@ -149,7 +149,7 @@ def _sample_lanes(spec: SceneSpec, rng: np.random.Generator, needed: int) -> int
 
 
 def _most_lanes(spec: SceneSpec) -> int:
-    """In each direction, where what stands beside the road at a distance from the ego is to find room there."""
+    """The lanes in each direction that leave room for roadside objects at their distances from the ego."""
     beside = [
         group.distance[0]
         for group in spec.groups
@@ -163,7 +163,7 @@ def _most_lanes(spec: SceneSpec) -> int:
 
 
 def _usual_ego_lane(spec: SceneSpec) -> tuple[int, int]:
-    """The number of the ego's lane where nothing is said of it, and how many lanes it and what drives there need."""
+    """The default number of the ego's lane, and the number of lanes that it and the traffic there need."""
     left = any(_beside_the_ego(group, "left", spec.road.one_way) for group in spec.groups)
     right = any(_beside_the_ego(group, "right", spec.road.one_way) for group in spec.groups)
     right = right or any(group.relation == "right-of" and group.record.drives for group in spec.groups)
@@ -171,7 +171,7 @@ def _usual_ego_lane(spec: SceneSpec) -> tuple[int, int]:
     reach = _lanes_to_the_right(spec)
     needed = max(3 if middle or (left and right) else 2 if left or right or spec.road.ego_lane else 1, reach + 1)
     usual = any(_on_the_right(group) for group in spec.groups)
-    # of two lanes the left one is that of who overtakes the ego
+    # of two lanes, the left one is for vehicles that overtake the ego
     overtaken = needed > (spec.road.lanes or needed) and any(
         group.lane == "left" and "beside" in group.places for group in spec.groups
     )
@@ -179,7 +179,7 @@ def _usual_ego_lane(spec: SceneSpec) -> tuple[int, int]:
 
 
 def _lanes_to_the_right(spec: SceneSpec) -> int:
-    """How many lanes what stands to the right of the ego at a distance needs there."""
+    """The number of lanes needed for objects to the right of the ego at a distance."""
     reach = [
         group.distance[0] - (_PARKED if group.heading == "parked" else 0.0)
         for group in spec.groups
@@ -189,7 +189,7 @@ def _lanes_to_the_right(spec: SceneSpec) -> int:
 
 
 def _beside_the_ego(group: ObjectGroup, side: str, one_way: bool) -> bool:
-    """Whether a group needs a lane of the ego's direction on that side of the ego's."""
+    """Whether a group needs a lane of the ego's direction on that side of the ego's lane."""
     if not group.record.is_vehicle or group.heading == "parked" or group.crosses or group.turns:
         return False
     at_side = any(split_place(place)[1] == side for place in group.places)
@@ -211,7 +211,7 @@ def _has_junction(spec: SceneSpec) -> bool:
 
 
 def _junction(spec: SceneSpec, half: float, near: float, rng: np.random.Generator, effort: int) -> float | None:
-    """How far ahead the middle of the crossing road is [m], which reaches `half` from there."""
+    """The distance of the middle of the crossing road ahead [m]; its half width is `half`."""
     if not _has_junction(spec):
         return None
     if spec.road.junction is not None:
@@ -220,9 +220,9 @@ def _junction(spec: SceneSpec, half: float, near: float, rng: np.random.Generato
 
 
 def _parking_lot(spec: SceneSpec, edge: float, farthest: float, rng: np.random.Generator) -> tuple[PavedArea, ...]:
-    """Both sides of the aisle that the ego drives in, as far as something is asked for [m].
+    """Both sides of the aisle that the ego drives in, as long as the requested objects need [m].
 
-    What is no furniture of a parking lot, as a house, and asked for at a side, is where the lot ends.
+    The car park ends at objects on a side that do not belong in one, such as a house.
     """
     length = float(rng.uniform(*_LOT_LENGTH))
     before = length * float(rng.uniform(0.3, 0.5))
@@ -237,7 +237,7 @@ def _parking_lot(spec: SceneSpec, edge: float, farthest: float, rng: np.random.G
 
 
 def _near_sides(spec: SceneSpec, side: str) -> list[float]:
-    """How far from the ego [m] what no parking lot has on it stands at a side."""
+    """The distances from the ego [m] of objects on a side that do not belong in a car park."""
     near = []
     for group in spec.groups:
         sizes, sides = group.record.sizes, {split_place(place)[1] for place in group.places or ("",)}
@@ -255,9 +255,9 @@ def _parking_width(spec: SceneSpec, ego_lane: int) -> float:
 
 
 def _usual_strip(spec: SceneSpec, rng: np.random.Generator) -> float:
-    """The strip for parked cars that a street between buildings has of itself [m], as often as others of its district.
+    """The default parking strip of a street between buildings [m], as often as in its district.
 
-    It has none where cars are counted or denied, which could not stand there.
+    There is none if cars are counted or denied, as it would then have to stay empty.
     """
     kinds = {group.kind for group in spec.groups if group.record.family == "buildings" and group.fewest is None}
     name = spec.district or ("residential" if "house" in kinds else "urban" if kinds else "country")

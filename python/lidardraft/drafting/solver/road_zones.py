@@ -1,4 +1,4 @@
-"""Where on and beside the road the objects of a group may be, as zones of the road's frame (along, across)."""
+"""The zones of the objects of a group on and beside the road, in the road's frame (along, across)."""
 
 from __future__ import annotations
 
@@ -36,17 +36,17 @@ from lidardraft.objects.sentence_kind import SentenceKind
 from lidardraft.scene.check import EGO_SIZE
 from lidardraft.scene.road import Road
 
-# Estimates of ours.
-NEAREST = 8.0  # m to the middle of what is in front or behind, where no distance is asked for
+# Estimates.
+NEAREST = 8.0  # m to the middle of an object in front or behind, without a requested distance
 _CLEAR = 0.3  # m between a row and a road that crosses it
-QUEUE_BEFORE = 25.0  # m before a junction that things are "at" it
+QUEUE_BEFORE = 25.0  # m before a junction that count as "at" it
 
 
 @dataclass(frozen=True, slots=True)
 class Zone:
-    """Where the objects of a group may be: from and to along the road [m], and how to sample a pose there.
+    """The zone of the objects of a group: from and to along the road [m], and a sampler of poses there.
 
-    `sides` counts the sides of the road that the objects take in turns.
+    `sides` counts the sides of the road between which the objects alternate.
     """
 
     span: tuple[float, float]
@@ -54,7 +54,7 @@ class Zone:
     sides: int = 1
 
     def grown(self, effort: int, road: Road) -> Zone:
-        """With a longer span, for what found no room in this one."""
+        """The zone with a longer span, for objects that found no room in this one."""
         near, far = self.span
         if near == far or not effort:
             return self
@@ -63,9 +63,9 @@ class Zone:
         return dataclasses.replace(self, span=(low, min(limit, far + more) if far > near else max(-limit, far + more)))
 
     def in_row(self, length: float, road: Road, later: float, *, around: bool) -> Zone:
-        """With a span that begins where a row of that `length` [m] does.
+        """The zone with a span that begins at the start of a row of that `length` [m].
 
-        The ego is in the middle of a row that may be `around` it; `later` [m] is as far as the road goes on.
+        The ego is in the middle of a row that may be `around` it; `later` [m] is limited by the length of the road.
         """
         near, far = self.span
         if around and near < 0 < far:
@@ -75,11 +75,11 @@ class Zone:
 
 
 def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Zone:
-    """The zone for an object of `kind` that the group wants at `place`, one of PLACES or ""."""
+    """The zone for an object of `kind` that the group has at `place`, one of PLACES or ""."""
     fore, side = split_place(place)
     if group.distance is not None and not fore and group.on_road:
         fore = "front"
-    comes = group.heading == "against" and group.lane is None  # what has passed the ego comes no more
+    comes = group.heading == "against" and group.lane is None  # traffic that has passed the ego is behind it
     in_the_way = (group.lane is not None or group.surface == "road") and not (kind.drives or kind.walks)
     if (comes or in_the_way) and not fore and "front" not in group.not_places:
         fore = "front"
@@ -110,7 +110,7 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
     if group.on_road:
         in_row = group.spacing is not None or group.distance is not None
         if kind.set_down and fore in ("front", "behind") and not side and in_row:
-            sides = (-1,)  # what begins at a place ahead is one row
+            sides = (-1,)  # objects that begin at a place ahead are one row
         lanes = lanes_of(group, fore, side, road) if group.lane == "each" else ()
         rows = len(lanes or sides) if group.lane in (None, "each") else 1
         return Zone(span, partial(set_down, group, fore, side, sides, road), rows)
@@ -125,7 +125,7 @@ def zone_of(group: ObjectGroup, kind: SentenceKind, place: str, road: Road) -> Z
 def _junction_zone(
     group: ObjectGroup, kind: SentenceKind, sides: tuple[int, ...], road: Road, junction: float
 ) -> Zone | None:
-    """Where another road meets the ego's, if the group belongs there."""
+    """The zone at the junction with another road, if the group belongs there."""
     if group.crosses:
         heading = {1: "across-left", -1: "across-right"}[group.way_across or 1] if group.distance else group.heading
         return Zone((junction, junction), partial(on_crossing_road, road, str(heading), sides))
@@ -154,7 +154,7 @@ def _junction_zone(
 
 
 def _driven(group: ObjectGroup, kind: SentenceKind, fore: str, side: str, sides: tuple[int, ...], road: Road) -> Zone:
-    """For what drives: a lane, the kerb, a bay, or the sidewalk."""
+    """The zone for vehicles: a lane, the kerb, a bay, or the sidewalk."""
     span = _span(group, fore, road, 45.0)
     if road.paved_areas and group.lane is None and group.heading in (None, "parked") and fore != "beside":
         exactly = group.distance is not None or group.spacing is not None
@@ -174,14 +174,14 @@ def _driven(group: ObjectGroup, kind: SentenceKind, fore: str, side: str, sides:
 
 
 def _in_lot(span: tuple[float, float], road: Road) -> tuple[float, float]:
-    """As much of a span as lies along a parking lot."""
+    """The part of a span along a car park."""
     start, end = road.paved_areas[0].along
     near, far = (min(max(along, start + 1.5), end - 1.5) for along in span)
     return (near, far) if near != far or span[0] == span[1] else span
 
 
 def _span(group: ObjectGroup, fore: str, road: Road, usual: float) -> tuple[float, float]:
-    """The range along the road; a single distance for several objects is where the first of them stands."""
+    """The range along the road; a single distance for several objects is that of the first."""
     near, far = NEAREST, usual
     if group.record.is_vehicle:
         far = min(road.half_length - 10.0, max(far, queue_length(group)))
@@ -195,26 +195,26 @@ def _span(group: ObjectGroup, fore: str, road: Road, usual: float) -> tuple[floa
         return -near, -far
     if fore == "beside":
         return -4.0, 4.0
-    if group.fewest is not None:  # a few objects are seen best close by
+    if group.fewest is not None:  # a few objects are best visible close by
         usual = min(usual, 15.0 + 10.0 * group.fewest)
     return -usual, usual
 
 
 def _row_step(group: ObjectGroup) -> float:
-    """From one object to the next [m], of those that begin at one distance; people stand side by side."""
+    """The step from one object to the next [m], for those that begin at one distance; people are side by side."""
     if group.record.drives:
         return 10.0 if group.record.sizes is None else group.record.sizes.largest[0] + 5.0
     return 0.8 if group.record.walks else 6.0
 
 
 def queue_length(group: ObjectGroup) -> float:
-    """How far a lane with all the vehicles of a group reaches [m]."""
+    """The reach of a lane with all the vehicles of a group [m]."""
     count = group.count if isinstance(group.count, int) else 4
     return NEAREST + count * group.record.lane_length
 
 
 def _across(group: ObjectGroup, fore: str, sides: tuple[int, ...], road: Road) -> Zone:
-    """Who goes across the road does so before the junction, if there is one."""
+    """Pedestrians cross the road before the junction, if there is one."""
     span = _span(group, fore or "front", road, 35.0)
     if road.junction is not None and group.distance is None and fore in ("", "front"):
         half = half_of(road)
@@ -223,7 +223,7 @@ def _across(group: ObjectGroup, fore: str, sides: tuple[int, ...], road: Road) -
 
 
 def _person(group: ObjectGroup, fore: str, side: str, sides: tuple[int, ...], road: Road) -> Zone:
-    """People walk on the sidewalk, unless they are wanted on the road, or are simply in front or behind."""
+    """People walk on the sidewalk, unless they are requested on the road, or simply in front or behind."""
     if group.surface == "road":
         return Zone(_span(group, fore, road, 35.0), partial(on_carriageway, road, sides, ""))
     if group.lane is not None:
@@ -236,7 +236,7 @@ def _person(group: ObjectGroup, fore: str, side: str, sides: tuple[int, ...], ro
 
 
 def along_row(group: ObjectGroup, road: Road, start: float, step: float, number: int) -> float:
-    """Where an object of a row stands [m] that begins at `start`; beside the road it goes on behind a crossing one."""
+    """The place of an object along [m] in a row that begins at `start`; beside the road it skips a crossing road."""
     half, place = ((group.size or (None,))[0] or 0.0) / 2, 0
     while True:
         along = start + place * step
@@ -248,9 +248,10 @@ def along_row(group: ObjectGroup, road: Road, start: float, step: float, number:
 
 
 def measured_from(effort: float) -> tuple[float, bool]:
-    """How much further an object stands than asked for [m], and whether its near end does, as `effort` rises to
-    just under 1.
+    """How much further than requested an object is [m], and whether the distance is that of its near end, as `effort`
+    rises to just under 1.
 
-    Its middle is at the distance; where that leaves no room its near end is, at last as seen from the ego's bumper.
+    The middle is at the distance; if there is no room, the near end is; at last the distance counts from the ego's
+    bumper.
     """
     return ((0.0, False), (0.0, False), (0.0, True), (EGO_SIZE[0] / 2, True))[int(4 * effort)]

@@ -1,4 +1,4 @@
-"""What stands on and beside a road so far, and where there is still room."""
+"""The objects placed on and beside a road so far, and the room that is left."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.scene.solids import Solid, Solids
 from lidardraft.semantics import BY_NAME
 
-# Estimates of ours.
+# Estimates.
 GAP = 0.25  # m between any two objects
-FOLLOWING_GAP = 2.0  # m before and behind whatever drives, where nothing is said of its distance
-_HIGH = 10.0  # m over a crossing road that stay free
+FOLLOWING_GAP = 2.0  # m before and behind vehicles without a requested distance
+_HIGH = 10.0  # m over a crossing road, kept free
 
 
 class SpecScene:
-    """The primitives of a layout while it is made, and the solids that have to stay apart.
+    """The primitives of a layout under construction, and the solids that must not overlap.
 
-    `in_the_way` counts what objects found no room for, by name, since it was cleared.
+    `in_the_way` counts the obstacles that left objects without room, by name, since it was cleared.
     """
 
     def __init__(self, road: Road, rng: np.random.Generator) -> None:
@@ -75,7 +75,7 @@ class SpecScene:
             return None
         self._numbers[kind.name] += 1
         name = f"{kind.name}_{self._numbers[kind.name]}"
-        numbers: dict[str, int] = {}  # a rider and what is ridden are two instances of one name
+        numbers: dict[str, int] = {}  # a rider and its vehicle are two instances of one name
         for part, primitive in zip(parts, primitives, strict=True):
             if BY_NAME[part.label].is_thing and part.label not in numbers:
                 self._instances += 1
@@ -85,10 +85,10 @@ class SpecScene:
         for primitive in self.primitives[-len(parts) :]:
             self._standing.add(Solid.from_primitive(primitive))
         length, width, _ = extents([part for part in parts if part.center[2] - part.size[2] / 2 < STANDING])
-        return Footprint.of(name, kind, pose, length, width)  # crowns and lamps hang over what is near
+        return Footprint.of(name, kind, pose, length, width)  # crowns and lamps overhang near objects
 
     def _limit(self, kind: SentenceKind, group: ObjectGroup, parts: list[CoarseShape], pose: RoadPose) -> str | None:
-        """What keeps an object from there whatever else stands around, by name; None where nothing does."""
+        """The name of the limit that rules out a pose in any scene; None if there is none."""
         if not group.on_road and any(_reaches(part, pose.across, self.road) for part in parts):
             return "the road"
         if any(is_at(pose, place, self.road) for place in group.not_places):
@@ -117,7 +117,7 @@ class SpecScene:
         return surface is not None and surface[1] == "road"
 
     def _is_in_roundabout(self, kind: SentenceKind, parts: list[CoarseShape], pose: RoadPose) -> bool:
-        """Whether it would be in the way of who drives around, or on the island."""
+        """Whether it would block traffic in the roundabout, or be on the island."""
         if self.road.roundabout_radius is None or self.road.junction is None:
             return False
         radius = math.hypot(pose.along - self.road.junction, pose.across)
@@ -130,7 +130,7 @@ class SpecScene:
         return radius < self.road.roundabout_radius + reach
 
     def _obstacles(self, solids: list[Solid], *, side_roads: bool) -> Iterator[str]:
-        """What some solids run into, by name."""
+        """The names of the obstacles that some solids overlap with."""
         for solid in solids:
             for index in (self._standing, self._side_roads) if side_roads else (self._standing,):
                 for other in index.touching(solid):
@@ -138,7 +138,7 @@ class SpecScene:
 
     def _primitive(self, kind: SentenceKind, part: CoarseShape, pose: RoadPose, bent: bool) -> Primitive:
         along, across, yaw = pose
-        if bent:  # each segment follows the bend, as long as the arc is there
+        if bent:  # each segment follows the bend, as long as the arc
             along, (length, width, height) = along + part.center[0], part.size
             length *= 1.0 - self.road.curvature * across
             part = part._replace(center=(0.0, *part.center[1:]), size=(length, width, height))
@@ -147,7 +147,7 @@ class SpecScene:
 
 
 def gap_of(group: ObjectGroup) -> float:
-    """How far the ends of neighbours in a row are apart [m]; infinite for what stands in none."""
+    """The gap between neighbours in a row [m]; infinite for objects that are not in one."""
     length = group.size[0] if group.size else None
     return math.inf if group.spacing is None or length is None else max(0.0, group.spacing - length)
 
@@ -156,7 +156,7 @@ _NAMES = {"ego": "the ego vehicle", "road_left": "the crossing road", "road_righ
 
 
 def _sized(parts: list[CoarseShape], group: ObjectGroup) -> list[CoarseShape]:
-    """The parts in the size that the group asks for, as far as its class can have it."""
+    """The parts in the requested size; raises `LayoutError` if its class does not allow it."""
     if group.scale is None and group.size is None:
         return parts
     asked, times, has = group.size or (None, None, None), group.scale or (1.0, 1.0, 1.0), extents(parts)
@@ -174,13 +174,13 @@ def _sized(parts: list[CoarseShape], group: ObjectGroup) -> list[CoarseShape]:
 
 
 def _reaches(part: CoarseShape, across: float, road: Road) -> bool:
-    """Whether a part that stands beside the road would stand on it; what hangs over it, as a crown does, may."""
+    """Whether a part of a roadside object would stand on the road; overhanging parts, such as a crown, may."""
     low = part.center[2] - part.size[2] / 2 < STANDING
     return low and abs(across) - part.size[1] / 2 < road.edge
 
 
 def is_at(pose: RoadPose, place: str, road: Road) -> bool:
-    """Whether a pose is at one of PLACES, as the ego sees them; anywhere is at ""."""
+    """Whether a pose is at one of PLACES relative to the ego; "" is anywhere."""
     aside = pose.across - road.lane(road.ego_lane)
     fore, side = split_place(place)
     along = {"front": pose.along > 0, "behind": pose.along < 0, "beside": abs(pose.along) <= 4.0, "": True}[fore]

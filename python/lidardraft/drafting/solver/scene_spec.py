@@ -1,4 +1,4 @@
-"""What a scene is to hold: the road, groups of objects with a count and a place, and what was not understood."""
+"""The contents of a scene: the road, groups of objects with a count and a place, and the text not understood."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ DISTRICTS = tuple(SETTINGS)
 MAX_COUNT = 5000
 MAX_LANES = 6  # in one direction
 NEAREST_JUNCTION = 6.0  # m, before the ego
-MIN_SPACING = CLOSED = 0.1  # m, of a row without gaps
-EXTENTS = (0.05, 100.0)  # m, that an object can be asked for with
+MIN_SPACING = CLOSED = 0.1  # m, for a row without gaps
+EXTENTS = (0.05, 100.0)  # m, the limits of a requested extent
 
 _FORE = {"front": "in front", "behind": "behind", "beside": "beside the ego vehicle"}
 _HEADINGS = {
@@ -54,20 +54,19 @@ _RELATIONS = {"left-of": "on the left of", "right-of": "on the right of", "in-fr
 
 
 def split_place(place: str) -> tuple[str, str]:
-    """What one of PLACES says of before and behind, and of the side; "" where it says nothing."""
+    """The two parts of one of PLACES: before or behind, and the side; "" for an open part."""
     fore, _, side = place.partition("-")
     return ("", fore) if fore in ("left", "right") else (fore, side)
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RoadSpec:
-    """The road under the ego vehicle; `lanes` (in one direction) and `sidewalk` are None where its kind decides.
+    """The road under the ego vehicle; `lanes` (in one direction) and `sidewalk` are None if its kind decides.
 
-    `median` asks for a strip between the directions, which motorways have anyway.
-    `oncoming_lanes` are those of the other direction where they are not as many. With `one_way` all lanes lead in the
-    ego's direction. `ego_lane` is one of EGO_LANES, or None where that is left open; `ego_motion` and `ego_speed` are
-    as those of a group.
-    `junction` is the range from the ego to where the crossing road begins [m], None where that is left open.
+    `median` requests a strip between the directions, which motorways have anyway. `oncoming_lanes` are those of the
+    other direction, if their number differs. With `one_way` all lanes lead in the ego's direction. `ego_lane` is one of
+    EGO_LANES, or None if open; `ego_motion` and `ego_speed` are as those of a group. `junction` is the range from the
+    ego to the start of the crossing road [m], None if open.
     """
 
     kind: str = "straight"
@@ -106,20 +105,22 @@ class RoadSpec:
 class ObjectGroup:
     """Objects of one kind.
 
-    `count` is a number, a range of them (from, to) or one of COUNTS, meant for each of `places`; no places is anywhere
-    on or beside the road, but at none of `not_places`. `surface` asks for one other than the usual of the kind, `lane`
-    for one of LANES: "left" is the leftmost in the ego's direction, and with "each" every lane that `heading` allows
-    has so many objects. `at_junction` is where another road meets the ego's; `heading` is relative to the ego's.
-    `motion`, one of MOTIONS, and `speed` [m/s] are how it moves in a sequence; 0 stands.
-    `distance` is a range from the ego [m]: across the road at places beside the ego, and for what stands beside the
-    road at places that are neither in front nor behind; else along the road. `spacing` is the distance between
-    neighbours [m], or their ends where it is shorter than they are; CLOSED is none. `from_road` is a range from the
-    kerb to the near side [m], beyond the kerb, but before it for what drives and on the surface "road"; `from_sidewalk`
-    is one from the far edge of the sidewalk. `size` is length, width and height [m], None where nothing is said, and
-    `scale` what the usual size is multiplied by; `paint`, one of PAINTS, is for vehicles.
+    `count` is a number, a range of numbers (from, to) or one of COUNTS, and applies to each of `places`. Without places
+    the objects are anywhere on or beside the road, but at none of `not_places`. `surface` requests one other than the
+    usual of the kind. `lane` requests one of LANES: "left" is the leftmost in the ego's direction; with "each" the
+    count applies to every lane that `heading` allows. `at_junction` puts them at the junction with another road;
+    `heading` is relative to the ego's. `motion`, one of MOTIONS, and `speed` [m/s] are their motion in a sequence; 0 is
+    still.
 
-    `relation` says where the objects are from those of other groups, `references`, by their numbers in the spec;
-    then `distance` is measured from there. `words` are those of the sentence that asked for the group.
+    `distance` is a range from the ego [m]. It is across the road at places beside the ego, and for roadside objects at
+    places that are neither in front nor behind; else along the road. `spacing` is the distance between the middles of
+    neighbours [m], or between their ends if it is shorter than the objects; CLOSED is no gap. `from_road` is a range
+    from the kerb to the near side [m], beyond the kerb, but before it for vehicles and on the surface "road".
+    `from_sidewalk` is one from the far edge of the sidewalk. `size` is length, width and height [m], None if open;
+    `scale` multiplies the usual size. `paint`, one of PAINTS, is for vehicles.
+
+    `relation` places the objects relative to those of other groups, `references`, by their numbers in the spec; then
+    `distance` is measured from there. `words` are those of the sentence that requested the group.
     """
 
     kind: str
@@ -192,7 +193,7 @@ class ObjectGroup:
 
     @property
     def record(self) -> SentenceKind:
-        """What is known of its kind."""
+        """The record of its kind."""
         return SENTENCE_KINDS[self.kind]
 
     @property
@@ -202,18 +203,18 @@ class ObjectGroup:
 
     @property
     def set_back(self) -> bool:
-        """Whether it is asked for at a distance from the road or the sidewalk."""
+        """Whether it is requested at a distance from the road or the sidewalk."""
         return self.from_road is not None or self.from_sidewalk is not None
 
     @property
     def set_aside(self) -> bool:
-        """Whether it stands beside the road and is asked for at a distance to the left or the right of the ego."""
+        """Whether it is a roadside object requested at a distance to the left or the right of the ego."""
         sides = all(place in ("left", "right") for place in self.places)
         return self.distance is not None and self.relation is None and not self.on_road and sides
 
     @property
     def is_closed(self) -> bool:
-        """Whether it is a row without gaps: walls along a side whose number is a word, or what is CLOSED."""
+        """Whether it is a row without gaps: walls along a side with a word as number, or a group that is CLOSED."""
         free = self.relation is None and self.distance is None and not self.on_road
         along = all(place in ("left", "right") for place in self.places)
         lines = self.record.follows_road and isinstance(self.count, str) and self.spacing is None and bool(self.places)
@@ -226,13 +227,13 @@ class ObjectGroup:
 
     @property
     def goes_across(self) -> bool:
-        """Whether it goes straight across the ego's road, on foot or, at a place that is said, on two wheels."""
+        """Whether it goes straight across the ego's road: on foot, or on two wheels at a given place."""
         on_wheels = self.record.cycles and (self.distance or self.relation or self.surface == "road")
         return str(self.heading).startswith("across") and (self.record.walks or bool(on_wheels))
 
     @property
     def way_across(self) -> int:
-        """1 where it crosses the ego's road to the left, -1 to the right, 0 where that is open."""
+        """1 if it crosses the ego's road to the left, -1 to the right, 0 if that is open."""
         comes_from = {split_place(place)[1] for place in self.places}
         from_side = {frozenset({"right"}): 1, frozenset({"left"}): -1}.get(frozenset(comes_from), 0)
         return {"across-left": 1, "across-right": -1}.get(str(self.heading), from_side)
@@ -244,18 +245,18 @@ class ObjectGroup:
 
     @property
     def fewest(self) -> int | None:
-        """The fewest objects that meet a count in numbers, None for a word."""
+        """The fewest objects that meet a numeric count; None for a word."""
         return None if isinstance(self.count, str) else self.count if isinstance(self.count, int) else self.count[0]
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class SceneSpec:
-    """What a scene holds, in relations and counts; `layout_from_spec` turns it into metres.
+    """The contents of a scene, in relations and counts; `layout_from_spec` turns it into metres.
 
-    `absent` are kinds that nothing in the scene may be; `not_understood` the parts of the source that say nothing here.
-    `district`, one of DISTRICTS, is where the road lies, and `activity`, one of ACTIVITIES, how much goes on there:
-    they decide what surrounds the scene (`surround`), not the scene. Nor are kinds in `not_around` added there: those
-    that are denied somewhere, or in some state, as parked cars are. `weather` is one of WEATHERS.
+    `absent` are kinds that the scene must not have; `not_understood` the parts of the source without meaning here.
+    `district`, one of DISTRICTS, is the area of the road, and `activity`, one of ACTIVITIES, how busy it is. They
+    decide the surroundings (`surround`), not the scene. Kinds in `not_around` are not added there either: they are
+    denied at a place, or in a state, such as parked cars. `weather` is one of WEATHERS.
     """
 
     road: RoadSpec = field(default_factory=RoadSpec)
@@ -283,7 +284,7 @@ class SceneSpec:
         self._check_circles()
 
     def _check_circles(self) -> None:
-        """A group that is placed from another cannot be what that one is placed from."""
+        """Raises `LayoutError` if groups are placed from each other in a circle."""
         sorter = graphlib.TopologicalSorter({n: group.references for n, group in enumerate(self.groups)})
         try:
             sorter.prepare()
@@ -297,7 +298,7 @@ class SceneSpec:
 
     @classmethod
     def from_dict(cls, fields: Mapping[str, Any]) -> SceneSpec:
-        """The inverse of `to_dict`; raises `FormatError` for an unknown field, `LayoutError` for a wrong one."""
+        """The inverse of `to_dict`; raises `FormatError` for an unknown field, `LayoutError` for an invalid one."""
         check_fields(fields, (), cls.__dataclass_fields__)
         road, groups = check_object(fields.get("road", {})), as_tuple("groups", fields.get("groups", ()))
         check_fields(road, (), RoadSpec.__dataclass_fields__)
@@ -329,7 +330,7 @@ def relations(spec: SceneSpec) -> list[str]:
 
 
 def road_relations(road: RoadSpec) -> list[str]:
-    """What is said of the road."""
+    """The properties of the road, as texts."""
     found = [road.kind]
     if road.lanes is not None:
         other = road.oncoming_lanes or road.lanes
@@ -357,12 +358,12 @@ def _motion_text(motion: str | None, speed: float | None) -> list[str]:
 
 
 def count_text(group: ObjectGroup) -> str:
-    """How many objects a group has at each place."""
+    """The number of objects of a group at each place, as a text."""
     return f"{group.count[0]} to {group.count[1]}" if isinstance(group.count, tuple) else str(group.count)
 
 
 def group_relations(group: ObjectGroup, spec: SceneSpec, place: str) -> list[str]:
-    """What is said of where the objects of a group are at one of its places, and how."""
+    """The places, relations and states of the objects of a group at one of its places, as texts."""
     fore, side = split_place(place)
     found = ([_FORE[fore]] if fore else []) + ([f"on the {side}"] if side else [])
     found += [f"not {' '.join(split_place(place)).strip()}" for place in group.not_places]

@@ -1,4 +1,4 @@
-"""Which words of a sentence are accounted for: without them, or with others, the spec would be another one."""
+"""The words of a sentence that count: without them, or with others, the spec would differ."""
 
 from __future__ import annotations
 
@@ -18,19 +18,19 @@ from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import leaves
 
 Path = tuple[int, ...]  # from the sentence down to a constituent, by the numbers of children
-Changes = Mapping[Path, tuple[Node, ...]]  # what stands in the place of constituents
-Same = Callable[[Changes], bool]  # whether the spec stays as it is
-Idle = dict[Path, tuple[Node, tuple[Node, ...]]]  # constituents that change nothing, with what stays of each
+Changes = Mapping[Path, tuple[Node, ...]]  # replacements of constituents
+Same = Callable[[Changes], bool]  # whether the spec stays the same
+Idle = dict[Path, tuple[Node, tuple[Node, ...]]]  # constituents that change nothing, with the part of each that is kept
 Read = Callable[[Sequence[Node]], SceneSpec]
 _SAYS_NOTHING = [(one.name, one.default) for one in dataclasses.fields(Position)]
 _VERBS = ("crossed", "turned", "state")
-_NEUTRAL = (  # words that join others, or say what is so anyway
+_NEUTRAL = (  # words that join others, or state a default
     *("silent", "usual", "is", "and", "with", "has", "but", "except", "which", "there", "ego", "pronoun", "time"),
     *("the", "a", "single", "about", "unit", "another", "all", "both", "of", "ofthem", "respectively"),
     *("lengthways", "median_where"),
     *(",", ".", ":", "(", ")", "of_road"),
 )
-_CONTENT = ("usual", "time", "unit", "ego")  # of those, what says something
+_CONTENT = ("usual", "time", "unit", "ego")  # those of them with a meaning
 _PLAIN = (
     ("road", "straight"),
     ("anyway", "coming"),
@@ -51,8 +51,8 @@ _OTHERS = {
 def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node]:
     """The constituents that change nothing: the spec is the same without them, and with another word in their place.
 
-    Of those that say the same thing twice each is accounted for, as the spec without both is another one. Words that
-    say "more" than comes of them, such as "child", are among them.
+    If two say the same, both count, as the spec differs without both. Words that mean more than they change, such as
+    "child", are among the returned ones.
     """
     whole = read(nodes)
 
@@ -70,7 +70,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
         return same({path: ()}) and all(same(one) for one in turned)
 
     def is_lost(path: Path, noun: Node) -> bool:
-        """Whether a noun only changes what others mean, so that another in its place changes nothing."""
+        """Whether a noun only changes the meaning of others, so that another noun in its place changes nothing."""
         others = [{path: (other,)} for other in _turned(noun, whole)]
         return bool(others) and all(_with(nodes, one, grammar) is not None and same(one) for one in others)
 
@@ -103,7 +103,7 @@ def idle_parts(nodes: Sequence[Node], grammar: Grammar, read: Read) -> list[Node
 
 
 def _without_repeats(nodes: Sequence[Node], whole: SceneSpec, idle: Idle, same: Same) -> list[Node]:
-    """The idle constituents, but for those that repeat what another one says."""
+    """The idle constituents without those that repeat another one."""
     known = [path for path, (node, _) in idle.items() if node.symbol not in STRANGE]
     twice = _said_twice(known, idle, same)
     settled = {path for pair in twice for path in pair}
@@ -117,7 +117,7 @@ def _without_repeats(nodes: Sequence[Node], whole: SceneSpec, idle: Idle, same: 
 
 
 def _said_twice(paths: Sequence[Path], idle: Idle, same: Same) -> list[tuple[Path, Path]]:
-    """The pairs of constituents of which each may be left out, and not both: one repeats the other."""
+    """The pairs of constituents of which either may be left out, but not both: one repeats the other."""
     return [
         (a, b)
         for a, b in itertools.combinations(paths, 2)
@@ -126,7 +126,7 @@ def _said_twice(paths: Sequence[Path], idle: Idle, same: Same) -> list[tuple[Pat
 
 
 def _add_runs(nodes: Sequence[Node], idle: Idle, same: Same) -> None:
-    """Add the runs of constituents that change nothing together, though each of them does."""
+    """Add the runs of constituents that change nothing together, although each of them alone does."""
     for run in _runs(nodes):
         paths = [(index,) for index in run]
         others = set().union(*(node.all("kind") for index, node in enumerate(nodes) if index not in run))
@@ -142,7 +142,7 @@ def _add_runs(nodes: Sequence[Node], idle: Idle, same: Same) -> None:
 
 
 def _runs(nodes: Sequence[Node]) -> Iterator[list[int]]:
-    """The numbers of the constituents between two signs, and from each link on: each says something."""
+    """The numbers of the constituents between two signs, and from each link on: each run has a meaning."""
     for is_end, part in itertools.groupby(range(len(nodes)), lambda index: nodes[index].symbol in (",", ".")):
         run = list(part)
         if not is_end:
@@ -151,9 +151,9 @@ def _runs(nodes: Sequence[Node]) -> Iterator[list[int]]:
 
 
 def gave(nodes: Sequence[Node], index: int, read: Read) -> tuple[tuple[int, ...], tuple[str, ...]]:
-    """The numbers of the groups, and the other relations of the spec, that would not be there without a constituent.
+    """The numbers of the groups, and the other relations of the spec, that would be missing without a constituent.
 
-    Of what is said twice they are those that would not be there without both.
+    For a repeated statement they are those that would be missing without both.
     """
     node, whole = nodes[index], read(nodes)
     for said in ("a scene" if node.get("asks") else "", node.get("anyway", "")):
@@ -177,7 +177,7 @@ def gave(nodes: Sequence[Node], index: int, read: Read) -> tuple[tuple[int, ...]
 
 
 def _of_scene(spec: SceneSpec) -> list[str]:
-    """The relations of a spec that are of none of its groups."""
+    """The relations of a spec that belong to none of its groups."""
     around = [f"around: {one}" for one in (spec.district, spec.activity) if one]
     return relations(replace(spec, groups=())) + around + [f"around: no {kind}" for kind in spec.not_around]
 
@@ -191,7 +191,7 @@ def says_something(node: Node) -> bool:
 
 
 def _names_setting(node: Node, whole: SceneSpec) -> bool:
-    """Whether it only names the road, or where it lies, again: "fields" beside "a rural road"."""
+    """Whether it only repeats the name of the road or its area: "fields" beside "a rural road"."""
     plain = all(
         leaf.symbol in ("setting", "road", "the", "a") or leaf.symbol[0] == "'" for _, leaf in _leaves(node, ())
     )
@@ -200,7 +200,7 @@ def _names_setting(node: Node, whole: SceneSpec) -> bool:
 
 
 def _is_said_by(node: Node, other: Node) -> bool:
-    """Whether what is beside a verb or a place says the same."""
+    """Whether the constituent beside a verb or a place means the same."""
     said = _said(node)
     if node.symbol == "whereabouts":  # "parked along the kerb"
         return bool(said) and (said <= _said(other) or "heading parked" in said & _said(other))
@@ -215,7 +215,7 @@ def _beside(nodes: Sequence[Node], index: int) -> Sequence[Node]:
 
 
 def _said(node: Node) -> set[str]:
-    """What its words mean, without their number."""
+    """The meaning of its words, without their number."""
     positions = (value for _, value in node.features if isinstance(value, Position))
     fields = ((one.name, getattr(at, one.name)) for at in positions for one in dataclasses.fields(at))
     said = (*((name, value) for name, value in node.features if name not in ("plural", "at")), *fields)
@@ -227,7 +227,7 @@ def _said(node: Node) -> set[str]:
 
 
 def _is_neutral(node: Node) -> bool:
-    """Whether all words of a constituent are."""
+    """Whether all words of a constituent are neutral."""
     if node.symbol in STRANGE or node.get("act"):
         return False
     if node.symbol == "determiner" and node.get("another"):
@@ -249,7 +249,7 @@ def _leaves(node: Node, path: Path) -> Iterator[tuple[Path, Node]]:
 
 
 def _apart(relation: Node) -> tuple[Node, ...]:
-    """What a relation is to, as if it were listed."""
+    """The targets of a relation, as if they were listed."""
     comma = Node(",", relation.start, relation.start, 0.0)
     targets = [one for child in relation.children if child.symbol == "relative" for one in child.children[0].children]
     return tuple(node for target in targets for node in (comma, target))
@@ -291,7 +291,7 @@ def _read(read: Read, nodes: Sequence[Node]) -> SceneSpec | None:
 
 
 def _with(nodes: Sequence[Node], changed: Changes, grammar: Grammar, at: Path = ()) -> list[Node] | None:
-    """Constituents with others in some places, or none there; None where a rule needs what was there."""
+    """Constituents with replacements in some places, or nothing; None if a rule needs the original."""
     found: list[Node] = []
     for index, node in enumerate(nodes):
         path = (*at, index)

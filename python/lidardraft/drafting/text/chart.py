@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
-Features = tuple[tuple[str, Any], ...]  # what the words of a constituent say, in their order
-Build = Callable[["Node"], Features | None]  # the features of a constituent, None where its words do not go together
+Features = tuple[tuple[str, Any], ...]  # the meaning of the words of a constituent, in their order
+Build = Callable[["Node"], Features | None]  # the features of a constituent, None if its words do not go together
 
 
 class Node(NamedTuple):
-    """A constituent: its symbol, the tokens that it covers (from and to), and what it says.
+    """A constituent: its symbol, the tokens that it covers (from and to), and its features, the meaning.
 
-    `cost` is higher for what is less likely: the tokens that say nothing, and rules that are rarely meant.
+    `cost` is higher for less likely ones: tokens without meaning, and rare rules.
     """
 
     symbol: str
@@ -32,11 +32,12 @@ class Node(NamedTuple):
 
 
 Parts = tuple[tuple[str, str], ...]
-Way = tuple[int, float, tuple[Node, ...]]  # to match parts: where it ends, its cost, and the constituents
+Way = tuple[int, float, tuple[Node, ...]]  # a match of parts: its end, its cost, and the constituents
 
 
 class Rule(NamedTuple):
-    """A way to make a constituent from symbols in a row; each with how often it may come: once, "?" or "*"."""
+    """A way to make a constituent from a row of symbols; each occurs once, optionally "?", or any number of times
+    "*"."""
 
     parts: Parts
     build: Build | None
@@ -44,33 +45,33 @@ class Rule(NamedTuple):
 
 
 class Grammar(NamedTuple):
-    """The rules of each symbol, and the cost of each symbol that may stand in a sentence by itself."""
+    """The rules of each symbol, and the cost of each symbol that may be a sentence's constituent by itself."""
 
     rules: dict[str, tuple[Rule, ...]]
     tops: dict[str, float]
 
 
 def rule(parts: str, build: Build | None = None, cost: float = 0.0) -> Rule:
-    """The rule that a row of symbols such as "determiner? quality* noun" writes."""
+    """The rule written as a row of symbols such as "determiner? quality* noun"."""
     split = ((part.rstrip("?*"), part[-1] if part[-1] in "?*" else "") for part in parts.split())
     return Rule(tuple(split), build, cost)
 
 
 MAX_SPAN = 40  # tokens of a constituent
-_WAYS = 3  # that are kept to match the same parts up to the same token, as a rule may refuse the cheapest
+_WAYS = 3  # matches kept for the same parts up to the same token, as a rule may refuse the cheapest
 
 
 class Chart:
     """The constituents of a row of tokens, each found once."""
 
     def __init__(self, grammar: Grammar, words: Sequence[Iterable[Node]]) -> None:
-        """`words` are, for each token, what begins there."""
+        """`words` are the word nodes that begin at each token."""
         self._grammar, self._words = grammar, [list(at) for at in words]
         self._known: dict[tuple[str, int], dict[int, Node]] = {}
         self._matched: dict[tuple[int, int, int], list[Way]] = {}
 
     def spans(self, symbol: str, start: int) -> dict[int, Node]:
-        """The cheapest constituent of a symbol from a token up to each that it can end before."""
+        """The cheapest constituent of a symbol from a token on, for each possible end."""
         known = self._known.get((symbol, start))
         if known is not None:
             return known
@@ -92,7 +93,7 @@ class Chart:
         return found
 
     def _match(self, parts: Parts, number: int, start: int) -> list[Way]:
-        """The cheapest ways to match the parts of a rule from a number on, a few up to each end."""
+        """The cheapest matches of the parts of a rule from a number on, a few for each end."""
         if number == len(parts):
             return [(start, 0.0, ())]
         symbol, times = parts[number]

@@ -1,4 +1,4 @@
-"""The constituents of a sentence become clauses: what is said first, and objects with what is said after each."""
+"""The constituents of a sentence become clauses: a lead, and objects with the modifiers after each."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ _MANNERS = ("state", "crossed", "turned", "measure", "abreast", "overtaking", "o
 _SAID = ("whereabouts", "relation", "road_part", "distances", "blocked", *_MANNERS)
 _PASSED = ("is", "silent", "there")
 _BOTH_SIDES = Position((LEFT, RIGHT), both_sides=True)
-_FALSE_NOUNS = ("ed", "ing", "ly")  # endings of words that say more of the noun before them
+_FALSE_NOUNS = ("ed", "ing", "ly")  # endings of words that modify the noun before them
 
 
 def clauses_of(nodes: list[Node], texts: list[str]) -> list[Clause]:
@@ -56,7 +56,7 @@ def _sentences(nodes: Iterable[Node]) -> Iterator[list[Node]]:
 
 
 def _with_names(nodes: list[Node], texts: list[str]) -> list[Node]:
-    """With bare unknown words as names of what is unknown, where they begin a clause or follow "with"."""
+    """The nodes, in which bare unknown words name unknown objects if they begin a clause or follow "with"."""
     found: list[Node] = []
     for node in nodes:
         before = found[-1].symbol if found else "."
@@ -79,12 +79,12 @@ def _with_names(nodes: list[Node], texts: list[str]) -> list[Node]:
 
 
 def _goes_on_with(before: list[Node], symbol: str) -> bool:
-    """Whether "and" goes on with a constituent, as in "with a hat and a coat"."""
+    """Whether "and" continues a constituent, as in "with a hat and a coat"."""
     return [node.symbol for node in before[-2:]] == [symbol, "and"]
 
 
 def _with_crosswalks(nodes: list[Node], texts: list[str]) -> list[Node]:
-    """With a crosswalk for "a pedestrian crossing with two women", who are on it."""
+    """The nodes, with a crosswalk for "a pedestrian crossing with two women", who are on it."""
     found: list[Node] = []
     for index, node in enumerate(nodes):
         words = texts[node.start : node.end]
@@ -117,12 +117,12 @@ class _Reading:
         self._items: list[Item] = []
         self._clause_link = ""
         self._anchor = -1  # the item before a bracket
-        self._about = (0, -1)  # the number of items, and of the one that something was said of last
-        self._lined = False  # whether what comes next stands along both sides
-        self._carried = False  # whether it is carried, pushed or led
-        self._comma = False  # whether a comma stands before its "and"
-        self._unclear = False  # whether the clause begins with what is not understood
-        self._alone = False  # whether what is said first introduces no object
+        self._about = (0, -1)  # the number of items, and of the item last modified
+        self._lined = False  # whether the next objects are along both sides
+        self._carried = False  # whether the next object is carried, pushed or led
+        self._comma = False  # whether a comma is before its "and"
+        self._unclear = False  # whether the clause begins with unknown words
+        self._alone = False  # whether the lead introduces no object
 
     def clauses(self) -> list[Clause]:
         """The clauses of the sentence."""
@@ -168,7 +168,7 @@ class _Reading:
         return self._found
 
     def _is_said(self, index: int, verb: str, link: str) -> bool:
-        """Whether a word alone is said of what is before it, as in "the road is wide" and "a road, narrow"."""
+        """Whether a single word modifies the one before it, as in "the road is wide" and "a road, narrow"."""
         of_road = link == "," and isinstance(self._items[-1].head, Street) and self._at(index + 1) in ("", *LINKS)
         return (bool(verb) and not link) or of_road
 
@@ -179,7 +179,7 @@ class _Reading:
         return self._texts[node.end - 1]
 
     def _linked(self, link: str, index: int) -> str:
-        """The link that some in a row make together."""
+        """The combined meaning of several links in a row."""
         node = self._nodes[index]
         if self._word(node) == "then":
             return "then"
@@ -196,7 +196,7 @@ class _Reading:
         return node.symbol if not link or link in _WEAK or strong else link
 
     def _only_looks(self, index: int) -> bool:
-        """Whether who looks is named for nothing but that: "we see a bus", "if you look to the right"."""
+        """Whether the observer is named only as such: "we see a bus", "if you look to the right"."""
         after = self._at(index + 1)
         return (
             after in ("silent", "has", "object", "stranger")
@@ -210,13 +210,13 @@ class _Reading:
         self._lead, self._items, self._clause_link, self._unclear = [], [], link, False
 
     def _part_out(self) -> None:
-        """ "Respectively" says that as many places as objects are one for each."""
+        """ "Respectively" pairs places with objects, one for each."""
         if self._items and self._items[-1].modifiers:
             each = tuple(dataclasses.replace(one, verb="respectively") for one in self._items[-1].modifiers)
             self._items[-1] = dataclasses.replace(self._items[-1], modifiers=each)
 
     def _name(self, node: Node, link: str, verb: str) -> None:
-        """Open an object or a road; a road at once after an object says where that is."""
+        """Open an object or a road; a road right after an object is the object's place."""
         if (
             self._alone
             and not self._items
@@ -260,7 +260,7 @@ class _Reading:
         head = noun_phrase(node)
         if head.kind is None and not link and before is not None and named and not self._is_placed(before):
             self._items[-1] = dataclasses.replace(before, is_told=True)
-            return  # it only says something of the object before it: "a man walking his dog"
+            return  # it only modifies the object before it: "a man walking his dog"
         if not link and named and is_known(head) and (head.kind == "animal" or head.owned):
             link = "with"  # "a man walking his dog"
         along = (Modifier(Place(_BOTH_SIDES)),) if self._lined and link == "with" else ()
@@ -296,7 +296,7 @@ class _Reading:
         return item.head.kind is None or any(not isinstance(one.said, Manner) for one in item.modifiers)
 
     def _each_way(self, node: Node, link: str) -> None:
-        """Of lanes, or of what drives in them; a number before it is one of lanes, as in "four lanes, two each way"."""
+        """For lanes, or for traffic in them; a number before it counts lanes, as in "four lanes, two each way"."""
         last = self._items[-1].head if self._items else None
         if isinstance(last, NounPhrase) and last.kind == "" and last.exact and isinstance(last.count, int):
             street = Street(lanes=(last.count,), each_way=True)
@@ -313,7 +313,7 @@ class _Reading:
             self._items.append(Item(Street(each_way=True), link))
 
     def _say(self, index: int, link: str, verb: str) -> int:
-        """Give what is said to the objects after it or before it; the index of what follows."""
+        """Attach a modifier to the objects after it or before it; returns the index of the next constituent."""
         node, end = self._nodes[index], self._leads_to(index, link)
         if end:
             if self._items or (self._lead and link):
@@ -346,7 +346,7 @@ class _Reading:
         return index + 1
 
     def _subject(self, link: str, has_verb: object) -> int:
-        """The item that something is said of: after "and", or after what is carried, that before its verb."""
+        """The item that a modifier is about: after "and", or after a carried object, that before its verb."""
         same = link in ("", ",") and self._about[0] == len(self._items)
         at = self._about[1] if same else len(self._items) - 1
         last = self._items[at].modifiers[-1].said if self._items[at].modifiers else None
@@ -363,9 +363,9 @@ class _Reading:
         return at
 
     def _leads_to(self, index: int, link: str) -> int:
-        """The index of the object that what is said here introduces; 0 where it says something of those before.
+        """The index of the object that this lead introduces; 0 if it modifies objects before it.
 
-        An object follows it at once or after a colon, or after a comma where no object is before it in the sentence.
+        The object follows at once or after a colon, or after a comma if the sentence has no object before it.
         """
         if self._items and not link:
             return 0
@@ -389,7 +389,8 @@ class _Reading:
         return 0
 
     def _has_things(self, index: int, link: str) -> bool:
-        """Whether what a place is "with" is there: "a crosswalk with two men", "a bus, the left lane with two cars"."""
+        """Whether the objects a place is "with" are there: "a crosswalk with two men", "a bus, the left lane with two
+        cars"."""
         node = self._nodes[index]
         at = node.get("at")
         if node.get("crosswalk") or (isinstance(at, Position) and at.at_junction):
@@ -412,7 +413,7 @@ class _Reading:
 
 
 def _of_another_car(modifier: Modifier) -> Modifier:
-    """ "Behind the car on the left" is behind a car that is there, not behind the ego's."""
+    """ "Behind the car on the left" is behind a car of the scene, not behind the ego's."""
     if not isinstance(modifier.said, Relation):
         return modifier
     targets = tuple(dataclasses.replace(one, plain=False) for one in modifier.said.targets)

@@ -1,15 +1,15 @@
-"""What a place, a relation or a verb after a list is said of: all in the list that it can belong to, or the last."""
+"""The scope of a place, a relation or a verb after a list: all items of the list that it fits, or the last."""
 
 from __future__ import annotations
 
 from lidardraft.drafting.text.tree import Clause, Item, Manner, Modifier, NounPhrase, Place, Relation
 from lidardraft.objects.kinds import SENTENCE_KINDS
 
-_MANY = 4  # of a kind; what stands at one thing with so many others has no room
+_MANY = 4  # of a kind; more at one object have no room
 
 
 def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
-    """The numbers of the items that the first modifier after an item is said of."""
+    """The numbers of the items in the scope of the first modifier after an item."""
     first, item = _list_begins(clause, last), clause.items[last]
     if modifier.verb == "one" or first == last:
         return [last]
@@ -34,7 +34,7 @@ def spread(clause: Clause, last: int, modifier: Modifier) -> list[int]:
             return [last]
         if said.times > 1 and listed[last].count == 1:
             return [last]  # "trees, and a lamp at each corner"
-        # what is said of the last is not said of "an oncoming car" before it
+        # a modifier of the last item does not apply to "an oncoming car" before it
         oncoming = listed[last].manner.heading != "against"
         listed = {one: head for one, head in listed.items() if not (oncoming and head.manner.heading == "against")}
         found = [one for one, head in listed.items() if _can_be(head, said)] or [last]
@@ -51,7 +51,7 @@ def _pronouns(said: Relation) -> set[str]:
 
 
 def _differs(heads: list[NounPhrase], said: Relation) -> bool:
-    """Whether a relation is that of the last in a list alone: of one after many, or of what moves otherwise."""
+    """Whether a relation applies to the last in a list only: to one after many, or to one that moves otherwise."""
     *others, last = heads
     crowd = any(one.count == "many" or (isinstance(one.count, int) and one.count > _MANY) for one in others)
     one_of_several = len(others) > 1 and not last.plural and any(one.plural for one in others)
@@ -62,7 +62,7 @@ def _differs(heads: list[NounPhrase], said: Relation) -> bool:
 def _list_begins(clause: Clause, last: int) -> int:
     """The first item of the list that ends with an item.
 
-    "A bus, cars and people, houses and trees" are two lists: a comma after an "and" begins another one.
+    "A bus, cars and people, houses and trees" are two lists: a comma after an "and" begins a new one.
     """
     first = last
     while first > 0:
@@ -82,14 +82,14 @@ def _list_begins(clause: Clause, last: int) -> int:
 
 
 def _differ(one: object, other: object) -> bool:
-    """Whether a comma parts what is said of each, as in "an oncoming bus, a man on the left"."""
+    """Whether a comma separates their modifiers, as in "an oncoming bus, a man on the left"."""
     assert isinstance(one, NounPhrase)
     assert isinstance(other, NounPhrase)
     return one.plural != other.plural or one.manner.heading is not None
 
 
 def _is_told(item: Item) -> bool:
-    """Whether something is said of an item alone; lengths leave it in its list."""
+    """Whether an item has a modifier of its own; lengths keep it in its list."""
     return item.is_told or any(not isinstance(one.said, Manner) or one.said.says for one in item.modifiers)
 
 
@@ -106,7 +106,7 @@ def _denied(head: object) -> bool:
 
 
 def _can_move(phrase: NounPhrase, said: object) -> bool:
-    """Whether what is named can drive or walk, if a verb says so."""
+    """Whether the object can drive or walk, if a verb says so."""
     moves = isinstance(said, Manner) and (said.heading or said.motion or said.speed or said.queue)
     kind = SENTENCE_KINDS.get(str(phrase.kind))
     if isinstance(said, Manner) and said.walks and kind is not None:
@@ -117,7 +117,7 @@ def _can_move(phrase: NounPhrase, said: object) -> bool:
 
 
 def _can_be(phrase: NounPhrase, place: Place) -> bool:
-    """Whether what is named can be at a place: one object is not on both sides, a house not in a lane."""
+    """Whether the object can be at a place: one object is not on both sides, a house not in a lane."""
     if phrase.kind is None:
         return False
     kind = SENTENCE_KINDS[phrase.kind]

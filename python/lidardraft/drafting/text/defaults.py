@@ -1,4 +1,4 @@
-"""What mentions mean where the sentence leaves it open, and the spec of all of them."""
+"""The defaults of mentions for open properties, and the spec of all of them."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from lidardraft.objects.sentence_kind import SentenceKind
 _BESIDE_EACH_OTHER = 1.0  # m between people in a queue; estimate
 _QUEUE_GAP = 2.5  # m between vehicles in a queue; estimate
 _ROW_GAP = 1.0  # m between things in a row; estimate
-_FEW = 3  # vehicles that are named; with fewer a busy road has more than those
+_FEW = 3  # named vehicles; with fewer, a busy road gets further ones
 _LEFT_IN_ROADS = ("bench", "bin")
 _SIDES = ("left", "right")
 _CROSSED = ("crossroads", "t-junction")
 
 
 def spec_of(mentions: Mentions, road: RoadNotes, texts: list[str]) -> SceneSpec:
-    """The spec of what is wanted, less what is denied, with what the setting implies."""
+    """The spec of the wanted objects, without the denied ones, with the defaults of the setting."""
     denied = [one for one in mentions if one.kind is not None and one.count == 0]
     wanted = [(number, as_named(_wanted(one, denied, road), mentions)) for number, one in divided(mentions)]
     walking = {one.kind for _, one in wanted}
@@ -43,7 +43,7 @@ def spec_of(mentions: Mentions, road: RoadNotes, texts: list[str]) -> SceneSpec:
         ] or (references if one.references == (-1,) else [])
         groups.append(_group(one, tuple(references), mentions, road, _words(one, mentions, texts)))
     groups += [group for group in _implied(groups, road) if group.kind not in absent]
-    if road.kind == "parking-lot":  # which has no sidewalk
+    if road.kind == "parking-lot":  # car parks have no sidewalk
         groups = [replace(one, surface="road" if one.surface == "road" else None, from_sidewalk=None) for one in groups]
         road = replace(road, sidewalk=None)
     needs_sidewalk = any(group.surface == "sidewalk" or group.from_sidewalk for group in groups)
@@ -76,7 +76,7 @@ def _wanted(mention: Mention, denied: list[Mention], road: RoadNotes) -> Mention
 def _group(
     mention: Mention, references: tuple[int, ...], mentions: Mentions, road: RoadNotes, words: str
 ) -> ObjectGroup:
-    """As a group of the spec."""
+    """The mention as a group of the spec."""
     at, heading, lane = _headed(mention, motorway=road.kind == "motorway")
     kind, spacing = mention.record, at.spacing
     in_row = mention.row and kind.family == "trees"
@@ -135,7 +135,7 @@ def _group(
 
 
 def _surface(at: Position, kind: SentenceKind, *, waits: bool, on_road: bool, parted: bool) -> str | None:
-    """What it stands on, where that is not the usual of its kind; only a road of two directions has a median."""
+    """Its surface, None if it is the usual one of its kind; only a road of two directions has a median."""
     if at.median and "median" in kind.surfaces and parted:
         return "median"
     if (at.sidewalk or waits) and "sidewalk" in kind.surfaces:
@@ -144,7 +144,7 @@ def _surface(at: Position, kind: SentenceKind, *, waits: bool, on_road: bool, pa
 
 
 def _headed(mention: Mention, *, motorway: bool) -> tuple[Position, str | None, str | None]:
-    """Where a mention is, which way it faces and in which lane; vehicles along the sides of a road are parked."""
+    """The place, heading and lane of a mention; vehicles along the sides of a road are parked."""
     at, kind = _overtaking(mention), mention.record
     sideways = str(at.heading).startswith("across-") and mention.heading in ("across", "against", "with")
     across = at.heading == "across" and not str(mention.heading).startswith("across-")
@@ -152,14 +152,14 @@ def _headed(mention: Mention, *, motorway: bool) -> tuple[Position, str | None, 
     lane = at.lane
     elsewhere = ("across", "turning") if kind.is_vehicle else "turning"
     if kind.drives and mention.references and str(heading).startswith(elsewhere):
-        heading = None  # it is where the other one is
+        heading = None  # it follows the other one
     free = heading is None and not mention.references
     if at.at_junction and kind.drives and free and len(at.sides) == 1:  # on an arm of the junction
         heading = "across-right" if at.sides == ["left"] else "across-left"
     if lane == "own" and kind.drives and str(heading).startswith(("across", "turning")):
         lane = None  # "turns left across our lane"
     if lane is not None and not kind.drives:
-        at = replace(at, places=tuple((fore, "") for fore, _ in at.places))  # the lane says which side
+        at = replace(at, places=tuple((fore, "") for fore, _ in at.places))  # the lane implies the side
     if heading == "against" and at.places == (BEHIND,):  # it comes up to us
         heading = "with"
     if lane == "own" and at.heading == "parked" and at.sides:  # double parked, beside the strip on its side
@@ -173,14 +173,14 @@ def _headed(mention: Mention, *, motorway: bool) -> tuple[Position, str | None, 
 
 
 def _where(at: Position, kind: SentenceKind, references: tuple[int, ...]) -> tuple[Place, ...]:
-    """The places of a position: what stands beside the road at a distance is ahead, or level with the ego."""
+    """The places of a position: roadside objects at a distance are ahead, or level with the ego."""
     if at.distance is None or references or kind.on_road:
         return at.places
     return tuple(("" if fore == "beside" else fore or "front", side) for fore, side in at.places)
 
 
 def _overtaking(mention: Mention) -> Position:
-    """Where something is; what overtakes is beside the ego in the left lane, unless it is said to be elsewhere."""
+    """The position of a mention; one that overtakes is beside the ego in the left lane, unless placed elsewhere."""
     at = mention.at
     if mention.motion != "overtakes" or str(mention.heading).startswith("across"):
         return at
@@ -196,7 +196,7 @@ def _named(place: Place) -> str:
 
 
 def _words(mention: Mention, mentions: Mentions, texts: list[str]) -> str:
-    """The words that a mention was read from: all between its first and its last, unless others are among them."""
+    """The words of a mention: all between its first and its last, unless other mentions are among them."""
     if not mention.tokens:
         return ""
     between = range(min(mention.tokens), max(mention.tokens) + 1)
@@ -208,9 +208,9 @@ def _road_spec(notes: RoadNotes, mentions: Mentions, surfaces: set[str], needs_s
     at_junction = any(one.is_wanted and one.at.at_junction for one in mentions)
     kind = notes.kind or ("crossroads" if at_junction else "straight")
     number = notes.lanes or _lanes_filled(mentions) or notes.usual_lanes
-    middle = notes.ego_lane == "middle" and number == 3  # which has a lane on each side that leads the same way
+    middle = notes.ego_lane == "middle" and number == 3  # a lane on each side leads the same way
     median = "median" in notes.settings and not notes.one_way and kind != "parking-lot"
-    divided_alike = number % 2 == 1 and (median or "median" in surfaces)  # which has as many lanes on each side
+    divided_alike = number % 2 == 1 and (median or "median" in surfaces)  # as many lanes on each side
     whole = kind == "motorway" or notes.each_way or notes.one_way or middle or divided_alike
     if kind == "motorway" and number > 3 and number % 2 == 0 and not (notes.each_way or notes.one_way):
         number //= 2  # a six-lane motorway has three each way
@@ -233,7 +233,7 @@ def _road_spec(notes: RoadNotes, mentions: Mentions, surfaces: set[str], needs_s
 
 
 def _lanes_filled(mentions: Mentions) -> int:
-    """How many lanes "three cars, one in each lane" speaks of; 0 where it is not said."""
+    """The number of lanes implied by "three cars, one in each lane"; 0 if there is none."""
     for one in mentions:
         if one.at.lane == "each" and one.same_as is not None:
             whole, each = mentions[one.same_as].count, one.count
@@ -243,7 +243,7 @@ def _lanes_filled(mentions: Mentions) -> int:
 
 
 def _implied(groups: list[ObjectGroup], road: RoadNotes) -> list[ObjectGroup]:
-    """What the setting means where the sentence does not say it itself."""
+    """The groups that the setting implies and the sentence does not state."""
     kinds = {group.kind for group in groups}
     busy, junction = "busy" in road.settings, road.kind in (*_CROSSED, "roundabout")
     implied = []
@@ -266,11 +266,11 @@ def _implied(groups: list[ObjectGroup], road: RoadNotes) -> list[ObjectGroup]:
 
 
 def _is_off_the_road(no: Mention) -> bool:
-    """Whether it denies what walks on the road alone, as in "people on the pavement but nobody on the road"."""
+    """Whether it denies people on the road alone, as in "people on the pavement but nobody on the road"."""
     return (no.on_road or no.at.on_road) and no.record.walks
 
 
 def _covers(no: Mention, mention: Mention) -> bool:
-    """Whether what is denied somewhere is, or may be, what is wanted."""
+    """Whether a denied mention includes, or may include, a wanted one."""
     kinds = {no.kind, mention.kind}
     return len(kinds) == 1 or ("vehicle" in kinds and no.record.is_vehicle and mention.record.is_vehicle)

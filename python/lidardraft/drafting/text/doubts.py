@@ -1,4 +1,4 @@
-"""What a sentence is too involved to be read from: constituents that are reported rather than guessed at."""
+"""Constituents of sentences that are too involved: they are reported rather than guessed."""
 
 from __future__ import annotations
 
@@ -10,18 +10,18 @@ from lidardraft.drafting.text.grammar import JUNCTIONS
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import leaves
 
-STRANGE = ("unknown", "stranger", "aside")  # constituents that nothing comes of
-_ENDS = (",", ".", ":", ")", "but")  # of what a word governs
+STRANGE = ("unknown", "stranger", "aside")  # constituents without effect
+_ENDS = (",", ".", ":", ")", "but")  # of the constituents that a word governs
 _NAMES = ("object", "ellipsis", "pronoun", "stranger")
 _SAID = ("whereabouts", "relation")
 _PREPOSITIONS = ("in", "of", "to", "from", "on", "at", "by", "through", "onto", "into", "for", "as")
-_MANNERS = ("ly", "ing", "ed", "en")  # endings of words that say how something is done
+_MANNERS = ("ly", "ing", "ed", "en")  # endings of words of manner
 _VERBS = ("state", "crossed", "turned", "overtakes", "overtaking", "relation")
 _SUBORDINATE = ("if", "until", "although", "though", "since", "as")
 
 
 def with_doubts(nodes: Sequence[Node], texts: Sequence[str]) -> list[Node]:
-    """The constituents of a text, those in doubt as unknown ones."""
+    """The constituents of a text, with doubtful ones turned into unknown ones."""
     found = list(nodes)
     for index in range(len(nodes)):
         for doubtful in _doubtful(found, index, texts):
@@ -31,7 +31,7 @@ def with_doubts(nodes: Sequence[Node], texts: Sequence[str]) -> list[Node]:
 
 
 def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[int]:
-    """The numbers of the constituents that one casts doubt on."""
+    """The numbers of the constituents that one makes doubtful."""
     words = texts[nodes[index].start : nodes[index].end]
     node, after = nodes[index], nodes[index + 1].symbol if index + 1 < len(nodes) else ""
     end = _end(nodes, index)
@@ -41,7 +41,7 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
         closed = next((n for n in range(index, len(nodes)) if nodes[n].symbol == ")"), len(nodes) - 1)
         inside = range(index, closed + 1)
         return inside if any(nodes[n].symbol in ("object", *STRANGE) for n in inside) else ()
-    if node.symbol == "which":  # of what is unknown, or with unknown words
+    if node.symbol == "which":  # about unknown objects, or with unknown words
         before = nodes[index - 1] if index else node
         known = before.symbol in ("object", "street", ",") or (
             before.symbol == "relation" and any(leaves(before, "object"))
@@ -71,7 +71,7 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
     if node.symbol == "silent" and words[0] in _SUBORDINATE and after in (*_NAMES, "there"):
         return governed
     if node.symbol == "state" and words[-1].startswith("approach") and after in ("street", "walkway", *_NAMES):
-        return range(index, index + 1 + (after == "pronoun"))  # of what is there, not of us
+        return range(index, index + 1 + (after == "pronoun"))  # of an object, not of us
     if node.symbol == "except" and after in ("road_part", "street", "walkway", "silent"):
         return governed
     if words[0] in ("not", "cannot", "never") and after in _VERBS:
@@ -89,7 +89,7 @@ def _doubtful(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[i
 
 
 def _doubtful_ellipsis(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[int]:
-    """As above, of what is named by a number or a place alone."""
+    """As above, for objects named by a number or a place alone."""
     node = nodes[index]
     if node.symbol != "ellipsis":
         return ()
@@ -106,7 +106,7 @@ def _doubtful_ellipsis(nodes: list[Node], index: int, texts: Sequence[str]) -> S
 
 
 def _doubtful_place(nodes: list[Node], index: int, texts: Sequence[str]) -> Sequence[int]:
-    """As above, of places and of what stands beside unknown words."""
+    """As above, for places and for constituents beside unknown words."""
     words = texts[nodes[index].start : nodes[index].end]
     node, after = nodes[index], nodes[index + 1].symbol if index + 1 < len(nodes) else ""
     last = nodes[index - 1].symbol if index else ""
@@ -157,7 +157,7 @@ def _named_before(nodes: Sequence[Node], index: int) -> bool:
 
 
 def _is_of_others(nodes: Sequence[Node], index: int) -> bool:
-    """Whether what is left out is of another kind than what is wanted before it."""
+    """Whether the excepted kind differs from the wanted kind before it."""
     kinds = [[one for one in part if one.symbol == "object"] for part in (nodes[index::-1], nodes[index:])]
     if (
         not all(kinds)
@@ -181,7 +181,7 @@ def _is_length(node: Node) -> bool:
 
 
 def _end(nodes: Sequence[Node], index: int) -> int:
-    """The number of the constituent after what one governs: up to a sign, or to a link with another object."""
+    """The number of the constituent after those that one governs: up to a sign, or to a link with another object."""
     for number in range(index + 1, len(nodes)):
         after = nodes[number + 1].symbol if number + 1 < len(nodes) else ""
         if nodes[number].symbol in _ENDS or (nodes[number].symbol == "and" and after in _NAMES):
@@ -190,7 +190,7 @@ def _end(nodes: Sequence[Node], index: int) -> int:
 
 
 def _after_list(nodes: Sequence[Node], index: int) -> int:
-    """The number of the constituent after a list that goes on: "except trucks and buses"."""
+    """The number of the constituent after a list that continues: "except trucks and buses"."""
     while [one.symbol for one in nodes[index : index + 2]] in (["and", "object"], ["or", "object"]):
         index += 2
     return index

@@ -1,4 +1,4 @@
-"""Negation and exception: what is denied, left out, or only somewhere else."""
+"""Negation and exception: objects that are denied, left out, or only somewhere else."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lidardraft.drafting.text.tree import Clause, NounPhrase, Place
 
 
 def leave_out(d: Discourse, phrase: NounPhrase, before: Ids, told: bool, verb: bool) -> Ids:
-    """ "Except a bus": none but it of what is denied; else it is left out of what is wanted."""
+    """ "Except a bus": only it, of denied objects; else it is left out of the wanted ones."""
     last = before[-1]
     source = d.mentions[last]
     if phrase.kind:
@@ -35,7 +35,7 @@ def leave_out(d: Discourse, phrase: NounPhrase, before: Ids, told: bool, verb: b
 
 
 def leave_out_place(d: Discourse, ids: Ids, place: Place) -> None:
-    """All but those at a place; none but those, of what is denied."""
+    """All objects except those at a place; only those, if the objects are denied."""
     if place.at != Position(
         place.at.places, both_sides=place.at.both_sides, shared=place.at.shared
     ) or place.at.places == (NOWHERE,):
@@ -51,7 +51,7 @@ def leave_out_place(d: Discourse, ids: Ids, place: Place) -> None:
 
 
 def all_but_some(d: Discourse, phrase: NounPhrase, whole: int | None) -> Ids:
-    """ "All but two": a part of so many fewer."""
+    """ "All but two": a part with that many fewer."""
     count = d.mentions[whole].count if whole is not None else None
     if whole is None or not isinstance(count, int) or count <= phrase.all_but:
         return []
@@ -60,7 +60,7 @@ def all_but_some(d: Discourse, phrase: NounPhrase, whole: int | None) -> Ids:
 
 
 def is_denied(d: Discourse, clause: Clause, number: int) -> bool:
-    """Whether a list goes on that is denied: "no cars or trucks", "without cars and buses"; not "no cars and a bus"."""
+    """Whether a denied list continues: "no cars or trucks", "without cars and buses"; not "no cars and a bus"."""
     link, phrase = clause.items[number].link, clause.items[number].head
     before = clause.items[number - 1].head if number else None
     if not isinstance(before, NounPhrase) or not isinstance(phrase, NounPhrase) or clause.items[number - 1].modifiers:
@@ -71,7 +71,7 @@ def is_denied(d: Discourse, clause: Clause, number: int) -> bool:
 
 
 def keep_away(mention: Mention, no: Position) -> Mention:
-    """A mention without some places: of those that it names, else of everywhere."""
+    """A mention without some places: removed from its own places, else excluded from everywhere."""
     if mention.relation is None and any(place in mention.at.places for place in no.places):
         return replace(mention, at=mention.at.without(no))
     return replace(mention, not_at=(*mention.not_at, *(place for place in no.places if any(place))))

@@ -1,4 +1,4 @@
-"""What the words of a sentence became: a value to look into, and lines to print."""
+"""The effects of the words of a sentence: a value to inspect, and lines to print."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from lidardraft.drafting.solver.scene_spec import SceneSpec, count_text, group_r
 
 @dataclass(frozen=True, slots=True)
 class Meaning:
-    """Some words in a row, and what they gave to the spec.
+    """Some words in a row, and their effects on the spec.
 
-    `groups` are the numbers of the groups that they say something of, `others` what they say of the road and of what is
-    around; both are empty for words that only join others. `lost` are those of the words that gave nothing, `unshown`
-    those that are understood, but have no shape.
+    `groups` are the numbers of the groups that they describe, `others` their statements about the road and the
+    surroundings; both are empty for words that only join others. `lost` are the words without effect, `unshown` those
+    that are understood, but have no shape.
     """
 
     words: str
@@ -26,9 +26,9 @@ class Meaning:
 
 @dataclass(frozen=True, slots=True)
 class Explanation:
-    """The words of a sentence in their order, with what each became, and its spec.
+    """The words of a sentence in their order, with the effect of each, and its spec.
 
-    `mismatches` are lines on what the sentence says and the spec does not hold, or holds otherwise.
+    `mismatches` are lines on statements of the sentence that the spec does not hold, or holds otherwise.
     """
 
     meanings: tuple[Meaning, ...]
@@ -37,7 +37,7 @@ class Explanation:
     mismatches: tuple[str, ...] = ()
 
     def __str__(self) -> str:
-        """A line for each run of words; a group is described where it is named first."""
+        """A line for each run of words; a group is described at its first mention."""
         wide = max(len(one.words) for one in self.meanings)
         told: set[int] = set()
         lines = []

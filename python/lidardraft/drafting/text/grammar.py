@@ -1,4 +1,4 @@
-"""What the words of a sentence make together: the rules of phrases, and what a phrase says by its words."""
+"""The rules by which the words of a sentence form phrases, and the meaning of a phrase from its words."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from lidardraft.drafting.text.tokens import NUMBER, Token, number
 from lidardraft.drafting.text.tree import leaves
 from lidardraft.objects.kinds import SENTENCE_KINDS
 
-_NO_COUNT = 20  # from here on, a number before a singular noun says something else: "two bench", but "a 30 sign"
-_FURTHER = 40.0  # m, what "at least 20 m" reaches beyond; estimate
-_FEW_TIMES = {"few": (3, 5), "some": (3, 6)}  # dozen, hundred, thousand; estimate
-UNSHOWN = ("unshown", "unseen")  # what is understood, but has no shape
-UNKNOWN = 10.0  # the cost of a word that is not known
-_SAYS_NOTHING = 1.0  # that of one that says nothing here
+_NO_COUNT = 20  # from here on, a number before a singular noun is no count: "two bench", but "a 30 sign"
+_FURTHER = 40.0  # m beyond "at least 20 m"; an estimate
+_FEW_TIMES = {"few": (3, 5), "some": (3, 6)}  # dozen, hundred, thousand; an estimate
+UNSHOWN = ("unshown", "unseen")  # understood, but without a shape
+UNKNOWN = 10.0  # the cost of an unknown word
+_SAYS_NOTHING = 1.0  # the cost of a word without meaning here
 
 
 def parse(tokens: list[Token]) -> list[Node]:
@@ -29,7 +29,7 @@ def parse(tokens: list[Token]) -> list[Node]:
 
 
 def _words(tokens: list[Token]) -> list[list[Node]]:
-    """What begins at each token: words of the lexicon, numbers, the token as itself, and the unknown."""
+    """The nodes that begin at each token: words of the lexicon, numbers, the token as itself, and the unknown."""
     texts = [token.text for token in tokens]
     starts, length = {}, 0
     for index, text in enumerate(texts):
@@ -76,7 +76,7 @@ def _number(text: str, start: int, end: int, cost: float) -> Node:
 
 
 def _is_named_before(texts: list[str], index: int, noun: str) -> bool:
-    """Whether a noun stands before a token, but for "robot view"."""
+    """Whether a noun occurs before a token, except in "robot view"."""
     views = {parts[0] for entries in lexicon().values() for parts, word in entries if word.category == "scene_noun"}
     return any(text == noun and after not in views for text, after in itertools.pairwise(texts[: index + 1]))
 
@@ -85,7 +85,7 @@ _SIGNS = (",", ".", ":", "(", ")")
 
 
 def _is_name(texts: list[str], index: int) -> bool:
-    """Whether a token names the object before it: a capital letter, or a number where there are "van 1" and "van 2"."""
+    """Whether a token names the object before it: a capital letter, or a number if there are "van 1" and "van 2"."""
     text = texts[index]
     if len(text) == 1 and text.isupper():
         return True
@@ -220,7 +220,7 @@ def _sized(node: Node) -> Features:
 
 
 def _place(node: Node) -> Features | None:
-    """Places that adjoin are one, where they can be at once."""
+    """Adjacent places are one, if they can hold at once."""
     ats = [value for value in node.all("at") if value is not None]
     for name in ("distance", "spacing", "lane"):
         if len([1 for at in ats if getattr(at, name)]) > 1:
@@ -268,7 +268,7 @@ def _level(node: Node) -> Features:
 
 
 def _joined(node: Node) -> Features:
-    """What merges from a side is there, and drives as we do."""
+    """Traffic that merges from a side is there, and drives in the ego's direction."""
     return (("at", dataclasses.replace(node.get("at"), heading="with")),)
 
 
@@ -286,7 +286,7 @@ def _bend(node: Node) -> Features:
 
 
 def _agreeing(node: Node) -> Features | None:
-    """A noun and what goes with it in number: no "a cars"."""
+    """A noun and words that agree with it in number: no "a cars"."""
     head = node.children[-1]
     several = head.get("plural")
     if isinstance(node.get("part"), float) and not several and not node.get("traffic"):
@@ -329,7 +329,7 @@ def _nobody_comes(node: Node) -> Features | None:
 
 
 def _rides(node: Node) -> Features | None:
-    """Only what has two wheels is ridden."""
+    """Only two-wheelers are ridden."""
     return node.features if node.get("kind") in ("bicycle", "motorcycle") else None
 
 
@@ -351,7 +351,7 @@ def _no_junction(node: Node) -> Features | None:
 
 
 def _acts_on(node: Node) -> Features | None:
-    """Who repairs a car, or leaves a house, is near it."""
+    """Somebody who repairs a car, or leaves a house, is near it."""
     return node.features if node.get("does") else None
 
 
@@ -365,7 +365,7 @@ def _at_thing(node: Node) -> Features | None:
 
 
 def _distances(node: Node) -> Features | None:
-    """Each of some distances that share a unit, as in "at 10, 20 and 30 m"."""
+    """Several distances that share a unit, as in "at 10, 20 and 30 m"."""
     unit, at = node.get("metres"), node.get("at", Position())
     lengths = [value * unit for value in node.all("value")]
     places = tuple(at.narrowed(Position(distance=(length, length))) for length in lengths)
@@ -376,12 +376,12 @@ JUNCTIONS = ("crossroads", "t-junction", "roundabout")
 
 
 def _compound(node: Node) -> Features | None:
-    """A noun in the singular says more of the next one: "garden fence"."""
+    """A noun in the singular qualifies the next one: "garden fence"."""
     return None if node.children[0].get("plural") is True else node.children[1].features
 
 
 def _facade(node: Node) -> Features | None:
-    """A shop's entrance is where the shop is."""
+    """A shop's entrance is at the shop's place."""
     kind = node.children[0]
     return kind.features if SENTENCE_KINDS[kind.get("kind")].family == "buildings" else None
 
@@ -429,7 +429,7 @@ _RULE = re.compile(r"(?P<parts>.*?)(?: (?P<how>->|=>|\+>)(?P<what>.*?))??(?: @(?
 
 
 def _build(how: str | None, what: str | None) -> Build | None:
-    """How the features of a phrase come from those of its parts."""
+    """The function that builds the features of a phrase from those of its parts."""
     if how is None:
         return None
     said = (what or "").split()
@@ -444,14 +444,14 @@ def _build(how: str | None, what: str | None) -> Build | None:
 
 
 def _part(value: Any, node: Node) -> Any:
-    """A value, or that of a part that "$name" writes."""
+    """A value, or that of the part written as "$name"."""
     if not str(value).startswith("$"):
         return value
     found = node.get(str(value)[1:])
     return int(found) if isinstance(found, float) else found
 
 
-# What may stand in a sentence by itself; the cost of each makes few constituents better than many.
+# Symbols that may be in a sentence by themselves; the cost of each makes few constituents better than many.
 _TOPS = dict.fromkeys(
     (
         *("object", "ellipsis", "stranger", "street", "lanes", "whereabouts", "relation", "crossed", "turned", "state"),

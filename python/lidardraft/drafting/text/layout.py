@@ -1,4 +1,4 @@
-"""A sentence of controlled English becomes a spec, and the spec a layout; offline, and no word of it is lost."""
+"""A sentence of controlled English becomes a spec, and the spec a layout; offline, and each word is accounted for."""
 
 from __future__ import annotations
 
@@ -28,29 +28,29 @@ from lidardraft.errors import TextError, check_type, nearest_name
 from lidardraft.scene.layout import Layout
 
 MAX_LENGTH = 10_000  # characters
-MAX_WORDS = 200  # and signs; each is tried without
+MAX_WORDS = 200  # and signs; the sentence is tried without each
 _FREE_TEXT = "--llm-url takes free text"
-_SHORTEST, _SHORT = 3, 4  # letters; of short words many are near to each other
+_SHORTEST, _SHORT = 3, 4  # letters; many short words are near to each other
 _SETTING = ("weather", "wetness", "road", "setting", "busy", "quiet", "time", "traffic")
 
 
 def layout_from_text(sentence: str, *, seed: int = 0, strict: bool = False) -> Layout:
-    """A checked layout of what the sentence says; the same for the same sentence and seed.
+    """A checked layout of a sentence; the same for the same sentence and seed.
 
-    Around it nothing is made up: `surround` adds the street that `simulate` puts around a sentence.
+    Nothing is invented around it: `surround` adds the street that `simulate` puts around a sentence.
 
-    `layout.provenance` holds the sentence, the seed and the spec; "understood" are the relations that the sentence was
-    read as, a line each. `layout.notes` say what was not understood, has no shape or was read with a slip, and what the
-    sentence says that the spec does not hold or the layout does not show.
+    `layout.provenance` holds the sentence, the seed and the spec; "understood" lists the relations found in the
+    sentence, a line each. `layout.notes` list the parts that were not understood, have no shape or were corrected, and
+    statements that the spec does not hold or the layout does not show.
 
-    Raises `TextError` where nothing was understood or, with `strict`, anything was not, or is not held; `LayoutError`
-    where a relation cannot hold, naming it and what is in the way.
+    Raises `TextError` if nothing was understood or, with `strict`, if any part was not understood or does not hold.
+    Raises `LayoutError` if a relation cannot hold, naming it and the obstacles.
     """
     explanation = explain(sentence)
     spec = _strictly(explanation) if strict else explanation.spec
     layout = layout_from_spec(spec, seed=seed)
     if strict and layout.notes:
-        raise TextError(f"{'; '.join(layout.notes)}; say it otherwise, or take another seed")
+        raise TextError(f"{'; '.join(layout.notes)}; rephrase it, or take another seed")
     said = {"source": "text", "sentence": sentence, "understood": relations(spec)}
     near = "".join(f"; did you mean {known!r}?" for known in nearest_words(spec.not_understood).values())
     notes = [f"not understood: {', '.join(spec.not_understood)}{near}"] * bool(spec.not_understood)
@@ -62,7 +62,7 @@ def layout_from_text(sentence: str, *, seed: int = 0, strict: bool = False) -> L
 
 
 def spec_from_text(sentence: str, *, strict: bool = False) -> SceneSpec:
-    """The spec that a sentence describes, with what was not understood of it.
+    """The spec of a sentence, with the parts that were not understood.
 
     Raises `TextError` as above, and on a sentence that is empty or longer than `MAX_LENGTH`.
     """
@@ -75,12 +75,12 @@ def _strictly(explanation: Explanation) -> SceneSpec:
     if unknown:
         raise TextError(f"not understood: {_listed(unknown)}; {_FREE_TEXT}")
     if explanation.mismatches:
-        raise TextError(f"{'; '.join(explanation.mismatches)}; say it otherwise; {_FREE_TEXT}")
+        raise TextError(f"{'; '.join(explanation.mismatches)}; rephrase it; {_FREE_TEXT}")
     return explanation.spec
 
 
 def explain(sentence: str) -> Explanation:
-    """What each word of a sentence becomes, with the spec; raises `TextError` as `spec_from_text` does."""
+    """The effect of each word of a sentence, with the spec; raises `TextError` as `spec_from_text` does."""
     check_type("sentence", sentence, str)
     if len(sentence) > MAX_LENGTH:
         raise TextError(f"the sentence has {len(sentence)} characters; it may have {MAX_LENGTH}")
@@ -120,23 +120,23 @@ def explain(sentence: str) -> Explanation:
     if spec == SceneSpec() and not any(_names_road(node) for node in nodes):
         if not_shown and not unknown:
             shapeless = f"nothing of {sentence!r} was understood that has a shape (not shown: {_listed(not_shown)})"
-            raise TextError(f"{shapeless}; name a road, or objects and where they are; {_FREE_TEXT}")
+            raise TextError(f"{shapeless}; name a road, or objects and their places; {_FREE_TEXT}")
         parts = f" (unknown as a whole: {_listed(unknown)})" if unknown else ""
         raise TextError(
-            f"nothing of {sentence!r} was understood{parts}; name a road, or objects and where they are; {_FREE_TEXT}"
+            f"nothing of {sentence!r} was understood{parts}; name a road, or objects and their places; {_FREE_TEXT}"
         )
     spec = dataclasses.replace(spec, not_understood=unknown)
     return Explanation(tuple(meanings), spec, not_shown, tuple(mismatches(nodes, texts, spec, silent)))
 
 
 def _read(tokens: list[Token], texts: list[str]) -> tuple[list[Node], list[Node]]:
-    """The constituents of a text, and those that nothing comes of."""
+    """The constituents of a text, and those without effect."""
     nodes = with_doubts(with_scenery(parse(tokens)), texts)
     return nodes, idle_parts(nodes, grammar(), lambda said: _without_words(_spec_of(said, texts)))
 
 
 def _names_group(node: Node, groups: Iterable[Collection[int]]) -> bool:
-    """Whether a group came of it; without "a third", its place would be one more of "a second"."""
+    """Whether a group comes from it; without "a third", its place would be one more of "a second"."""
     if any(leaves(node, "number")):
         return False
     return any(set(range(node.start, node.end)) <= set(tokens) for tokens in groups)
@@ -154,7 +154,7 @@ def _spec_of(nodes: Sequence[Node], texts: list[str]) -> SceneSpec:
 
 
 def _setting(nodes: Sequence[Node], name: str) -> str | None:
-    """What the words for roads and what is around them say; "nothing else" overrules "a quiet street"."""
+    """The setting named by the words for roads and surroundings; "nothing else" overrides "a quiet street"."""
     seen = (node for node in nodes if node.symbol not in UNSHOWN)  # not "an empty parking space"
     found = [leaf.get(name) for node in seen for leaf in leaves(node, *_SETTING)]
     return "empty" if "empty" in found else next(filter(None, found), None)
@@ -165,14 +165,14 @@ def _without_words(spec: SceneSpec) -> SceneSpec:
 
 
 def slips(sentence: str) -> dict[str, str]:
-    """The words of a sentence that are read as others: letters changed places, or one is missing or too many."""
+    """The words of a sentence that are read as others: with letters transposed, one missing, or one too many."""
     words = re.findall(r"[a-z]+", clean(sentence))
     found = {word: slip_of(word, vocabulary()) for word in words}
     return {word: slip for word, slip in found.items() if slip}
 
 
 def nearest_words(parts: Iterable[str]) -> dict[str, str]:
-    """For each word of some texts that a word of the lexicon is near to: that one, which is never taken for it."""
+    """The nearest word of the lexicon for each unknown word of some texts; it never replaces the word."""
     words = {word for part in parts for word in re.findall(r"[^\W\d_]+", part) if _SHORTEST <= len(word) <= 30}
     nouns = _nouns()
     found = {word: _nearest(word, nouns) for word in sorted(words - vocabulary())}
@@ -180,7 +180,7 @@ def nearest_words(parts: Iterable[str]) -> dict[str, str]:
 
 
 def _nearest(word: str, nouns: tuple[str, ...]) -> str | None:
-    """The noun that a word is a slip of: of short words with the same letters, one of them missing or one too many."""
+    """The noun that a word is a slip of; for short words one with the same letters, transposed."""
     if len(word) > _SHORT:
         return nearest_name(nouns, word)
     slips = (noun for noun in nouns if noun[0] == word[0] and sorted(noun) == sorted(word))
@@ -189,7 +189,7 @@ def _nearest(word: str, nouns: tuple[str, ...]) -> str | None:
 
 @cache
 def _nouns() -> tuple[str, ...]:
-    """The words for objects and roads, the most usual first."""
+    """The words for objects and roads, the most common first."""
     words = ((first, entries) for first, entries in lexicon().items())
     return tuple(
         first
@@ -199,7 +199,7 @@ def _nouns() -> tuple[str, ...]:
 
 
 def _listed(parts: Iterable[str]) -> str:
-    """Words that were not understood, with what may have been meant."""
+    """Words that were not understood, with their likely meanings."""
     near = nearest_words(parts)
     meant = f" (nearest words: {', '.join(f'{known!r} for {word!r}' for word, known in near.items())})" if near else ""
     return ", ".join(map(repr, parts)) + meant

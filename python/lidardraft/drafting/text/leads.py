@@ -1,4 +1,4 @@
-"""What a clause begins with, as "on the left" and "behind the bus", and which of its objects that is said of."""
+"""The lead of a clause, as in "on the left" and "behind the bus", and the objects of the clause that it places."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from lidardraft.drafting.text.tree import Clause, Item, Manner, NounPhrase, Plac
 
 
 def lead_of(d: Discourse, clause: Clause) -> tuple[Place | None, tuple[Relation, Ids] | None, list[Manner]]:
-    """The place, the relation with its references and the manner that a clause begins with."""
+    """The place, the relation with its references and the manner that begin a clause."""
     place: Place | None = None
     relation: tuple[Relation, Ids] | None = None
     manner: list[Manner] = []
@@ -41,7 +41,7 @@ def lead_of(d: Discourse, clause: Clause) -> tuple[Place | None, tuple[Relation,
 
 
 def holds_for(d: Discourse, lead: Place, item: Item, before: Ids) -> bool:
-    """Whether the place that a clause begins with goes on to an item that is not its first."""
+    """Whether the place that begins a clause also holds for an item after its first."""
     said = [one.said for one in item.modifiers]
     if item.link == ",":
         unknown = bool(before) and d.mentions[before[-1]].kind is None  # whose it was
@@ -55,7 +55,7 @@ def holds_for(d: Discourse, lead: Place, item: Item, before: Ids) -> bool:
 
 
 def area_of(clause: Clause, number: int) -> Place | None:
-    """Where an area without a road is, which is the place of what it has: "roadworks on the left with cones"."""
+    """The place of an area without a road, which its contents share: "roadworks on the left with cones"."""
     street, after = clause.items[number].head, clause.items[number + 1 : number + 2]
     places = [one.said for one in clause.items[number].modifiers if isinstance(one.said, Place)]
     if not (isinstance(street, Street) and street.kind is None and after and after[0].link == "with"):
@@ -67,9 +67,9 @@ def area_of(clause: Clause, number: int) -> Place | None:
 def place_in_area(
     d: Discourse, clause: Clause, number: int, named: tuple[Ids, Ids], around: Place | None
 ) -> Place | None:
-    """Where what has no shape is: its place is that of what it is with, as in "a park on the left with trees".
+    """The place of an area without a shape, which its contents share, as in "a park on the left with trees".
 
-    `named` are the mentions before an item and the new ones of it; `around` is the area that a list goes on in.
+    `named` are the mentions before an item and its new ones; `around` is the area in which a list continues.
     """
     (before, new), item = named, clause.items[number]
     if before and item.link == "with" and number and isinstance(clause.items[number - 1].head, NounPhrase):
@@ -85,7 +85,7 @@ def place_in_area(
 
 
 def follow(d: Discourse, number: int, before: int) -> None:
-    """What comes "then" is further away at the same place: of what drives, the next in the row."""
+    """An object after "then" is further away at the same place; a vehicle is the next in the row."""
     one, other = d.mentions[number], d.mentions[before]
     at = Position(other.at.places)
     d.change(number, at=at, placed=at != Position(), weak=True, heading=one.heading or other.heading)

@@ -1,4 +1,4 @@
-"""The words of a sentence that gave nothing: what is not understood of it, and what is but has no shape."""
+"""The words of a sentence without effect: those not understood, and those that are but have no shape."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from lidardraft.drafting.text.tree import leaves
 
 _JOINS = frozenset({"a", "an", "is", "are", "was", "were", "and", "with", *",.:()"})  # begin no reported part
 _GLUE = _JOINS | {"the", "in", "on", "at", "to", "of", "from", "by"}  # end none
-_SHAPELESS = (  # words that are understood, if nothing comes of them
+_SHAPELESS = (  # words that are understood even without an effect
     *(*UNSHOWN, "colour", "size", "bendy", "crosswalk", "time", "wetness", "ordinal", "crossing", "quiet", "usual"),
 )
 
 
 class LeftOver:
-    """The tokens of a text that gave nothing; those that adjoin are reported as one part."""
+    """The tokens of a text without effect; adjacent ones are reported as one part."""
 
     def __init__(self, text: str, tokens: Sequence[Token], nodes: Sequence[Node], silent: Set[int]) -> None:
         self._text, self._tokens, self._silent = text, tokens, frozenset(silent)
@@ -30,7 +30,7 @@ class LeftOver:
         self._unshown = {n for run in runs for n in run}
 
     def parts(self, within: range) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Of some tokens, what is not understood, and what has no shape."""
+        """The parts of some tokens that are not understood, and those without a shape."""
         runs = list(self._runs(within))
         unknown, unshown = (
             tuple(self.said(run) for run in runs if self._unshown.issuperset(run) is known) for known in (False, True)
@@ -42,7 +42,7 @@ class LeftOver:
         return self._text[self._tokens[run[0]].start : self._tokens[run[-1]].end]
 
     def _is_lost(self, node: Node) -> bool:
-        """Whether it is a place that nothing is at: "cars at the zebra crossing"."""
+        """Whether it is a place without objects: "cars at the zebra crossing"."""
         if any(word.symbol == "place" and word.get("more") for word in _words(node)):
             return False  # "in the bike lane" is at the side of the road
         if _is_at_scenery(node):
@@ -53,7 +53,7 @@ class LeftOver:
         return self._tokens[token].text in _GLUE
 
     def _runs(self, within: range) -> Iterator[list[int]]:
-        """Silent tokens that adjoin, without those at the ends that only join others."""
+        """Runs of adjacent silent tokens, without joining words at the ends."""
         run: list[int] = []
         for index in range(within.start, within.stop + 1):
             if index < within.stop and index in self._silent:
@@ -69,7 +69,7 @@ class LeftOver:
 
 
 def _words(node: Node) -> Iterator[Node]:
-    """The words of a constituent, those of what somebody wears or carries as one."""
+    """The words of a constituent; worn or carried things count as one."""
     if not node.children or node.symbol in UNSHOWN or _is_at_scenery(node):
         yield node
     else:
@@ -78,7 +78,7 @@ def _words(node: Node) -> Iterator[Node]:
 
 
 def _is_at_scenery(node: Node) -> bool:
-    """Whether it is a relation to what has no shape: "near a park"."""
+    """Whether it is a relation to scenery without a shape: "near a park"."""
     return node.symbol == "relation" and any(leaves(node, "scenic"))
 
 

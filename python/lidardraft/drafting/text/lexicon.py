@@ -1,4 +1,4 @@
-"""The words of `words.txt`, `kinds.txt` and `shapeless.txt`, and what they say."""
+"""The words of `words.txt`, `kinds.txt` and `shapeless.txt`, and their meanings."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _NOUNS = ("kind", "road", "foreign", "accessory", "scenery")
 
 
 class Word(NamedTuple):
-    """What a word, or several that go together, can be in a phrase."""
+    """A role in phrases of a word, or of several words that go together."""
 
     category: str
     features: Mapping[str, Any]
@@ -25,7 +25,7 @@ class Word(NamedTuple):
 
 @cache
 def lexicon() -> dict[str, tuple[tuple[tuple[str, ...], Word], ...]]:
-    """By the first of their words: the words that go together, and what they can be."""
+    """The words that go together, by their first word, and their roles."""
     found: dict[str, list[tuple[tuple[str, ...], Word]]] = {}
     for line in itertools.chain.from_iterable(map(rows, _FILES)):
         head, _, words = line.partition(": ")
@@ -52,7 +52,7 @@ def rows(name: str) -> Iterator[str]:
 
 
 def features_of(said: list[str]) -> dict[str, Any]:
-    """The features that "name=value", a name alone, or "at.field=value" write; `at` is a `Position`."""
+    """The features written as "name=value", a name alone, or "at.field=value"; `at` is a `Position`."""
     features: dict[str, Any] = {}
     fields: dict[str, Any] = {}
     for one in said:
@@ -83,7 +83,7 @@ def _one_value(text: str) -> int | float | str:
 
 
 def _forms(category: str, entry: str) -> list[tuple[str, dict[str, bool | str]]]:
-    """The forms of an entry, with their number where it is a noun."""
+    """The forms of an entry, with their grammatical number if it is a noun."""
     one, _, many = entry.removeprefix("=").partition("|")
     if category not in _NOUNS or entry.startswith("="):
         return [(one, {})]

@@ -1,4 +1,4 @@
-"""Whether a spec holds what a sentence says: its nouns with their numbers, its road, sides, lengths and relations."""
+"""Checks of a spec against its sentence: nouns with their numbers, the road, sides, lengths and relations."""
 
 from __future__ import annotations
 
@@ -18,16 +18,17 @@ from lidardraft.drafting.text.tokens import clean, tokens_of
 from lidardraft.drafting.text.tree import NounPhrase, Relation, leaves, noun_phrase, relation_of
 from lidardraft.objects.kinds import SENTENCE_KINDS
 
-_MOST = 200  # words that are read at once
+_MOST = 200  # words read at once
 _SHARING = {"each", "every", "per", "either"}  # "two trees in front of each house"
 _DENYING = {"no", "none", "nothing", "nobody", "not", "without", "except", "but"}
-# The groups that a phrase may name, each with its least and most objects; NaN and infinity for "some" and the like.
+# The groups that a phrase may name, each with its least and most objects; NaN and infinity for "some" and similar
+# words.
 Held = Callable[[NounPhrase], Sequence[tuple[float, float]]]
 
 
 def omissions(text: str, held: Held) -> list[str]:
-    """A line for each noun phrase of an English text for which a reply, as `held` reads it, has no object, too few or
-    another number; none for a text of which the lexicon knows no more than half of the words."""
+    """A line for each noun phrase of an English text for which a reply, read through `held`, has no object, too few or
+    another number. There is none for a text with half of its words or more unknown to the lexicon."""
     tokens = tokens_of(clean(text), vocabulary())
     texts = [token.text for token in tokens]
     known = sum(word in vocabulary() or word.isdigit() for word in texts)
@@ -39,9 +40,9 @@ def omissions(text: str, held: Held) -> list[str]:
 
 
 def mismatches(nodes: Sequence[Node], texts: Sequence[str], spec: SceneSpec, left: Set[int]) -> list[str]:
-    """A line for each thing that a sentence says and its spec does not hold, or holds otherwise.
+    """A line for each statement of a sentence that its spec does not hold, or holds otherwise.
 
-    `nodes` are its constituents, `texts` its words; those with the numbers `left` are reported already.
+    `nodes` are its constituents, `texts` its words; the words with the numbers `left` are reported already.
     """
     found = [one for one in _named(nodes) if one[0].end - 1 not in left]
     lines = _missing([(texts, *one) for one in found], texts, partial(held_by, spec), "scene")
@@ -67,7 +68,8 @@ def mismatches(nodes: Sequence[Node], texts: Sequence[str], spec: SceneSpec, lef
 
 
 def held_by(spec: SceneSpec, phrase: NounPhrase) -> list[tuple[float, float]]:
-    """The groups of a spec that a phrase may name, as `omissions` wants them; a rider may be a "person" of the text."""
+    """The groups of a spec that a phrase may name, in the form for `omissions`; a rider may be a "person" of the
+    text."""
     kind, found = SENTENCE_KINDS[str(phrase.kind)], list[tuple[float, float]]()
     if kind.name in (*spec.absent, *spec.not_around) or any(phrase.noun in said for said in spec.not_understood):
         return [(0, math.inf)]
@@ -84,7 +86,7 @@ def held_by(spec: SceneSpec, phrase: NounPhrase) -> list[tuple[float, float]]:
 def _missing(
     named: Sequence[tuple[Sequence[str], Node, NounPhrase]], texts: Sequence[str], held: Held, has: str
 ) -> list[str]:
-    """A line for each of the noun phrases of a text that what is made of it does not hold, or not so often."""
+    """A line for each noun phrase of a text that the result `held` lacks, or has less often."""
     notes, needed = list[str](), Counter[str]()
     counts = not _SHARING.intersection(texts)
     for words, node, phrase in named:
@@ -101,7 +103,7 @@ def _missing(
 
 
 def _doubled(nodes: Sequence[Node], phrases: Sequence[NounPhrase], texts: Sequence[str], spec: SceneSpec) -> list[str]:
-    """A line for each kind of which the spec holds more than a sentence counts; it does not count "the car"."""
+    """A line for each kind of which the spec has more than the sentence counts; "the car" is not counted."""
     phrase_of = (noun_phrase(leaf) for node in nodes for leaf in leaves(node, "object"))
     uncounted = {str(phrase.kind) for phrase in phrase_of if phrase.plain and phrase.definite}
     parts = any(True for node in nodes for _ in leaves(node, "ellipsis", "tally"))
@@ -130,13 +132,13 @@ def _plural(kind: str, count: int) -> str:
 
 
 def _is_on(road: str | None, spec: SceneSpec) -> bool:
-    """Whether a road of that kind is that of a spec."""
+    """Whether a spec's road is of that kind."""
     bends = [str(kind).rpartition("-")[2] for kind in (road, spec.road.kind)]
     return bends == ["bend", "bend"] or road in (None, "straight", spec.road.kind)
 
 
 def _has_length(length: tuple[float, float], spec: SceneSpec) -> bool:
-    """Whether a length of a spec is that [m]; a wall "from 5 m to 35 m" is 30 m long."""
+    """Whether a spec has that length [m]; a wall "from 5 m to 35 m" is 30 m long."""
     held = [spec.road.junction, *(at for one in spec.groups for at in (one.distance, one.from_road, one.from_sidewalk))]
     ends = [end for at in held if at for end in at]
     ends += [end for one in spec.groups for end in (one.spacing, *(one.size or ())) if end is not None]
@@ -144,7 +146,7 @@ def _has_length(length: tuple[float, float], spec: SceneSpec) -> bool:
 
 
 def _unplaced(said: Sequence[Node], spec: SceneSpec) -> list[Node]:
-    """The relations that no group of a spec has, nor turned round; each group has one."""
+    """The relations that no group of a spec has, in either direction; each group has one."""
     free = [group for group in spec.groups if group.references]
     lost = []
     for node in said:
@@ -161,13 +163,14 @@ def _unplaced(said: Sequence[Node], spec: SceneSpec) -> list[Node]:
 
 
 def _is_from_ego(said: Relation, kinds: Set[str | None], spec: SceneSpec) -> bool:
-    """Whether what a relation is to is placed from the ego or the road, as in "we are behind a bus", or may be it."""
+    """Whether the target of a relation is placed from the ego or the road, as in "we are behind a bus", or may be
+    it."""
     placed = [one.places or one.lane or spec.road.kind == "parking-lot" for one in spec.groups if one.kind in kinds]
     return any(phrase.plain and phrase.definite for phrase in said.targets) or bool(placed and all(placed))
 
 
 def _sides_of(spec: SceneSpec) -> set[str]:
-    """The sides that anything in a spec is on, goes to or comes from; the ego's lane is on the right."""
+    """The sides of any place, target or origin in a spec; the ego's lane is on the right."""
     said = [str(spec.road.kind), str(spec.road.ego_lane)]
     for group in spec.groups:
         said += [*group.places, *group.not_places, str(group.lane), str(group.heading), str(group.relation)]
@@ -181,7 +184,7 @@ def _words_of(texts: Sequence[str], node: Node) -> str:
 
 
 def _named(nodes: Sequence[Node]) -> Iterator[tuple[Node, NounPhrase]]:
-    """The noun phrases, without those that are denied ("no cars or buses"), are counted before ("the third car"), or
+    """The noun phrases, without those that are denied ("no cars or buses"), were counted before ("the third car"), or
     may be the ego vehicle ("the car")."""
     denied = -2  # where the last denied one ends
     for one in (leaf for node in nodes for leaf in leaves(node, "object")):

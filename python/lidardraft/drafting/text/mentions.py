@@ -1,4 +1,4 @@
-"""Mentions of objects, and what is noted of the road: what the clauses of a sentence become before they are a spec."""
+"""Mentions of objects, and notes on the road: the form of a sentence's clauses before they become a spec."""
 
 from __future__ import annotations
 
@@ -15,16 +15,14 @@ from lidardraft.objects.sentence_kind import SentenceKind
 class Mention:
     """Objects of a kind that a sentence names; None is an unknown kind, which takes the words after it.
 
-    References to other mentions are their numbers. Count 0 denies the objects; a `weak` position is overruled by the
+    References to other mentions are their numbers. Count 0 denies the objects; a `weak` position is overridden by the
     next one. The other fields by example:
 
-    described: "a man waits": what is listed after the verb does not share its position
-    same_as, of_them: "three cars, two of them red": the two are the `same_as` the three, and counted in them
-    host, left_out: "two trees for each house except one": the houses are the host, one of them is left out
-    name: the A of "car A"
-    summed: "a queue: three cars and a bus": the queue is all that is listed after its colon
-    only: "parked cars on the left only": none are elsewhere
-    with_it: "a garden with two trees": the trees are near it where nothing else places them
+    described: "a man waits": objects listed after the verb do not share its position same_as, of_them: "three cars, two
+    of them red": the two are the `same_as` the three, and counted in them host, left_out: "two trees for each house
+    except one": the houses are the host, one of them is left out name: the A of "car A" summed: "a queue: three cars
+    and a bus": the queue is everything listed after its colon only: "parked cars on the left only": none are elsewhere
+    with_it: "a garden with two trees": the trees are near it unless placed otherwise
     """
 
     kind: str | None
@@ -61,13 +59,13 @@ class Mention:
 
     @property
     def record(self) -> SentenceKind:
-        """What is known of its kind."""
+        """The record of its kind."""
         assert self.kind is not None
         return SENTENCE_KINDS[self.kind]
 
     @property
     def denies_all(self) -> bool:
-        """Whether it denies its kind, wherever and however that is."""
+        """Whether it denies its kind at any place and in any state."""
         return self.count == 0 and self.kind is not None and not self.placed and self.heading is None
 
     @property
@@ -78,7 +76,7 @@ class Mention:
 
 @dataclass(frozen=True, slots=True)
 class RoadNotes:
-    """What is said of the road and of the setting ("busy", "residential", ...)."""
+    """The statements on the road and the setting ("busy", "residential", ...)."""
 
     kind: str | None = None
     lanes: int = 0
@@ -95,7 +93,7 @@ class RoadNotes:
 
 
 Mentions = tuple[Mention, ...]
-COMPANIONS = ("animal", "box", "trailer")  # that are where those are who have them
+COMPANIONS = ("animal", "box", "trailer")  # these are with their owners
 JUNCTIONS = ("crossroads", "t-junction", "roundabout")
 RUNNING = 2.8  # m/s, of words.txt
 Ids = list[int]
@@ -103,22 +101,22 @@ Ids = list[int]
 
 @dataclass
 class Discourse:
-    """The mentions of a text so far, and what later words refer to: those of the clause before, "it", "each"."""
+    """The mentions of a text so far, and the referents of later words: those of the previous clause, "it", "each"."""
 
-    inner_side: str | None  # the side that the bend of the text goes to
+    inner_side: str | None  # the direction of the bend in the text
     mentions: list[Mention] = field(default_factory=list)
     road: RoadNotes = RoadNotes()
-    latest: Ids = field(default_factory=list)  # what the clause before was about
+    latest: Ids = field(default_factory=list)  # the subjects of the previous clause
     each: int | None = None  # the houses of "each house has a tree"
-    sentence: int = 0  # how many mentions there were where this sentence began
-    earlier: int = 0  # and the one before
-    count_before: int = 0  # and the noun phrase that is read
+    sentence: int = 0  # the number of mentions at the start of this sentence
+    earlier: int = 0  # and of the previous one
+    count_before: int = 0  # and of the current noun phrase
     last_lead: PlaceSaid | None = None
-    it: int | None = None  # what "it" was in this sentence
+    it: int | None = None  # the referent of "it" in this sentence
     summed: int | None = None
-    unfit: set[int] = field(default_factory=set)  # tokens of places that some of their objects cannot be at
-    dropped: set[int] = field(default_factory=set)  # of places that an object cannot be at, or is not, for it has one
-    taken: set[int] = field(default_factory=set)  # of places that an object is at
+    unfit: set[int] = field(default_factory=set)  # tokens of places that do not fit some of their objects
+    dropped: set[int] = field(default_factory=set)  # of places that do not fit an object, or that it does not need
+    taken: set[int] = field(default_factory=set)  # of places in use
 
     def add(self, mention: Mention) -> int:
         """The number of a new mention."""
@@ -130,7 +128,7 @@ class Discourse:
         self.mentions[number] = replace(self.mentions[number], **fields)  # type: ignore[arg-type]
 
     def cover(self, number: int, tokens: Tokens) -> None:
-        """Count some words to a mention."""
+        """Add words to those of a mention."""
         self.change(number, tokens=self.mentions[number].tokens | tokens)
 
     def several(self, kind: str = "") -> int | None:
@@ -142,7 +140,7 @@ class Discourse:
         return None
 
     def building_before(self, number: int) -> int | None:
-        """The building of this sentence that what stands beside roads is in front of where nothing else is said."""
+        """The building of this sentence that roadside objects are in front of by default."""
         thing = self.mentions[number]
         if thing.kind is None or thing.record.family == "buildings":
             return None
@@ -158,12 +156,12 @@ class Discourse:
         return buildings[0] if alike else None
 
     def depends(self, number: int, other: int) -> bool:
-        """Whether a mention is another one, or placed from it."""
+        """Whether a mention is another one, or depends on its place."""
         return depends(self.mentions, number, other)
 
 
 def depends(mentions: list[Mention], number: int, other: int) -> bool:
-    """Whether a mention is another one, or placed from it."""
+    """Whether a mention is another one, or depends on its place."""
     reached = [number]
     for one in reached:  # grows
         reached += [reference for reference in mentions[one].references if reference not in reached]
@@ -171,14 +169,14 @@ def depends(mentions: list[Mention], number: int, other: int) -> bool:
 
 
 def count_times(count: Count, each: Count) -> Count:
-    """So many of each of so many; a word for one of the numbers is one for all of them."""
+    """The product of two counts; a word for either makes a word for the whole."""
     if isinstance(count, int) and isinstance(each, int):
         return count * each
     return each if count == 1 else count
 
 
 def mention_of(phrase: NounPhrase) -> Mention:
-    """What a phrase with a noun asks for."""
+    """The mention of a phrase with a noun."""
     bare = Mention(phrase.kind, phrase.count)
     manner = fitting_manner(phrase.manner, bare)
     return Mention(
@@ -204,7 +202,7 @@ def mention_of(phrase: NounPhrase) -> Mention:
 
 
 def fitting_manner(manner: Manner, mention: Mention) -> Manner:
-    """A manner without the heading that its kind cannot have, or that is said already."""
+    """A manner without a heading that its kind cannot have, or that is given already."""
     kind, heading = mention.record, str(manner.heading)
     fits = kind.drives or (kind.walks and heading != "parked" and not heading.startswith("turning"))
     fits = fits or (kind.follows_road and heading == "across")

@@ -1,4 +1,4 @@
-"""What the name of an object says of it where the sentence does not: terraced houses have no gaps between them."""
+"""Properties implied by the name of an object: terraced houses have no gaps between them."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from lidardraft.drafting.text.tree import NO_SCALE
 _TERRACES = ("terrace", "row h")  # terraced houses, terrace houses and cottages, row houses and homes
 _AGAINST_NOISE = ("noise", "sound", "acoustic")
 _PUMPS = ("pump", "dispenser")
-# Estimates of ours [m].
+# Estimates [m].
 _NOISE_HEIGHT, _NOISE_LENGTH = 4.0, 60.0  # most are 3 to 5 m high
 _PUMP_SIZE = (0.5, 0.9, 1.7)
 
 
 def as_named(mention: Mention, mentions: Sequence[Mention]) -> Mention:
-    """A mention with what its noun says of its size and its place, and the sentence leaves open."""
+    """A mention with the size and the place that its noun implies and the sentence leaves open."""
     at, noun = mention.at, mention.noun
     free = mention.relation is None and at.distance is None and at.spacing is None
     if noun.startswith(_TERRACES) and free and mention.count != 1:

@@ -1,4 +1,4 @@
-"""Parts of a whole: which mentions count others again or sum them up, and how many objects are left of each."""
+"""Parts of a whole: mentions that count or sum up others again, and the number of objects left for each."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from lidardraft.drafting.text.positions import RIGHT, Position
 from lidardraft.drafting.text.tree import NO_SCALE, Count
 
 _DRAWBAR = (0.5, 1.0)  # m
-_FOR_EACH = {"few": 3, "some": 4, "many": 8}  # so that there are as many of what each of them has
-_MOST_ABREAST = 5  # that stand side by side; a word for a number says nothing of them
+_FOR_EACH = {"few": 3, "some": 4, "many": 8}  # numbers for hosts, so that each has its own objects
+_MOST_ABREAST = 5  # objects side by side; counts in words do not apply
 
 
 def part(mentions: Mentions) -> Mentions:
-    """The mentions, each of its own objects; those that only sum up others, or have none left, are of kind None."""
+    """The mentions, each with its own objects; those that only sum up others, or have none left, get kind None."""
     found = list(mentions)
     for number in range(len(found)):
         _count_for_hosts(found, number)
@@ -39,7 +39,7 @@ def part(mentions: Mentions) -> Mentions:
 
 
 def divided(mentions: Mentions) -> list[tuple[int, Mention]]:
-    """The wanted mentions with their numbers; those that stand side by side or share two sides are divided."""
+    """The wanted mentions with their numbers; those side by side, or on two sides together, are divided."""
     found: list[tuple[int, Mention]] = []
     for number, one in enumerate(mentions):
         if one.is_wanted and not one.summed:
@@ -70,7 +70,7 @@ def _count_for_hosts(mentions: list[Mention], number: int) -> None:
 
 
 def _keep_with(mentions: list[Mention], number: int) -> None:
-    """What is with something, and placed by nothing else, is near it, as in "a garden with two trees"."""
+    """Objects with another one are near it unless placed otherwise, as in "a garden with two trees"."""
     mention = mentions[number]
     other = mentions[mention.with_it] if mention.with_it is not None else None
     if other is None or other.kind is None or not mention.is_wanted or other.count == 0:
@@ -84,7 +84,7 @@ def _keep_with(mentions: list[Mention], number: int) -> None:
 
 
 def _turn_trailer(mentions: list[Mention], number: int) -> None:
-    """A trailer goes where what pulls it goes."""
+    """A trailer has the heading of its vehicle."""
     mention = mentions[number]
     if mention.kind == "trailer" and mention.at.distance == _DRAWBAR and mention.references:
         carrier = mentions[mention.references[0]]
@@ -101,7 +101,7 @@ def kept_with(mention: Mention, host: int) -> Mention:
 
 
 def _turn_to_strip(mentions: list[Mention], number: int) -> None:
-    """A hedge in front of several houses is what those stand behind, as long as they need it."""
+    """Several houses are behind the hedge in front of them, as long as they need it."""
     mention = mentions[number]
     strip = mention.is_wanted and mention.record.follows_road and mention.count == 1
     if not strip or mention.relation != "in-front-of" or len(mention.references) != 1:
@@ -111,12 +111,12 @@ def _turn_to_strip(mentions: list[Mention], number: int) -> None:
         return
     at = replace(row.at, from_road=None, from_sidewalk=None).narrowed(mention.at)
     mentions[number] = replace(mention, relation=None, references=(), at=at)
-    if not (row.at.from_road or row.at.from_sidewalk):  # which no relation goes with
+    if not (row.at.from_road or row.at.from_sidewalk):  # no relation goes with these
         mentions[mention.references[0]] = replace(row, relation="behind", references=(number,), placed=True)
 
 
 def _wait_at_stop(mentions: list[Mention], number: int) -> None:
-    """Who waits nowhere else waits at the bus stop that was named before."""
+    """People who wait, without another place, wait at the bus stop named before."""
     one = mentions[number]
     waits = one.kind == "person" and one.is_wanted and one.speed == 0.0 and one.heading is None
     stops = [n for n, other in enumerate(mentions[:number]) if other.kind == "shelter" and other.is_wanted]
@@ -125,7 +125,7 @@ def _wait_at_stop(mentions: list[Mention], number: int) -> None:
 
 
 def _imply_parked(mentions: list[Mention], number: int) -> None:
-    """What something parked stands between is parked; what is parked and overtaken is so at the kerb."""
+    """A parked object is between parked ones; a parked vehicle that is overtaken is at the kerb."""
     mention = mentions[number]
     for other in mention.references:
         reference = mentions[other]
@@ -137,7 +137,7 @@ def _imply_parked(mentions: list[Mention], number: int) -> None:
 
 
 def _note_listed_parts(mentions: list[Mention]) -> None:
-    """Those that sum up to the number of vehicles, or of their own kind, just before them are parts of it."""
+    """Mentions that add up to the number of vehicles, or of their own kind, just before them are parts of it."""
     for number, whole in enumerate(mentions):
         if not isinstance(whole.count, int) or whole.count < 2 or whole.references or whole.kind is None:
             continue
@@ -158,7 +158,7 @@ def _note_listed_parts(mentions: list[Mention]) -> None:
 
 
 def _count_rest(mentions: list[Mention], whole: int) -> None:
-    """Of "the others" there are as many as the other parts leave."""
+    """ "The others" are as many as the other parts leave."""
     parts, total = _parts_of(mentions, whole), mentions[whole].count
     if not isinstance(total, int):
         return
@@ -196,7 +196,7 @@ def _is_sum(mentions: list[Mention], number: int) -> bool:
 
 
 def _inherit(one: Mention, whole: Mention) -> Mention:
-    """A part with what is said of all, where it says nothing else itself."""
+    """A part with the properties of the whole that it does not set itself."""
     at = one.at
     if whole.placed:
         at = whole.at.narrowed(one.at)
@@ -229,7 +229,7 @@ def _take_from_whole(mentions: list[Mention], number: int, sums: set[int]) -> No
 
 
 def _abreast(mention: Mention, number: int) -> Iterator[Mention]:
-    """What stands side by side, each beside the one after it; the last alone is placed."""
+    """Objects side by side, each beside the next; only the last has a place."""
     count = mention.count
     if not mention.abreast or not isinstance(count, int) or not 1 < count <= _MOST_ABREAST:
         yield mention
@@ -241,7 +241,7 @@ def _abreast(mention: Mention, number: int) -> Iterator[Mention]:
 
 
 def _at_each_side(mention: Mention) -> Iterator[Mention]:
-    """A number of objects at both sides is half of them at each."""
+    """A number of objects at both sides, half of them at each."""
     low, high = mention.count if isinstance(mention.count, tuple) else (mention.count, mention.count)
     if not mention.at.shared or len(mention.at.places) != 2 or isinstance(low, str) or isinstance(high, str) or low < 2:
         yield mention

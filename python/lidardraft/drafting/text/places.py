@@ -1,4 +1,4 @@
-"""What places, verbs and adjectives say of mentions: where they are, how they stand or move, how large they are."""
+"""Effects of places, verbs and adjectives on mentions: their place, motion, state and size."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _VERGE = (0.0, 1.5)  # m from the kerb
 
 
 def say_place(d: Discourse, ids: Ids, place: Place, modifier: Modifier) -> Ids:
-    """Note a place of objects; those that what is said next is said of."""
+    """Note a place of objects; returns the objects that the next words are about."""
     note_place(d, place)
     place = with_side(d, place)
     if place.middle and d.road.kind in JUNCTIONS:
@@ -70,7 +70,7 @@ def _has_facade(d: Discourse, number: int) -> bool:
 
 
 def _spanned(d: Discourse, number: int, place: Place) -> Place:
-    """ "From 5 m to 35 m" is as long as a wall is, and where its middle is."""
+    """ "From 5 m to 35 m" gives the length and the middle of a wall."""
     near, far = place.at.distance or (0.0, 0.0)
     mention = d.mentions[number]
     if place.from_to and mention.record.follows_road and mention.count == 1 and near < far:
@@ -80,7 +80,7 @@ def _spanned(d: Discourse, number: int, place: Place) -> Place:
 
 
 def _say_there(d: Discourse, ids: Ids) -> None:
-    """ "There" is at the last thing of before, or where what is unknown is."""
+    """ "There" is at the last object of before, or at the place of an unknown one."""
     before = [n for n, one in enumerate(d.mentions[: ids[0]] if ids else []) if one.placed or one.kind is None]
     for one in ids if before else []:
         there, mention = d.mentions[before[-1]], d.mentions[one]
@@ -93,7 +93,7 @@ def _say_there(d: Discourse, ids: Ids) -> None:
 
 
 def _begin_row(d: Discourse, first: int, place: Place) -> int:
-    """Where the first of several is, all of them begin, as in "the first at 10 m, 20 m between them"."""
+    """All of several objects begin at the place of the first, as in "the first at 10 m, 20 m between them"."""
     one = d.mentions[first]
     assert one.same_as is not None
     whole = d.mentions[one.same_as]
@@ -106,7 +106,7 @@ def _begin_row(d: Discourse, first: int, place: Place) -> int:
 
 
 def queue_up(d: Discourse, ids: Ids, spacing: float | None) -> bool:
-    """Each of several single objects is behind the one before it."""
+    """Put each of several single objects behind the one before it."""
     known = [d.mentions[one] for one in ids]
     if len(ids) < 2 or any(one.count != 1 or one.relation is not None or one.kind is None for one in known):
         return False
@@ -117,7 +117,7 @@ def queue_up(d: Discourse, ids: Ids, spacing: float | None) -> bool:
 
 
 def attach(d: Discourse, number: int, place: Place, link: str) -> None:
-    """A further place after "and", a closer description of the same place otherwise."""
+    """Add a further place after "and", else a closer description of the same place."""
     mention = d.mentions[number]
     at = _fitting(place, mention)
     d.dropped |= place.tokens
@@ -153,12 +153,12 @@ def attach(d: Discourse, number: int, place: Place, link: str) -> None:
 
 
 def _is_exact(at: Position) -> bool:
-    """Whether it says a distance, and no range of them such as "far ahead" does."""
+    """Whether it gives one distance, not a range such as "far ahead"."""
     return at.distance is not None and at.distance[0] == at.distance[1]
 
 
 def _add_elsewhere(d: Discourse, number: int, at: Position) -> None:
-    """More of the same at another place; of several at two distances one is at each."""
+    """More of the same at another place; with two distances, several objects are one at each."""
     mention = d.mentions[number]
     if at.distance and mention.at.distance and mention.count != 1:
         whole = mention.same_as if mention.same_as is not None else number
@@ -176,7 +176,7 @@ def _add_elsewhere(d: Discourse, number: int, at: Position) -> None:
 
 
 def _goes_on(at: Position, mention: Mention, link: str) -> bool:
-    """Whether a place after a comma describes the same place more closely, as in "on the left, 20 m away"."""
+    """Whether a place after a comma refines the previous one, as in "on the left, 20 m away"."""
     if at == Position(spacing=at.spacing):
         return True  # "and there is a gap of 1 m between them"
     closer = mention.count == 1 or not (at.only_places and mention.at.only_places)
@@ -185,7 +185,7 @@ def _goes_on(at: Position, mention: Mention, link: str) -> bool:
 
 
 def place_at(d: Discourse, number: int, place: Place, weak: bool = False) -> None:
-    """Put a mention at a place, which the next one overrules if it is weak."""
+    """Put a mention at a place; the next one overrides it if it is weak."""
     mention = d.mentions[number]
     if mention.kind is None:
         d.change(number, at=mention.at.narrowed(place.at), placed=True)
@@ -205,16 +205,16 @@ def _note_unfit(d: Discourse, place: Place, at: Position) -> None:
 
 
 def _fitting(place: Place, mention: Mention) -> Position | None:
-    """The position of a place, None where its kind cannot be there."""
+    """The position of a place, None if its kind does not fit there."""
     at, kind = place.at, mention.record
     if place.crosswalk and not kind.walks:
         return None
     if place.middle and (not kind.on_road or kind.follows_road):
         return None if at.at_junction or "median" not in kind.surfaces else Position(median=True)
     if at.from_road is not None and at.from_road[0] == 0.0 and kind.cycles:
-        at = replace(at, from_road=None, places=at.places if at.sides else (RIGHT,))  # who rides close to the kerb
+        at = replace(at, from_road=None, places=at.places if at.sides else (RIGHT,))  # a rider close to the kerb
     if at.beside_road and kind.walks and not (at.sidewalk or at.from_road):
-        at = replace(at, beside_road=False, from_road=_VERGE)  # who is at the side of the road
+        at = replace(at, beside_road=False, from_road=_VERGE)  # somebody at the side of the road
     if place.centre and kind.is_vehicle and "median" in kind.surfaces and not at.at_junction:  # a tram
         at = replace(at, on_road=False, median=True)
     if at.median and "median" not in kind.surfaces:
@@ -231,7 +231,7 @@ def _fitting(place: Place, mention: Mention) -> Position | None:
 
 
 def note_place(d: Discourse, place: Place) -> None:
-    """What "in each of the three lanes" or "at the corner of the crossroads" says of the road."""
+    """Note the road implied by a place, as "in each of the three lanes" or "at the corner of the crossroads"."""
     if place.road is not None and (d.road.kind in (None, "straight") or place.road in ("left-bend", "right-bend")):
         d.road = replace(d.road, kind=place.road if place.road != "straight" else d.road.kind)
     if place.at.lane == "each" and not d.road.lanes and place.lanes:
@@ -239,7 +239,7 @@ def note_place(d: Discourse, place: Place) -> None:
 
 
 def with_side(d: Discourse, place: Place) -> Place:
-    """A place with a side for "the other side" and for "the outer side" of a bend."""
+    """A place with its side for "the other side" and for "the outer side" of a bend."""
     if place.other_side:
         sides = [side for mention in d.mentions for side in mention.at.sides]
         side = RIGHT if sides[-1:] == ["left"] else LEFT
@@ -256,7 +256,7 @@ def with_side(d: Discourse, place: Place) -> Place:
 
 
 def describe(d: Discourse, number: int, manner: Manner) -> None:
-    """Note how objects stand or move, and how large they are."""
+    """Note the motion, state and size of objects."""
     mention = d.mentions[number]
     if mention.kind is None:
         return
@@ -296,7 +296,7 @@ def describe(d: Discourse, number: int, manner: Manner) -> None:
 
 
 def _both_ways(d: Discourse, number: int) -> None:
-    """Of what drives in both directions half comes towards us."""
+    """Half of the traffic in both directions is oncoming."""
     mention = d.mentions[number]
     half = mention.count // 2 if isinstance(mention.count, int) and mention.count > 1 else 0
     rest: Count = mention.count - half if half and isinstance(mention.count, int) else mention.count
@@ -305,7 +305,7 @@ def _both_ways(d: Discourse, number: int) -> None:
 
 
 def _sized(mention: Mention, manner: Manner) -> tuple[float | None, float | None, float | None]:
-    """What "of 3 m" says: a fence of less than is usual for its height is so high, and otherwise so long."""
+    """The size given by "of 3 m": the height of a fence up to its usual height, else its length."""
     length, kind = manner.length or 0.0, mention.record
     tall = mention.scale[2] != 1.0 and mention.scale[0] == 1.0
     long = mention.scale[0] > 1.0 and mention.scale[2] == 1.0

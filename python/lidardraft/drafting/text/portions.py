@@ -1,4 +1,4 @@
-"""Parts of a whole, as they are named: "one of the three cars", "the second", "the others", "all of them"."""
+"""Named parts of a whole: "one of the three cars", "the second", "the others", "all of them"."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _SHARES = {"some": 0.5, "few": 0.25, "many": 0.75}  # of "them"; estimates
 
 
 def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: bool) -> Ids:
-    """What a number without a noun, "one of the three cars" or "the second car" names."""
+    """The mentions named by a number without a noun, "one of the three cars" or "the second car"."""
     phrase, item = clause.items[number].head, clause.items[number]
     assert isinstance(phrase, NounPhrase)
     following = _following(clause, number)
@@ -69,7 +69,7 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
             return []
         d.change(last, count=count)  # "bicycles at a fence: 15 of them"
         return [last]
-    if phrase.ordinal == 0 and source.at.spacing:  # where the first is, the whole row begins
+    if phrase.ordinal == 0 and source.at.spacing:  # the whole row begins at the first
         places = [one.said.at for one in item.modifiers if isinstance(one.said, Place)]
         ahead = not any(fore for at in places for fore, _ in at.places)
         at = source.at.narrowed(Position(places=(FRONT,))) if ahead else source.at
@@ -79,14 +79,14 @@ def named_part(d: Discourse, clause: Clause, number: int, before: Ids, told: boo
 
 
 def _counted_from(clause: Clause, number: int) -> int:
-    """How many the numbers without nouns count together from one on: "one going left and two going right" are three."""
+    """The sum of the numbers without nouns from one on: "one going left and two going right" are three."""
     heads = (one.head for one in clause.items[number:])
     listed = itertools.takewhile(lambda head: isinstance(head, NounPhrase) and head.kind == "" and head.exact, heads)
     return sum(int(str(head.count)) for head in listed if isinstance(head, NounPhrase))
 
 
 def _is_apposition(clause: Clause, number: int) -> bool:
-    """Whether it only describes what is before it: "a minibus, an orange one"."""
+    """Whether it only describes the object before it: "a minibus, an orange one"."""
     phrase = clause.items[number].head
     new = isinstance(phrase, NounPhrase) and (phrase.another or phrase.definite or phrase.exact or phrase.count != 1)
     return number > 0 and clause.items[number].link == "," and not (new or clause.items[number - 1].modifiers)
@@ -99,7 +99,7 @@ def _is_to_the_rest(item: Item) -> bool:
 
 
 def _new_part(d: Discourse, phrase: NounPhrase, last: int, of_them: bool) -> int:
-    """A mention of a part of others, or of more of the same; of "half of them" the share counts."""
+    """A mention of a part of others, or of more of the same; for "half of them" the share counts."""
     source = d.mentions[last]
     count: Count = phrase.count
     if phrase.rest:
@@ -124,7 +124,7 @@ def _new_part(d: Discourse, phrase: NounPhrase, last: int, of_them: bool) -> int
 
 
 def _all_or_each(d: Discourse, phrase: NounPhrase, whole: int | None, before: Ids) -> Ids:
-    """What "all of them", "all but two", "each" and "six each" name."""
+    """The mentions named by "all of them", "all but two", "each" and "six each"."""
     if phrase.all_but:
         return all_but_some(d, phrase, whole)
     if phrase.one_each:
@@ -142,7 +142,7 @@ def _all_or_each(d: Discourse, phrase: NounPhrase, whole: int | None, before: Id
 
 
 def _none_of(d: Discourse, item: Item, phrase: NounPhrase, whole: int, told: bool) -> Ids:
-    """ "None of them parked": they drive; "none on the left": there they are not."""
+    """ "None of them parked": they drive; "none on the left": they are elsewhere."""
     said = [one.said for one in item.modifiers]
     if item.link == ":" and not told:  # "cars on the left: none"
         d.change(whole, count=0)
@@ -155,7 +155,7 @@ def _none_of(d: Discourse, item: Item, phrase: NounPhrase, whole: int, told: boo
 
 
 def _part_of_named(d: Discourse, phrase: NounPhrase, told: bool, has: bool) -> Ids:
-    """ "One of the three cars": the cars, of which one is a part."""
+    """ "One of the three cars": the cars, and one as a part of them."""
     whole = d.several(str(phrase.kind))
     if whole is None or phrase.exact:
         whole = d.add(replace(mention_of(phrase), count=phrase.count))
@@ -180,7 +180,7 @@ def _part_of_named(d: Discourse, phrase: NounPhrase, told: bool, has: bool) -> I
 
 
 def _all_of_them(d: Discourse, phrase: NounPhrase) -> Ids:
-    """What "both" and "all of them" mean: the several of before, or all that the sentence lists."""
+    """The mentions meant by "both" and "all of them": the several before, or all listed in the sentence."""
     first = d.sentence if d.sentence < len(d.mentions) else d.earlier
     listed = [n for n in range(first, len(d.mentions)) if d.mentions[n].is_wanted]
     if phrase.both and len(listed) > 1 and [d.mentions[n].count for n in listed[-2:]] == [1, 1]:
@@ -196,7 +196,7 @@ def _following(clause: Clause, number: int) -> str:
 
 
 def counted_later(d: Discourse, phrase: NounPhrase, told: bool, before: Ids, link: str, alone: bool) -> int | None:
-    """The mention that a number is told of later, as in "every lamp has a bin; there are four lamps"."""
+    """The mention that a number counts later, as in "every lamp has a bin; there are four lamps"."""
     if not phrase.exact or told or (before and link != ":") or phrase.name:
         return None
     for number, one in enumerate(d.mentions):

@@ -1,11 +1,11 @@
-"""Where something is from the ego: places, lanes, distances and spacings, and what they mean together."""
+"""Positions relative to the ego: places, lanes, distances and spacings, and their combinations."""
 
 from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
 
-Place = tuple[str, str]  # before or behind, and the side; "" where nothing is said
+Place = tuple[str, str]  # before or behind, and the side; "" if open
 
 NOWHERE, FRONT, BEHIND, BESIDE = ("", ""), ("front", ""), ("behind", ""), ("beside", "")
 LEFT, RIGHT = ("", "left"), ("", "right")
@@ -13,9 +13,9 @@ LEFT, RIGHT = ("", "left"), ("", "right")
 
 @dataclass(frozen=True, slots=True)
 class Position:
-    """Where something is; the default says nothing. `beside_road` is on any side of it.
+    """A position; the default is open. `beside_road` is on any side of it.
 
-    `heading` is the one that goes with such a place; a number at `shared` places is that at all of them together.
+    `heading` is the one implied by such a place; a number at `shared` places counts all of them together.
     """
 
     places: tuple[Place, ...] = (NOWHERE,)
@@ -35,7 +35,7 @@ class Position:
 
     @property
     def only_places(self) -> bool:
-        """Whether it says nothing but places."""
+        """Whether it has only places."""
         return self == Position(
             self.places, beside_road=self.beside_road, both_sides=self.both_sides, shared=self.shared
         )
@@ -46,7 +46,7 @@ class Position:
         return [side for _, side in self.places if side]
 
     def agrees(self, other: Position) -> bool:
-        """Whether something can be at both at once: no two places, distances or lanes of them differ."""
+        """Whether an object can be at both at once: no places, distances or lanes of them differ."""
         said = (
             (self.distance, other.distance),
             (self.lane, other.lane),
@@ -64,7 +64,7 @@ class Position:
         return Position(**said | {"places": places})
 
     def _common(self, other: Position) -> tuple[Place, ...]:
-        """The places of both: "ahead" and "on the left" have "ahead on the left". What comes from one has left it."""
+        """The places of both: "ahead" and "on the left" have "ahead on the left". Traffic from a place has left it."""
         pairs = [(a or c, b or d) for a, b in self.places for c, d in other.places if _agree(a, c) and _agree(b, d)]
         left, other_left = (str(at.heading).startswith(("across-", "with")) for at in (self, other))
         if not pairs and left != other_left:
@@ -72,11 +72,11 @@ class Position:
         return tuple(dict.fromkeys(pairs))
 
     def or_at(self, other: Position) -> Position:
-        """One and the other: "in front" and "behind"."""
+        """Either position: "in front" and "behind"."""
         return dataclasses.replace(self, places=self.places + other.places)
 
     def without(self, other: Position) -> Position:
-        """Only where the other is not."""
+        """This position without the places of the other."""
         places = tuple(place for place in self.places if place not in other.places)
         return dataclasses.replace(self, places=places or self.places)
 

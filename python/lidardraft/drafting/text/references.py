@@ -1,4 +1,4 @@
-"""Which mention a noun phrase or a pronoun means: a new one, or one that was named before."""
+"""The mention of a noun phrase or a pronoun: a new one, or one that was named before."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lidardraft.drafting.text.tree import Item, NounPhrase, Place, Relation
 
 
 def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
-    """What a pronoun means: "them" are several, "it" is one."""
+    """The referents of a pronoun: "them" are several, "it" is one."""
     wanted = [n for n, one in enumerate(d.mentions) if one.is_wanted]
     numbers = [n for n in wanted if d.mentions[n].with_it is None] or wanted
     if phrase.pronoun == "them":
@@ -38,7 +38,7 @@ def meant_by(d: Discourse, phrase: NounPhrase) -> Ids:
 
 
 def _meant_but(d: Discourse, phrase: NounPhrase, subjects: Ids) -> Ids:
-    """What a pronoun means, which is none of the subjects."""
+    """The referents of a pronoun, without the subjects."""
     siblings = [d.mentions[one].same_as for one in subjects[-1:] if d.mentions[one].same_as is not None]
     hidden = [*subjects, *(one for one in siblings if one is not None and d.mentions[one].references)]
     kept = [d.mentions[one] for one in hidden]
@@ -51,7 +51,7 @@ def _meant_but(d: Discourse, phrase: NounPhrase, subjects: Ids) -> Ids:
 
 
 def known_mention(d: Discourse, phrase: NounPhrase, subjects: Ids) -> int | None:
-    """The last mention that "the bus" or "bus A" can mean; None where it must be another object."""
+    """The last mention that "the bus" or "bus A" can mean; None if it must be another object."""
     if phrase.name:
         return next((n for n, one in enumerate(d.mentions) if (one.kind, one.name) == (phrase.kind, phrase.name)), None)
     if (
@@ -77,13 +77,13 @@ def known_mention(d: Discourse, phrase: NounPhrase, subjects: Ids) -> int | None
 
 
 def can_be_where(d: Discourse, number: int, item: Item) -> bool:
-    """Whether a mention can be where a later one is said to be."""
+    """Whether a mention can be at the place of a later one."""
     places = [one.said.at for one in item.modifiers[:1] if isinstance(one.said, Place)]
     return all(d.mentions[number].at.agrees(replace(at, distance=None)) for at in places)
 
 
 def call(d: Discourse, phrase: NounPhrase, before: Ids) -> Ids:
-    """What objects are said to be: "one of them is a taxi"."""
+    """Change objects to the kind that they are called: "one of them is a taxi"."""
     for one in before:
         if not d.mentions[one].is_wanted:
             continue
@@ -93,7 +93,7 @@ def call(d: Discourse, phrase: NounPhrase, before: Ids) -> Ids:
 
 
 def targets_of(d: Discourse, relation: Relation, subjects: Ids) -> Ids:
-    """The mentions that a relation is to; none where one of them is unknown."""
+    """The target mentions of a relation; empty if one of them is unknown."""
     found: Ids = []
     for phrase in relation.targets:
         found += _target(d, phrase, subjects)
@@ -105,7 +105,7 @@ def targets_of(d: Discourse, relation: Relation, subjects: Ids) -> Ids:
 
 
 def _two_of_them(d: Discourse, found: Ids, subjects: Ids) -> Ids:
-    """The two that something is between: the last two single ones, of vehicles where it drives."""
+    """The two that an object is between: the last two single ones, or the last two vehicles if it drives."""
     drives = any(d.mentions[one].is_wanted and d.mentions[one].record.drives for one in subjects)
     others = [n for n, one in enumerate(d.mentions) if one.is_wanted and n not in subjects]
     fitting = [n for n in others if d.mentions[n].record.drives] if drives else others

@@ -1,4 +1,4 @@
-"""What is placed from something else: from another mention, from the ego or from the road."""
+"""Objects placed relative to others: to another mention, to the ego or to the road."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TURNED = {"behind": "in-front-of", "in-front-of": "behind"}
 
 
 def relate(d: Discourse, ids: Ids, said: Relation, references: Ids) -> Ids:
-    """Place objects from others; what is said next is said of those if they are new, else of the objects."""
+    """Place objects relative to others; returns the new references, or else the objects, for the next words."""
     subjects = [
         one
         for one in ids
@@ -96,7 +96,7 @@ def _relate_one(d: Discourse, number: int, said: Relation, references: Ids) -> N
     first = d.mentions[references[0]]
     parked = "parked" in (mention.heading, at.heading) and at.sides and relation in TURNED
     if parked and first.record.is_vehicle and not first.placed and first.heading is None:
-        d.change(references[0], at=Position(at.places), heading="parked", placed=True)  # where what is behind it is
+        d.change(references[0], at=Position(at.places), heading="parked", placed=True)  # at the same place
     motion = d.mentions[number].motion
     if said.overtakes and mention.record.walks:
         relation = "near"  # "walks past a row of cars"
@@ -108,7 +108,7 @@ def _relate_one(d: Discourse, number: int, said: Relation, references: Ids) -> N
 
 
 def _turn_round(d: Discourse, number: int, relation: str | None, references: Ids) -> bool:
-    """What stands at a distance and behind what is placed nowhere: that one is in front of it."""
+    """An object at a distance behind an unplaced one: that one is in front of it."""
     turned = TURNED.get(str(relation))
     other = d.mentions[references[0]]
     drive = all(d.mentions[one].record.drives for one in (number, *references))
@@ -153,7 +153,7 @@ def _relate_to_road(d: Discourse, subjects: Ids, said: Relation, references: Ids
 
 
 def _relate_to_junction(d: Discourse, ids: Ids) -> Ids:
-    """ "It" is the road where nothing else was named: "a roundabout with houses around it"."""
+    """ "It" is the road if nothing else was named: "a roundabout with houses around it"."""
     for one in ids:
         if d.mentions[one].kind is None:
             continue
@@ -176,7 +176,7 @@ def _ride(d: Discourse, ids: Ids, said: Relation, references: Ids) -> None:
 
 
 def _stand_at(d: Discourse, subjects: Ids, references: Ids) -> bool:
-    """What a queue, or what is placed from another one already, stands at is near to it."""
+    """A free reference at a queue, or at an object placed already, is near to it."""
     queues = [one for one in subjects if d.mentions[one].queue or d.mentions[one].relation is not None]
     free = d.mentions[references[0]]
     if not queues or free.placed or free.references:
@@ -203,7 +203,7 @@ def is_side_of(d: Discourse, relation: Relation, place: Place, ids: Ids) -> bool
 
 
 def relate_another(d: Discourse, number: int, said: Relation, references: Ids, before: int) -> None:
-    """ "Behind it a truck and two cars": what drives stands one behind the other, all else at the same thing."""
+    """ "Behind it a truck and two cars": vehicles are one behind the other, other objects at the same reference."""
     if any(phrase.each for phrase in said.targets) and references:
         d.change(number, host=references[0])
     known = d.mentions[number].is_wanted and d.mentions[before].is_wanted

@@ -1,4 +1,4 @@
-"""What has no shape, and what is so anyway, with the words that are said of it: loads, parks, fields, roads ahead."""
+"""Words without a shape and words for defaults, with their modifiers: loads, parks, fields, roads ahead."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _BEFORE_NAMES = (",", ".", ":", "(", ")", "and", "or", "but", "with", "has", "is
 
 
 def with_scenery(nodes: Sequence[Node]) -> list[Node]:
-    """The constituents of a text, those that say nothing of objects taken together or marked as such."""
+    """The constituents of a text, with those that are not about objects combined or marked as such."""
     found: list[Node] = []
     for index, node in enumerate(nodes):
         has = index + 1 < len(nodes) and nodes[index + 1].symbol in ("with", "has", "relation", "whereabouts")
@@ -28,7 +28,7 @@ def with_scenery(nodes: Sequence[Node]) -> list[Node]:
 
 
 def _is_loaded(nodes: Sequence[Node]) -> bool:
-    """Whether a vehicle carries what comes next, which is then on it."""
+    """Whether a vehicle carries the next object, which is then on it."""
     if not nodes or nodes[-1].symbol != "with" or not nodes[-1].get("cargo"):
         return False
     carrier = next((one for one in reversed(nodes) if one.symbol == "object"), None)
@@ -41,7 +41,7 @@ def _is_named(nodes: Sequence[Node]) -> bool:
 
 
 def _placed(named: Node, place: Node, *, has: bool) -> list[Node]:
-    """What is named and where it is; what it `has` is at that place too."""
+    """A named thing and its place; the objects that it `has` are at that place too."""
     at = place.get("at")
     if named.symbol == "unseen" and any(leaves(named, "scenery")):  # "a park on the right"
         return [named._replace(end=place.end, children=(*named.children, place))]

@@ -1,4 +1,4 @@
-"""Clauses become mentions: what each says of which objects, new ones and those named before."""
+"""Clauses become mentions: each states properties of objects, new ones and those named before."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ from lidardraft.drafting.text.tree import (
 
 
 def read(d: Discourse, clause: Clause) -> None:
-    """Note all that a clause says."""
+    """Note all statements of a clause."""
     if clause.begins:
         d.each, d.earlier, d.sentence = None, d.sentence, len(d.mentions)
         d.last_lead = d.it = None
@@ -106,7 +106,8 @@ def _fill_sidewalk(d: Discourse, clause: Clause, number: int, new: Ids) -> None:
 
 
 def _place_first(d: Discourse, clause: Clause, number: int, new: Ids, lead: Place, *, weak: bool) -> None:
-    """Place what an item names where the clause begins; weakly in a list of which it has a place of its own."""
+    """Place the new objects of an item at the lead of the clause; weakly in a list, as an item may have its own
+    place."""
     item = clause.items[number]
     one_of = bool(item.modifiers) and item.modifiers[0].verb == "one" and number > 0
     comes_along = item.link == "with" and isinstance(item.head, NounPhrase) and item.head.kind in COMPANIONS
@@ -122,14 +123,14 @@ def _is_traffic(item: Item) -> bool:
 
 
 def _is_told(item: Item) -> bool:
-    """Whether something is said of an item itself; not so in "one black and one white, on the left"."""
+    """Whether an item itself has a modifier; not so in "one black and one white, on the left"."""
     said = [one for one in item.modifiers if not (isinstance(one.said, Manner) and one.said.is_idle)]
     elsewhere = item.link == "and" and isinstance(item.head, NounPhrase) and item.head.kind == ""
     return item.is_told or (bool(said) and not (elsewhere and said[0].link == ","))
 
 
 def _deny_once(d: Discourse, new: Ids, phrase: NounPhrase) -> None:
-    """Drop what denies what the text asks for, unless it denies others: "no cars and three cars"."""
+    """Drop denials of wanted objects, unless they deny others: "no cars and three cars"."""
     for one in new:
         kind, denies = d.mentions[one].kind, d.mentions[one].count == 0
         others = [n for n, other in enumerate(d.mentions) if other.kind == kind and (other.count == 0) is not denies]
@@ -139,7 +140,7 @@ def _deny_once(d: Discourse, new: Ids, phrase: NounPhrase) -> None:
 
 
 def _say_of_latest(d: Discourse, clause: Clause) -> None:
-    """A clause without objects says more of those before it, as in "A bus! 20 m ahead!"."""
+    """A clause without objects describes those before it, as in "A bus! 20 m ahead!"."""
     known = [one for one in d.latest if d.mentions[one].is_wanted]
     if not known and any(isinstance(one.said, Manner) for one in clause.lead):
         say_of_ego(d, Item(NounPhrase("", pronoun="us"), modifiers=clause.lead))  # "stopped behind a van"
@@ -157,7 +158,7 @@ def _say_of_latest(d: Discourse, clause: Clause) -> None:
 
 
 def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool) -> Ids | None:
-    """The mentions that an item of a clause is about, new ones or known ones; None for who looks."""
+    """The mentions that an item of a clause is about, new ones or known ones; None for the observer."""
     item = clause.items[number]
     phrase = item.head
     assert isinstance(phrase, NounPhrase)
@@ -213,7 +214,7 @@ def _subject(d: Discourse, clause: Clause, number: int, before: Ids, told: bool)
 
 
 def _whose(d: Discourse, before: Item, item: Item, ids: Ids) -> Ids:
-    """What has what an item is "with": the nearest noun before it, as in "next to a man with a bag"."""
+    """The owner of the object an item is "with": the nearest noun before it, as in "next to a man with a bag"."""
     said = before.modifiers[-1].said if before.modifiers else None
     assert isinstance(item.head, NounPhrase)
     if not (isinstance(said, Relation) and said.targets) or max(said.tokens) > min(item.head.tokens, default=0):
@@ -264,7 +265,7 @@ def _new(d: Discourse, clause: Clause, number: int, phrase: NounPhrase, before: 
 
 
 def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None:
-    """Note the modifiers of an item, of all that they are spread over."""
+    """Note the modifiers of an item, for all items in their scope."""
     item = clause.items[number]
     open_ids: Ids = named[number]
     modifiers = _split_part(d, clause, number, open_ids)
@@ -323,7 +324,7 @@ def _modify(d: Discourse, clause: Clause, number: int, named: list[Ids]) -> None
 
 
 def _is_of_subject(last: Relation, modifier: Modifier) -> bool:
-    """Whether what is said after a relation is of its subject again, and not of what that is related to."""
+    """Whether a modifier after a relation is of its subject again, and not of the relation's target."""
     if modifier.link == "and" and modifier.verb:
         return True
     if modifier.link == ",":  # "in front of the shop, next to a bench"
@@ -333,12 +334,13 @@ def _is_of_subject(last: Relation, modifier: Modifier) -> bool:
 
 
 def _is_had(item: Item) -> bool:
-    """Whether an item is what the one before it has or has not."""
+    """Whether the item before has, or lacks, this item."""
     return item.link == "with" or (isinstance(item.head, NounPhrase) and item.head.without)
 
 
 def _split_part(d: Discourse, clause: Clause, number: int, ids: Ids) -> tuple[Modifier, ...]:
-    """The modifiers of an item, less those before its verb, which are of the whole: "one of the cars ahead is ..."."""
+    """The modifiers of an item, without those before its verb, which are of the whole: "one of the cars ahead is
+    ..."."""
     item = clause.items[number]
     assert isinstance(item.head, NounPhrase)
     whole = d.mentions[ids[0]].same_as if ids else None
@@ -356,7 +358,7 @@ def _split_part(d: Discourse, clause: Clause, number: int, ids: Ids) -> tuple[Mo
 
 
 def _carrier(d: Discourse, item: Item, ids: Ids, host: Ids, said: object) -> Ids:
-    """Who has something, where what is said is of them: "a lorry with a sign at 65 m"."""
+    """The owner of an object, if a modifier is about the owner: "a lorry with a sign at 65 m"."""
     if item.link != "with" or len(ids) != 1 or len(host) != 1:
         return []
     carried, carrier = d.mentions[ids[0]], d.mentions[host[0]]
@@ -382,7 +384,8 @@ def _carrier(d: Discourse, item: Item, ids: Ids, host: Ids, said: object) -> Ids
 
 
 def _who_acts(d: Discourse, item: Item, named: list[Ids], number: int, ids: Ids) -> Ids:
-    """Who does what a companion does: "a pickup with a trailer crossing"; the trailer follows what pulls it."""
+    """The objects that act together with a companion: "a pickup with a trailer crossing"; a trailer follows its
+    vehicle."""
     if not (number and isinstance(item.head, NounPhrase) and item.link == "with"):
         return ids
     together = [item.head.kind] == [d.mentions[one].kind for one in named[number - 1]] == ["person"]
@@ -392,7 +395,7 @@ def _who_acts(d: Discourse, item: Item, named: list[Ids], number: int, ids: Ids)
 
 
 def _respective(d: Discourse, clause: Clause, number: int, open_ids: Ids) -> bool:
-    """As many places as objects are one for each, as in "a car and a truck at 20 m and 50 m"."""
+    """Give each object its own place if there are as many, as in "a car and a truck at 20 m and 50 m"."""
     modifiers = clause.items[number].modifiers
     places = [one.said for one in modifiers if isinstance(one.said, Place)][: len(open_ids)]
     links = [one.link for one in modifiers][1 : len(places)]
@@ -416,7 +419,7 @@ def _respective(d: Discourse, clause: Clause, number: int, open_ids: Ids) -> boo
 
 
 def resolve(clauses: list[Clause]) -> Discourse:
-    """The mentions of a text in the order of their names, what it says of the road, and which words were dropped."""
+    """The mentions of a text in order, its statements on the road, and the dropped words."""
     discourse = Discourse(_inner_side(clauses))
     for clause in clauses:
         read(discourse, clause)
@@ -424,7 +427,7 @@ def resolve(clauses: list[Clause]) -> Discourse:
 
 
 def _inner_side(clauses: list[Clause]) -> str | None:
-    """The side that the bend of a text goes to, None where it says none."""
+    """The direction of the bend in a text, None if there is none."""
     said = [
         one for clause in clauses for item in clause.items for one in (item.head, *(m.said for m in item.modifiers))
     ]

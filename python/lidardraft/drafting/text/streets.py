@@ -1,4 +1,4 @@
-"""What is said of the road, and of who looks."""
+"""Statements on the road, and on the ego vehicle."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from lidardraft.drafting.text.positions import BEHIND, BESIDE, FRONT, LEFT, RIGH
 from lidardraft.drafting.text.references import targets_of
 from lidardraft.drafting.text.tree import Item, Manner, NounPhrase, Place, Relation, Street
 
-_FROM_THE_EGO = {  # where something is that the ego is behind, in front of, ...
+_FROM_THE_EGO = {  # the place of an object that the ego is behind, in front of, ...
     "behind": FRONT,
     "in-front-of": BEHIND,
     "beside": BESIDE,
@@ -20,7 +20,7 @@ _FROM_THE_EGO = {  # where something is that the ego is behind, in front of, ...
 
 
 def note_street(d: Discourse, street: Street) -> None:
-    """What is said of the road."""
+    """Note a statement on the road."""
     if street.denied:
         return
     notes = d.road
@@ -50,7 +50,7 @@ def note_street(d: Discourse, street: Street) -> None:
 
 
 def note_junction(d: Discourse, place: Place) -> bool:
-    """Whether a place at a distance is that of the junction, as in "a crossroads 30 m ahead"."""
+    """Whether a place at a distance is the junction's, as in "a crossroads 30 m ahead"."""
     ahead = place.at == Position(place.at.places, distance=place.at.distance) and not place.at.sides
     if d.road.kind not in JUNCTIONS or not place.at.distance or not ahead or place.at.places == (BEHIND,):
         return False
@@ -59,7 +59,7 @@ def note_junction(d: Discourse, place: Place) -> bool:
 
 
 def with_direction(item: Item) -> Street:
-    """Lanes with the direction that is said of them: "one lane in the other direction"."""
+    """Lanes with their stated direction: "one lane in the other direction"."""
     street = item.head
     assert isinstance(street, Street)
     ways = [
@@ -71,7 +71,7 @@ def with_direction(item: Item) -> Street:
 
 
 def say_of_road(d: Discourse, item: Item) -> None:
-    """A bend may be named after the road: "a road that turns left", "a curved street (to the left)"."""
+    """Note a bend named after the road: "a road that turns left", "a curved street (to the left)"."""
     for modifier in item.modifiers:
         said = modifier.said
         if isinstance(said, Manner) and said.heading and said.heading.startswith("turning"):

@@ -1,6 +1,6 @@
 """A text becomes tokens, and words and figures become numbers.
 
-A number is read whole or not at all: figures that are no single number are one token without meaning.
+A number is read whole or not at all: figures that do not form a single number are one token without meaning.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ _VALUE_OF = {word: value for value, word in enumerate(_BELOW_TWENTY)} | {
 }
 _ORDINALS = ("last", "first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth", "ninth")  # by number
 
-# Floats hold fifteen digits exactly; longer figures are no numbers here.
+# Floats hold fifteen digits exactly; longer figures are not numbers here.
 _digit = rf"(?:{'|'.join(_BELOW_TWENTY[1:10])})\b"
 _below_hundred = rf"(?:(?:{'|'.join(_TENS)})\b(?: {_digit})?|(?:{'|'.join(_BELOW_TWENTY[1:])})\b)"
 _figures = r"(?:\d{1,3}(?:,\d{3}){1,4}|\d{1,15})(?:\.\d{1,15})?"
@@ -74,16 +74,16 @@ _NAME = re.compile(r"(?<=[a-z] )([A-HJKM-QSU-Z])(?=[,.;:!?)]|$|'s\b| (?![A-Z]))"
 
 
 class Token(NamedTuple):
-    """A word in lower case, or a sign; from and to where it stands in the text."""
+    """A word in lower case, or a sign; `start` and `end` are its place in the text."""
 
     text: str
     start: int
     end: int
-    is_strange: bool = False  # figures that are no number
+    is_strange: bool = False  # figures that are not a number
 
 
 def clean(text: str) -> str:
-    """The text in lower case but for names, with blanks for what cannot be printed."""
+    """The text in lower case except for names, with blanks for unprintable characters."""
     for symbol, plain in _SYMBOLS.items():
         text = text.replace(symbol, plain)
     for symbol, plain in _SPELLED.items():
@@ -97,11 +97,11 @@ def clean(text: str) -> str:
     return (" ; " if apart else " ").join(lines).strip(" ;")
 
 
-_LONGEST_ITEM = 40  # characters of a line, in a text that has one for each object
+_LONGEST_ITEM = 40  # characters of a line, in a text with a line for each object
 
 
 def tokens_of(text: str, vocabulary: Collection[str]) -> list[Token]:
-    """The tokens of a text that is `clean`; words with hyphens are parted where the vocabulary has all their parts."""
+    """The tokens of a text that is `clean`; words with hyphens are split if the vocabulary has all their parts."""
     found: list[Token] = []
     for match in _TOKEN.finditer(text):
         start, end, said = match.start(), match.end(), match[0]
@@ -140,9 +140,9 @@ def tokens_of(text: str, vocabulary: Collection[str]) -> list[Token]:
 
 
 def slip_of(word: str, vocabulary: Collection[str]) -> str | None:
-    """The only word that differs in two letters that changed places or, of long words, in a letter too few or too many.
+    """The only word of the vocabulary with two letters transposed or, for long words, one letter missing or too many.
 
-    No letter stands for another one: "horse" and "house" are both words.
+    No letter replaces another: "horse" and "house" are both words.
     """
     if word in vocabulary or len(word) < _SHORTEST_SLIP or not word.isalpha():
         return None
@@ -156,7 +156,7 @@ def slip_of(word: str, vocabulary: Collection[str]) -> str | None:
 
 
 def _letters(said: str, start: int, end: int) -> list[Token]:
-    """A word, or the two of a contraction."""
+    """A word, or the two words of a contraction."""
     word, mark, ending = said.partition("'")
     if said.endswith("n't"):
         return [Token(said.removesuffix("n't") or "not", start, end), Token("not", start, end)]

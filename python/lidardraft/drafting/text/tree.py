@@ -17,23 +17,23 @@ Sizes = tuple[float | None, float | None, float | None]
 Tokens = frozenset[int]  # by their numbers in the sentence
 NO_SIZE: Sizes = (None, None, None)
 NO_SCALE = (1.0, 1.0, 1.0)
-# What verbs and adjectives, noun phrases and places say, or do not.
+# Words with and without a meaning among verbs and adjectives, noun phrases and places.
 _SIGNS = ("queue", "cycling", "facing", "drives", "moves", "abreast", "on_the_road", "at_junction", "in_row", "row")
 _MARKS = ("all", "both", "rest", "ridden", "anybody", "plain", "in_total")
 _MARKS_OF_PLACES = ("other_side", "bare", "shoulder", "everywhere", "middle", "crosswalk", "from_to")
-_LONG = ("truck", "bus", "tram", "wall", "fence", "hedge", "barrier")  # "a 12 m truck" is so long
-_HIGH = ("tree", "pole", "building", "house", "street-light")  # "a 10 m tree" is so high
+_LONG = ("truck", "bus", "tram", "wall", "fence", "hedge", "barrier")  # "a 12 m truck" is 12 m long
+_HIGH = ("tree", "pole", "building", "house", "street-light")  # "a 10 m tree" is 10 m high
 
 
 @dataclass(frozen=True, slots=True)
 class Manner:
-    """How objects stand or move, and how large they are."""
+    """The motion, state and size of objects."""
 
     heading: str | None = None
     queue: bool = False
     cycling: bool = False
-    facing: bool = False  # says nothing of how it moves
-    drives: bool = False  # what only a vehicle does
+    facing: bool = False  # without any motion
+    drives: bool = False  # for vehicles only
     walks: bool = False
     moves: bool = False  # "passing", wherever to
     abreast: bool = False
@@ -42,28 +42,28 @@ class Manner:
     riding: bool = False
     on_the_road: bool = False
     at_junction: bool = False
-    says: bool = False  # whether any verb or adjective says something of the objects
+    says: bool = False  # whether any verb or adjective describes the objects
     size: Sizes = NO_SIZE
     scale: tuple[float, float, float] = NO_SCALE
-    length: float | None = None  # "a wall of 3 m", which is its height or its length
-    long: bool | None = None  # whether a word such as "long" or "tall" says which
+    length: float | None = None  # "a wall of 3 m": its height or its length
+    long: bool | None = None  # which of them, by a word such as "long" or "tall"
     in_row: bool = False  # "one behind the other"
     row: bool = False  # "a row of"
-    road: str | None = None  # that is crossed
+    road: str | None = None  # the road crossed
     paint: str | None = None
     tokens: Tokens = frozenset()
 
     @property
     def is_idle(self) -> bool:
-        """Whether nothing of the scene comes of it."""
+        """Whether it has no effect on the scene."""
         return dataclasses.replace(self, says=False, tokens=frozenset()) == Manner()
 
 
 @dataclass(frozen=True, slots=True)
 class NounPhrase:
-    """A determiner, a kind and its qualities; the kind is None for what is unknown, "" where no noun is said.
+    """A determiner, a kind and its qualities; the kind is None if unknown, "" without a noun.
 
-    `pronoun` is "it", "them" or "us", `part` how many of a whole: "one of the three cars" is 1 of 3.
+    `pronoun` is "it", "them" or "us", `part` a number of a whole: "one of the three cars" is 1 of 3.
     """
 
     kind: str | None
@@ -81,15 +81,15 @@ class NounPhrase:
     of_them: bool = False
     name: str = ""
     pronoun: str = ""
-    of_person: bool = False  # "him", which "it" is not
+    of_person: bool = False  # "him", not "it"
     without: bool = False
     determiners: int = 0  # "no", "a", "the", "two"
     traffic: bool = False
     ridden: bool = False
     owned: bool = False  # "its roof"
     noun: str = ""  # of its kind, in the singular
-    anybody: bool = False  # "the man", who may be the worker of before, as "the driver" may not
-    plain: bool = False  # "the car", which may be the ego's, as "the taxi" may not
+    anybody: bool = False  # "the man" may be the worker named before, "the driver" may not
+    plain: bool = False  # "the car" may be the ego's, "the taxi" may not
     one_each: bool = False
     in_total: bool = False
     all_but: int = 0
@@ -100,7 +100,7 @@ class NounPhrase:
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where something is, as the ego sees it."""
+    """A place relative to the ego."""
 
     at: Position
     times: int = 1  # "at each of the four corners"
@@ -108,29 +108,29 @@ class Place:
     lanes: int = 0
     other_side: bool = False
     bend_side: str = ""
-    bare: bool = False  # "in front", which may be of a building
+    bare: bool = False  # "in front", perhaps of a building
     only: bool = False
     shoulder: bool = False
     everywhere: bool = False
-    middle: bool = False  # "in the middle", of what may be on the road
+    middle: bool = False  # "in the middle", for objects that may be on the road
     centre: bool = False  # "in the middle of the road"
     crosswalk: bool = False
     there: bool = False
     in_row: bool = False  # "each 10 m behind the other"
     of_all: bool = False  # "each 7 m from the next"
-    from_to: bool = False  # "from 5 m to 35 m", as long as a wall is
+    from_to: bool = False  # "from 5 m to 35 m", the ends of a wall
     tokens: Tokens = frozenset()
 
 
 @dataclass(frozen=True, slots=True)
 class Relation:
-    """A preposition with what stands after it, one or two; None where the preposition means nothing in a layout."""
+    """A preposition with its objects, one or two; None if the preposition has no meaning in a layout."""
 
     relation: str | None
     targets: tuple[NounPhrase, ...]
     at: Position = ANYWHERE
-    ego_at: Position | None = None  # what the preposition means before the ego
-    strong: bool = True  # whether it cannot be a place of its own before an object: "in front of", but not "behind"
+    ego_at: Position | None = None  # the meaning of the preposition before the ego
+    strong: bool = True  # False for prepositions that are also places, as "behind"; True for "in front of"
     overtakes: bool = False
     followed: bool = False
     at_it: bool = False  # "at", "by" and "on"
@@ -141,7 +141,7 @@ class Relation:
 
 @dataclass(frozen=True, slots=True)
 class Street:
-    """What is said of the road."""
+    """The statements on the road."""
 
     kind: str | None = None
     lanes: tuple[int, ...] = ()
@@ -160,7 +160,7 @@ Said = Place | Relation | Manner | Street
 
 @dataclass(frozen=True, slots=True)
 class Modifier:
-    """What is said of objects, after a link and a verb: "" or "one" or "many", as in "is" and "are"."""
+    """A modifier of objects, after a link and a verb; the verb is "", "one" as in "is", or "many" as in "are"."""
 
     said: Said
     link: str = ""
@@ -169,20 +169,20 @@ class Modifier:
 
 @dataclass(frozen=True, slots=True)
 class Item:
-    """A noun phrase or a road in a clause, with what is said after it."""
+    """A noun phrase or a road in a clause, with the modifiers after it."""
 
     head: NounPhrase | Street
     link: str = ""
     verb: str = ""  # before it, as in "one of them is a taxi"
     modifiers: tuple[Modifier, ...] = ()
-    is_told: bool = False  # something of it that is not understood
+    is_told: bool = False  # with a modifier that is not understood
     comma: bool = False  # before its "and"
     is_carried: bool = False  # by the one before it, as in "a man pushing a pram"
 
 
 @dataclass(frozen=True, slots=True)
 class Clause:
-    """What is said first, of all objects after it, and the objects."""
+    """The lead, which applies to all objects after it, and the objects."""
 
     lead: tuple[Modifier, ...] = ()
     items: tuple[Item, ...] = ()
@@ -191,7 +191,7 @@ class Clause:
 
 
 def leaves(node: Node, *symbols: str) -> Iterator[Node]:
-    """The outermost constituents of some symbols in another one."""
+    """The outermost constituents with some symbols inside another one."""
     if node.symbol in symbols:
         yield node
     else:
@@ -205,7 +205,7 @@ def tokens_of(node: Node) -> Tokens:
 
 
 def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
-    """What verbs and adjectives say together."""
+    """The combined meaning of verbs and adjectives."""
     features = list(itertools.chain.from_iterable(node.features for node in nodes))
     values: dict[str, list[Any]] = {}
     for name, value in features:
@@ -239,7 +239,7 @@ def manner_of(nodes: list[Node], kind: str | None = None) -> Manner:
 
 
 def noun_phrase(node: Node) -> NounPhrase:
-    """What an object, an ellipsis, a pronoun or a stranger names."""
+    """The phrase of an object, an ellipsis, a pronoun or an unknown word."""
     tokens = tokens_of(node)
     special = _special_phrase(node, tokens)
     if special is not None:
@@ -255,7 +255,7 @@ def noun_phrase(node: Node) -> NounPhrase:
     counted = [one for one in leaves(node, "quantity") if one.all("count")] + list(leaves(node, "tally"))
     each = bool(node.get("each")) and node.get("part") is None and node.symbol == "object"
     ones_in = [one for child in node.children if child.symbol == "determiner" for one in leaves(child, "each")]
-    if each and ones_in and counted and clear:  # "every ten trees" means one of ten
+    if each and ones_in and counted and clear:  # "every ten trees" is one of ten
         each = False
     sides = [one.get("at") for one in attributes if one.symbol in ("side", "central")]
     spacing = node.get("spacing")
@@ -288,7 +288,7 @@ def noun_phrase(node: Node) -> NounPhrase:
 
 
 def _special_phrase(node: Node, tokens: Tokens) -> NounPhrase | None:
-    """What is unknown, a pronoun, or a part of the road."""
+    """The phrase of an unknown object, a pronoun, or a part of the road; else None."""
     if node.symbol in ("stranger", "scenic"):
         at = next((one.get("at") for one in node.children if one.symbol == "whereabouts"), None)
         return NounPhrase(None, tokens=tokens, definite=any(leaves(node, "the")), at=at)
@@ -304,7 +304,7 @@ def _special_phrase(node: Node, tokens: Tokens) -> NounPhrase | None:
 
 
 def _count(node: Node, attributes: list[Node], traffic: bool, plural: bool) -> tuple[Count, bool]:
-    """How many a noun phrase means, and whether its words for it are one number."""
+    """The count of a noun phrase, and whether its words form one number."""
     if any(leaves(node, "no", "no_one")) or node.get("none"):
         return 0, not any(leaves(node, "number"))
     if any(leaves(node, "tally")):
@@ -372,7 +372,7 @@ def relation_of(node: Node) -> Relation:
 
 
 def place_of(node: Node) -> Place:
-    """A place with all that its words say."""
+    """A place with the meanings of all its words."""
     return Place(
         at=node.get("at", Position()),
         times=node.get("times", 1),
@@ -416,5 +416,5 @@ def street_of(node: Node) -> Street:
 
 
 def is_known(phrase: NounPhrase) -> bool:
-    """Whether it names a kind."""
+    """Whether the phrase names a kind."""
     return bool(phrase.kind) and phrase.kind in SENTENCE_KINDS

@@ -4,7 +4,7 @@ use super::slab::Slab;
 use super::{MediumTest, RayTest, ShapeFrame, ShapeInView, Tolerance, UNBOUNDED, root_error, three};
 use crate::simd::{Lanes, Vector};
 
-/// An upright cylinder seen from outside, in the frame where its outline is the unit circle.
+/// An upright cylinder seen from outside, in the frame in which its outline is the unit circle.
 #[derive(Clone, Copy)]
 pub(in crate::scan) struct Cylinder(pub(in crate::scan) ShapeFrame);
 
@@ -16,11 +16,11 @@ pub(in crate::scan) struct CylinderTest<L> {
     along: L,
     /// Inverse depth of entering and of leaving the round side: `along` * first row + these * sqrt(discriminant).
     roots: [L; 2],
-    /// 0 where rays start within the outline from above, and have no round side to enter by; else 1.
+    /// 0 if rays start within the outline from above, and cannot enter by the round side; else 1.
     outside: L,
     between: L,
     error: L,
-    /// How far what the roots are worked out from may be off, as a share of it.
+    /// The relative error of the inputs of the roots.
     root_error: L,
     caps: Slab<L>,
 }
@@ -63,7 +63,8 @@ impl<L: Lanes> CylinderTest<L> {
         d[0].mul_add(d[0], -(self.side * d[1] * d[1]))
     }
 
-    /// When a ray enters and leaves: the former at the most and the latter at the least (sign 1), or the other way round.
+    /// The entry and exit of a ray: the former at the most and the latter at the least (sign 1), or the other way
+    /// round.
     #[inline(always)]
     fn meets(&self, d: &[L; 4], sign: f32) -> (L, L) {
         let (enter, leave) = self.sides(d, d[0].abs() * self.error * L::splat(sign));
@@ -84,7 +85,7 @@ impl<L: Lanes> CylinderTest<L> {
         (enter, leave)
     }
 
-    /// As `meets`, for rays that start anywhere; and the error of the discriminant.
+    /// As `meets`, for rays with any start; and the error of the discriminant.
     #[inline(always)]
     fn passes(&self, d: &[L; 4], sign: f32) -> (L, L, L) {
         let error = d[0].abs().max(d[1].abs()) * self.error;

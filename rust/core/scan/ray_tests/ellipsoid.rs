@@ -3,7 +3,7 @@
 use super::{MediumTest, RayTest, ShapeFrame, ShapeInView, Tolerance, UNBOUNDED, root_error, three};
 use crate::simd::{Lanes, Matrix, Vector};
 
-/// An ellipsoid, in the frame where it is the unit ball.
+/// An ellipsoid, in the frame in which it is the unit ball.
 #[derive(Clone, Copy)]
 pub(in crate::scan) struct Ellipsoid(pub(in crate::scan) ShapeFrame);
 
@@ -18,16 +18,16 @@ pub(in crate::scan) struct EllipsoidTest<L> {
     root: L,
     /// The error of the discriminant for a unit of the first row.
     error: L,
-    /// How far what the roots are worked out from may be off, as a share of it.
+    /// The relative error of the inputs of the roots.
     root_error: L,
 }
 
 impl ShapeInView for Ellipsoid {
     type Test<L: Lanes> = EllipsoidTest<L>;
 
-    /// Of a ray start + t d, with s the distance of the start from the centre, c the direction to it, a = c . d and b the
-    /// part of d across c: it meets the unit ball where t^2 d^2 - 2 t s a + s^2 - 1 = 0, so
-    /// 1 / t = (s a + sqrt(a^2 - (s^2 - 1) b^2)) / (s^2 - 1). Nothing cancels, however far and small the ball is.
+    /// For a ray start + t d, let s be the distance of the start from the centre, c the direction to it, a = c . d and
+    /// b the part of d across c. It meets the unit ball at t^2 d^2 - 2 t s a + s^2 - 1 = 0, so 1 / t = (s a + sqrt(a^2
+    /// - (s^2 - 1) b^2)) / (s^2 - 1). Nothing cancels, however far and small the ball is.
     #[inline(always)]
     fn test_from<L: Lanes>(&self, start: Vector<L>) -> EllipsoidTest<L> {
         let (axes, origin) = self.0.axes_and_start(start);
@@ -95,15 +95,15 @@ impl<L: Lanes> RayTest<L> for EllipsoidTest<L> {
         let (discriminant, error) = (self.discriminant(&d), d[0].abs() * self.error);
         let root = discriminant.max(L::splat(0.0)).sqrt();
         let inverse_depth = d[0].mul_add(self.along, self.root * root);
-        // The root is off by half the error of what is under it, divided by it.
+        // The error of the root is half the error of the radicand, divided by the root.
         let exact = (tolerance.allowed_error(inverse_depth) * root).ge(error * self.root);
         (inverse_depth, discriminant.gt(error) & exact)
     }
 }
 
 impl<L: Lanes> EllipsoidTest<L> {
-    /// When a ray enters and leaves: the former at the most and the latter at the least (sign 1), or the other way round;
-    /// and discriminant and error.
+    /// The entry and exit of a ray: the former at the most and the latter at the least (sign 1), or the other way
+    /// round; and discriminant and error.
     #[inline(always)]
     fn passes(&self, d: &[L; 4], sign: f32) -> (L, L, [L; 2]) {
         let (zero, signed) = (L::splat(0.0), L::splat(sign));

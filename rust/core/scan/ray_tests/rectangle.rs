@@ -7,7 +7,7 @@ use crate::simd::{Lanes, Vector};
 #[derive(Clone, Copy)]
 pub(in crate::scan) struct Rectangle(pub(in crate::scan) ShapeFrame);
 
-/// Rows: the axes. A ray crosses the plane at inverse depth `plane` * z; it does so within the rectangle where the coordinates
+/// Rows: the axes. A ray crosses the plane at inverse depth `plane` * z, and is within the rectangle if the coordinates
 /// there, (x + origin * inverse_depth) / inverse_depth, are at most the half extents.
 #[derive(Clone, Copy)]
 pub(in crate::scan) struct RectangleTest<L> {
@@ -53,7 +53,7 @@ impl<L: Lanes> RayTest<L> for RectangleTest<L> {
 
     #[inline(always)]
     fn upper_bounds(&self, d: [L; 4]) -> (L, L) {
-        // The error of the margin includes that of the inverse depth, so that both tests ask for the same.
+        // The error of the margin includes that of the inverse depth, so that both tests have the same conditions.
         let inverse_depth = d[2] * self.plane;
         (inverse_depth + self.plane_error, self.within(&d, inverse_depth) + self.error)
     }

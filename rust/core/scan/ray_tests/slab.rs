@@ -3,7 +3,7 @@
 use super::UNBOUNDED;
 use crate::simd::Lanes;
 
-/// Closer to a plane than this share of the terms of its distance, rays start in it: some ten times f32's rounding.
+/// Closer to a plane than this share of the terms of its distance, a start is in it: some ten times f32's rounding.
 const IN_PLANE: f32 = 1e-6;
 
 /// The part of a ray between two parallel planes, seen from outside or from between them.
@@ -12,9 +12,9 @@ pub(super) struct Slab<L> {
     /// Inverse depth of entering and of leaving through either plane, for a unit of direction along the normal.
     enter: L,
     leave: [L; 2],
-    /// Added to the inverse depth of entering: nothing to enter from between the planes.
+    /// Added to the inverse depth of the entry, which has no meaning between the planes.
     between: L,
-    /// How far those may be off.
+    /// The errors of those.
     enter_error: L,
     leave_error: L,
 }
@@ -40,13 +40,13 @@ impl<L: Lanes> Slab<L> {
         }
     }
 
-    /// When a ray enters, at the most (sign 1) or at the least (sign -1).
+    /// The entry of a ray, at the most (sign 1) or at the least (sign -1).
     #[inline(always)]
     pub(super) fn enters(&self, direction: L, sign: f32) -> L {
         direction.mul_add(self.enter, self.enter_error.mul_add(L::splat(sign), self.between))
     }
 
-    /// When a ray leaves, at the most or at the least.
+    /// The exit of a ray, at the most or at the least.
     #[inline(always)]
     pub(super) fn leaves(&self, direction: L, sign: f32) -> L {
         let error = self.leave_error * L::splat(sign);

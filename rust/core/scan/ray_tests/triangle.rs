@@ -7,7 +7,7 @@ use crate::simd::{Lanes, Vector};
 #[derive(Clone, Copy)]
 pub(in crate::scan) struct Triangle {
     pub(in crate::scan) corners: [[f32; 3]; 3],
-    /// No coordinate that its corners were computed from is larger than this [m].
+    /// The largest coordinate from which its corners were computed [m].
     pub(in crate::scan) reach: f32,
     pub(in crate::scan) rounding: f32,
 }
@@ -18,7 +18,7 @@ pub(in crate::scan) struct TriangleTest<L> {
     pub(in crate::scan) rows: [Vector<L>; 4],
     pub(in crate::scan) edge_error: L,
     pub(in crate::scan) plane_error: L,
-    /// How far the distance of the plane may be off, as a share of it.
+    /// The relative error of the distance of the plane.
     pub(in crate::scan) height_error: L,
 }
 
@@ -33,16 +33,16 @@ impl ShapeInView for Triangle {
     }
 }
 
-/// A triangle whose plane is known better than f32 corners tell.
+/// A triangle whose plane is known more precisely than by f32 corners.
 #[derive(Clone, Copy)]
 pub(in crate::scan) struct Facet {
     pub(in crate::scan) corners: [[f32; 3]; 3],
     /// The unit normal, and the plane's distance along it [m].
     pub(in crate::scan) normal: [f32; 3],
     pub(in crate::scan) height: f32,
-    /// How far away the furthest corner is [m].
+    /// The distance of the furthest corner [m].
     pub(in crate::scan) reach: f32,
-    /// How far from the view's origin rays may start [m].
+    /// The largest distance of a ray's start from the view's origin [m].
     pub(in crate::scan) shift: f32,
     pub(in crate::scan) rounding: f32,
 }
@@ -61,7 +61,7 @@ impl ShapeInView for Facet {
         let known = height.abs().gt(L::splat(1e-6 * self.reach));
         let inverse = L::select(known, one / height, zero);
         let ([x, y, z], longest) = edges(corners, one.copysign(height));
-        // Close to the plane, what rounding took from the way to the start of a ray counts for more.
+        // Close to the plane, the rounding of the start of a ray counts for more.
         let lost = (height.abs() + L::splat(3.0 * self.shift)) * inverse.abs() * L::splat(4.0 * self.rounding);
         TriangleTest {
             rows: [x, y, z, normal * inverse],
@@ -74,7 +74,7 @@ impl ShapeInView for Facet {
 
 /// The edge functions of a triangle, positive within it if it is seen from `side`, and the length of its longest edge.
 ///
-/// Edges are taken as differences: the product of two far corners would cancel to a short edge.
+/// Edges are computed as differences: the product of two far corners would cancel to a short edge.
 #[inline(always)]
 fn edges<L: Lanes>([a, b, c]: [Vector<L>; 3], side: L) -> ([Vector<L>; 3], L) {
     let (ab, bc, ca) = (b - a, c - b, a - c);
@@ -87,12 +87,12 @@ impl<L: Lanes> TriangleTest<L> {
     #[inline(always)]
     pub(in crate::scan) fn new(corners: [Vector<L>; 3], reach: L, rounding: f32) -> TriangleTest<L> {
         let [a, b, c] = corners;
-        // The two shorter edges: what is left of the product of two long ones is no more exact than they are.
+        // The two shorter edges: the difference of two long products is no more exact than they are.
         let (ab, bc) = (b - a, c - b);
         let normal = ab.cross(bc);
         let height = normal.dot(b);
         let size = (ab.dot(ab) * bc.dot(bc)).sqrt();
-        // Seen edge-on, the side from which it is seen is unknown: then all around it is unresolved.
+        // Edge-on, the visible side is unknown: then everything around it is unresolved.
         let known = height.abs().gt(size * reach * L::splat(8.0 * rounding));
         let (zero, one, unbounded) = (L::splat(0.0), L::splat(1.0), L::splat(UNBOUNDED));
         let inverse = L::select(known, one / height, zero);
@@ -106,8 +106,8 @@ impl<L: Lanes> TriangleTest<L> {
         }
     }
 
-    /// Where the triangle with these corners surely looks away from all rays that start within `shift` of those it is a
-    /// test for.
+    /// Whether the triangle with these corners certainly points away from all rays that start within `shift` of the
+    /// test's.
     #[inline(always)]
     pub(in crate::scan) fn looks_away(&self, [a, b, c]: &[Vector<L>; 3], shift: f32) -> L::Mask {
         let normal = (*b - *a).cross(*c - *b);
@@ -145,7 +145,7 @@ impl<L: Lanes> RayTest<L> for TriangleTest<L> {
         (d[3], within & tolerance.allowed_error(d[3]).ge(d[3].mul_add(self.height_error, self.plane_error)))
     }
 
-    /// Each edge function is linear in the slope: it begins or ceases to be within its error of 0 at one.
+    /// Each edge function is linear in the slope: it enters or leaves its error band around 0 at one slope.
     #[inline(always)]
     fn slopes(&self, along: &[L; 4], rise: &[L; 4]) -> Option<(L, L)> {
         let (mut low, mut high) = (L::splat(-UNBOUNDED), L::splat(UNBOUNDED));
