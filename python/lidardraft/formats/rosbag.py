@@ -100,10 +100,10 @@ class _File(io.BufferedReader):
 
 
 class _Path(type(Path())):  # type: ignore[misc]
-    """A path whose files, and those in it, are such files; rosbags opens them to read bytes."""
+    """A path whose bytes, and those of files below it, are read so by rosbags."""
 
-    def open(self, *_: object) -> _File:  # type: ignore[override]
-        return _File(io.FileIO(self))
+    def open(self, mode: str = "r", *how: Any, **named: Any) -> Any:
+        return _File(io.FileIO(self)) if mode == "rb" else super().open(mode, *how, **named)
 
 
 @contextmanager
