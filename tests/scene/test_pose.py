@@ -2,7 +2,16 @@ import numpy as np
 import pytest
 
 from lidardraft.errors import LayoutError
-from lidardraft.scene.pose import as_array, finite_array, in_upright_frame, inverse, place_around, point_at, rotations, upright
+from lidardraft.scene.pose import (
+    as_array,
+    finite_array,
+    in_upright_frame,
+    inverse,
+    place_around,
+    point_at,
+    rotations,
+    upright,
+)
 
 
 def test_a_turn_about_z_is_the_matrix_of_the_books():
