@@ -1,6 +1,7 @@
 """A fuzzer for every reader: good files changed at random. Each is read, or ends in one line that names it.
 
-`python benches/fuzz_readers.py SECONDS [READER...]` prints a row for each reader, and keeps what it found in out/fuzz/.
+`python benches/fuzz_readers.py SECONDS [READER...]` gives each reader that time, which is the seed too. It prints a row
+for each, and keeps what it found in out/fuzz/.
 """
 
 from __future__ import annotations
