@@ -22,11 +22,14 @@ from pathlib import Path
 import laspy
 import numpy as np
 from PIL import Image
+from rosbags import rosbag2
+from safetensors.numpy import save
 
 import lidardraft
 from lidardraft.array_files import read_npy
+from lidardraft.dataset.recipe import Recipe
 from lidardraft.errors import LidarDraftError
-from lidardraft.files import named, read_bytes
+from lidardraft.files import named, read_bytes, read_sentences
 from lidardraft.formats.blender_script import write_blender_script
 from lidardraft.formats.box_files import read_box_file, read_custom_labels
 from lidardraft.formats.boxes import read_boxes, write_boxes
@@ -49,11 +52,18 @@ from lidardraft.formats.pickled_table import read_pickled_table
 from lidardraft.formats.picture import read_picture
 from lidardraft.formats.ply import read_ply, write_ply
 from lidardraft.formats.recording import read_labels, read_points, read_recording, read_returns, read_semantic_map
+from lidardraft.formats.ros2 import message_types
 from lidardraft.formats.rosbag import ego_scenario, read_cloud
 from lidardraft.formats.semantickitti import read_label, write_label
+from lidardraft.networks.weight_header import read_metadata
+from lidardraft.scan import read_motion
 from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.range_image import RangeImage
+from lidardraft.scene.scenario import Scenario, Straight, Waypoints
 from lidardraft.scene.sensor import Sensor
+from lidardraft.world.rig import Mount, Rig
+from lidardraft.world.state import WorldState
+from lidardraft.world.world import World
 from small_recordings import BEAMS, COLUMNS, pandas_pickle, pandaset, write_capture
 from small_recordings import METADATA as OUSTER
 
@@ -62,6 +72,24 @@ _MIB = 2**20
 CAR = Primitive(shape="box", center=(9, 0, 1), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
 LAYOUT = Layout((CAR,), {"seed": 1})
 SENSOR = Sensor(name="few", elevations=(0.1, 0.0, -0.1), columns=16)
+SCENARIO = Scenario(Waypoints(((0, 0, 0, 0), (1, 5, 0, 0.1))), {"car_*": Straight(3.0)})
+RECIPE = b"""
+scans = 4
+seed = 1
+[[scene]]
+share = 2
+text = ["{count} cars ahead"]
+words.count = { from = 2, to = 4 }
+speed = [0, { from = 3.0, to = 14.0 }]
+[[scene.edit]]
+remove = "car_1"
+chance = 0.5
+[[scene]]
+street = ["urban", "country"]
+traffic = { from = 0.5, to = 2.0 }
+[[weather]]
+rain = { from = 0.0, to = 5.0 }
+"""
 SVG = b"""<svg width="90" height="60"><rect id="car" x="4" y="9" width="2" height="4"/>
 <line id="scale 10 m" x2="10"/></svg>"""
 BOX_LINES = b"9.0 4.0 -0.9 4.4 1.9 1.5 0.5 Car\n-3 2 -1 0.6 0.6 1.7 0 pedestrian\n"
@@ -159,6 +187,20 @@ def _bag(path: Path) -> None:
     scan = lidardraft.Scan.from_points(points, SENSOR, layout=LAYOUT, intensity=np.ones(len(points), np.float32))
     lidardraft.export(scan, "ros2", folder)
     (folder / "000000/000000.mcap").rename(path)
+
+
+def _bag_of_sqlite(path: Path) -> None:
+    """The same in a database."""
+    _bag(path.with_suffix(".mcap"))
+    folder, types = path.with_suffix(""), message_types()
+    with (
+        rosbag2.Reader(path.with_suffix(".mcap")) as bag,
+        rosbag2.Writer(folder / "db3", version=8, storage_plugin=rosbag2.StoragePlugin.SQLITE3) as writer,
+    ):
+        for each, time_, data in bag.messages():
+            if each.msgtype.endswith("PointCloud2"):
+                writer.write(writer.add_connection(each.topic, each.msgtype, typestore=types), time_, data)
+    (folder / "db3" / "db3.db3").rename(path)
 
 
 def _annotations(path: Path) -> object:
@@ -285,6 +327,13 @@ def readers() -> dict[str, Reader]:
         "calibration": Reader(read_intrinsics, ".txt", b"P2: 9 0 4 0 0 9 3 0 0 0 1 0\n"),
         "obj": Reader(lidardraft.layout_from_obj, ".obj", _written(lambda p: write_obj(p, LAYOUT), ".obj")),
         "glb": Reader(lidardraft.layout_from_glb, ".glb", _written(lambda p: write_glb(p, LAYOUT), ".glb")),
+        "world": Reader(WorldState.load, ".json", _written(World(LAYOUT, SENSOR).state().save, ".json")),
+        "rig": Reader(Rig.load, ".json", _written(Rig({"top": Mount(SENSOR, (0.0, 0.0, 1.8, 0.0))}).save, ".json")),
+        "scenario": Reader(Scenario.load, ".json", SCENARIO.to_json().encode()),
+        "recipe": Reader(Recipe.load, ".toml", RECIPE),
+        "sentences": Reader(read_sentences, ".txt", b"a car ahead\n\na bus on the left\n"),
+        "motion": Reader(read_motion, ".npz", _written(lambda p: _pairs(str(p.parent)).rename(p), ".npz")),
+        "weights": Reader(read_metadata, ".safetensors", save({"a": np.ones(3, np.float32)}, {"kind": "car"})),
         "blender": Reader(
             lidardraft.layout_from_blender, ".py", _written(lambda p: write_blender_script(p, LAYOUT), ".py")
         ),
@@ -293,6 +342,7 @@ def readers() -> dict[str, Reader]:
         "capture": Reader(_capture, ".pcap", capture),
         "bag": Reader(_points, ".mcap", _written(_bag, ".mcap")),
         "cloud": Reader(read_cloud, ".mcap", _written(_bag, ".mcap")),
+        "bag of sqlite": Reader(read_cloud, ".db3", _written(_bag_of_sqlite, ".db3")),
         "way": Reader(ego_scenario, ".mcap", _written(_bag, ".mcap")),
         "picture": Reader(read_picture, ".jpg", _picture("jpeg")),
         "train ids": Reader(read_semantics, ".png", _picture("png")),

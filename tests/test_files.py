@@ -221,7 +221,7 @@ def test_a_lock_that_is_removed_while_it_is_waited_for_is_taken_anew(
     [
         (ValueError("\nno magic number\nat all"), "a.dat: not a whole file: no magic number"),
         (OSError(5, "Input/output error"), "a.dat: not a whole file: Input/output error"),
-        (MemoryError(), "a.dat: not a whole file: MemoryError"),
+        (MemoryError(), "a.dat: not a whole file: it asks for more memory than there is"),
         (RecursionError("too deep"), "a.dat: not a whole file: too deep"),
         (LayoutError("x is 1"), "a.dat: x is 1"),
     ],

@@ -218,7 +218,9 @@ def expecting(what: str) -> Iterator[None]:
         yield
     except LidarDraftError:
         raise
-    except Exception as error:  # parsers raise anything, for lack of memory and of depth too
+    except MemoryError:
+        raise FormatError(f"not {what}: it asks for more memory than there is") from None
+    except Exception as error:  # parsers raise what they meet, a lack of depth too
         lines = filter(str.strip, str(error).splitlines())
         said = getattr(error, "strerror", None) or next(lines, type(error).__name__)
         raise FormatError(f"not {what}: {said.strip():.200}") from None

@@ -56,6 +56,14 @@ def test_boxes_of_kitti_need_their_calibration(tmp_path: Path) -> None:
         read_label_2(file)
 
 
+@pytest.mark.parametrize(("good", "bad"), [("0 -1 0 0", "0 -2 0 0"), ("0 -1 0 0", "0 0 0 0"), ("-0.08", "1e30")])
+def test_boxes_are_not_moved_by_what_is_no_rigid_pose(tmp_path: Path, good: str, bad: str) -> None:
+    label, calib = labelled(tmp_path, f"{CAR} -1.570796")
+    calib.write_text(CALIBRATION.replace(good, bad))
+    with pytest.raises(FormatError, match=r"calib.txt: R0_rect or Tr_velo_to_cam is not a rotation"):
+        read_label_2(label, calib)
+
+
 def test_semantickitti_has_splits(tmp_path: Path) -> None:
     for number in ("00", "08", "11"):
         (tmp_path / "sequences" / number / "velodyne").mkdir(parents=True)

@@ -57,6 +57,19 @@ def test_a_frame_is_chosen_and_fragments_of_datagrams_are_joined(tmp_path: Path)
         read_points(path, frame=3)
 
 
+def test_tags_of_a_vlan_are_skipped(capture: Path) -> None:
+    points, _ = read_ouster_capture(capture)
+    data = capture.read_bytes()
+    tagged, at = data[:24], 24
+    while at < len(data):
+        length = int.from_bytes(data[at + 8 : at + 12], "little")
+        packet = data[at + 16 : at + 16 + length]
+        tagged += data[at : at + 8] + 2 * (length + 4).to_bytes(4, "little") + packet[:12] + b"\x81\0\0\5" + packet[12:]
+        at += 16 + length
+    capture.write_bytes(tagged)
+    np.testing.assert_array_equal(read_ouster_capture(capture)[0], points)
+
+
 def test_a_capture_that_begins_within_a_frame(capture: Path) -> None:
     whole = capture.read_bytes()
     size = (len(whole) - 24) // (2 * COLUMNS // 16)  # of a record

@@ -157,6 +157,10 @@ def test_bags_that_do_not_say_their_points(bag: Path, tmp_path: Path) -> None:
     (tmp_path / "cut.mcap").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(FormatError, match=r"cut\.mcap: not a whole ROS 2 bag: "):
         read_points(tmp_path / "cut.mcap")
+    summary = int.from_bytes(whole[-28:-20], "little")  # where a record begins: a byte of its kind, eight of its length
+    (tmp_path / "long.mcap").write_bytes(whole[: summary + 1] + (2**40).to_bytes(8, "little") + whole[summary + 9 :])
+    with pytest.raises(FormatError, match=rf"long\.mcap: not a whole ROS 2 bag: .* expected {2**40} bytes, got \d+"):
+        read_points(tmp_path / "long.mcap")
 
 
 def message(columns: dict[str, np.ndarray], big: bool = False, height: int = 1, **changed: Any) -> Any:

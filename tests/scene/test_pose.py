@@ -2,7 +2,16 @@ import numpy as np
 import pytest
 
 from lidardraft.errors import LayoutError
-from lidardraft.scene.pose import as_array, finite_array, inverse, rotations, upright
+from lidardraft.scene.pose import (
+    as_array,
+    finite_array,
+    in_upright_frame,
+    inverse,
+    place_around,
+    point_at,
+    rotations,
+    upright,
+)
 
 
 def test_a_turn_about_z_is_the_matrix_of_the_books():
@@ -25,6 +34,17 @@ def test_the_inverse_leads_back():
     pose = upright((3.0, -2.0, 1.0), 0.7)
     pose[:3, :3] = pose[:3, :3] @ rotations(np.array([[0.1, 0.2, -0.3]]))[0]
     np.testing.assert_allclose(inverse(pose) @ pose, np.eye(4), atol=1e-15)
+
+
+def test_points_and_places_in_the_frame_of_what_stands_somewhere():
+    points = np.array([[1.0, 2.0, 3.0], [4.0, -1.0, 0.5]])
+    back = inverse(upright((3.0, -2.0, 1.0), 0.7))
+    expected = points @ back[:3, :3].T + back[:3, 3]
+    np.testing.assert_allclose(in_upright_frame(points, (3.0, -2.0, 1.0), 0.7), expected, atol=1e-14)
+    x, y, yaw = place_around((3.0, -2.0, 0.7))
+    assert yaw == -0.7
+    np.testing.assert_allclose((x, y), inverse(upright((3.0, -2.0, 0.0), 0.7))[:2, 3], atol=1e-14)
+    np.testing.assert_allclose(point_at((x, y, yaw), 3.0, -2.0), (0.0, 0.0), atol=1e-14)
 
 
 @pytest.mark.parametrize(

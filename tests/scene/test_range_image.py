@@ -1,4 +1,5 @@
 import dataclasses
+import itertools
 
 import numpy as np
 import pytest
@@ -6,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lidardraft.errors import FormatError, LayoutError, SensorError
-from lidardraft.scene.range_image import RangeImage, images_of
+from lidardraft.scene.range_image import RangeImage, images_of, new_images
 from lidardraft.scene.sensor import PRESETS, Sensor
 
 SMALL = Sensor(name="small", elevations=(0.2, 0.1, 0.0, -0.1), columns=16)
@@ -156,3 +157,11 @@ def test_returns_at_the_range_limits_survive_projection(name: str) -> None:
         again = RangeImage.project(image.points(), sensor)
         assert again.valid.all()
         np.testing.assert_allclose(again.depth, depth, rtol=1e-5)
+
+
+def test_images_begin_with_a_line_of_the_cache():
+    for columns in (1, 16, 100, 2048):
+        images = new_images((3, columns), primitive=True, incidence=False, normal=True)
+        assert images["depth"].ctypes.data % 64 == 0
+        spans = sorted((image.ctypes.data, image.nbytes) for image in images.values())
+        assert all(first + size == second for (first, size), (second, _) in itertools.pairwise(spans))

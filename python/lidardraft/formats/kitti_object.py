@@ -57,6 +57,7 @@ _MARGIN = 1.02  # of the range: noise, and the sensor's motion in a sweep
 _CAR_HEIGHT, _LEAST_PIXELS = 1.5, 25.0  # a car at the end of the range is as high as the benchmark's limit
 _PARTLY, _LARGELY = 0.1, 0.5  # occluded shares from which an object counts as partly and largely occluded
 _LONGEST = 10_000  # lines of a label file
+_FARTHEST = 1e6  # m between a camera and the LiDAR
 
 
 def write_kitti_object(folder: Path, drives: Drives, first: int) -> None:
@@ -191,8 +192,10 @@ def _lidar_from_camera(path: str | os.PathLike[str]) -> np.ndarray:
         rectified, camera = np.eye(4), np.eye(4)
         rectified[:3, :3] = np.reshape(numbers_of(rows["R0_rect"], 9), (3, 3))
         camera[:3] = np.reshape(numbers_of(rows["Tr_velo_to_cam"], 12), (3, 4))
-        try:
-            back: np.ndarray = np.linalg.inv(rectified @ camera)
-        except np.linalg.LinAlgError:
-            raise FormatError("R0_rect or Tr_velo_to_cam is not a rotation") from None
+        with np.errstate(all="ignore"):
+            pose = rectified @ camera
+            is_rotation = np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3), atol=1e-2)
+        if not is_rotation or not np.abs(pose[:3, 3]).max() < _FARTHEST:
+            raise FormatError(f"R0_rect or Tr_velo_to_cam is not a rotation, or moves by more than {_FARTHEST:g} m")
+        back: np.ndarray = np.linalg.inv(pose)
         return back

@@ -111,15 +111,15 @@ def _payloads(file: BinaryIO) -> Iterator[bytes]:
         (length,) = struct.unpack(order[head[:4]] + "8xI4x", record)
         if length > _LONGEST:
             raise FormatError(f"a packet has {length} bytes, more than {_LONGEST}: the capture is broken")
-        whole = _datagram(file.read(length)[before:], waiting)
+        packet = file.read(length)
+        tag = 4 * (packet[max(0, before - 2) : before] == b"\x81\x00")  # of a VLAN
+        whole = _datagram(packet[before + tag :], waiting)
         if whole is not None:
             yield whole[8:]
 
 
 def _datagram(packet: bytes, waiting: dict[tuple[bytes, bytes], dict[int, tuple[bytes, bool]]]) -> bytes | None:
     """The UDP datagram of an IPv4 packet, if the packet holds it whole or completes its fragments; else None."""
-    if packet[:2] == b"\x08\x00" and packet[2:3] == b"\x45":  # after a VLAN tag
-        packet = packet[2:]
     if len(packet) < 28 or packet[0] >> 4 != 4 or packet[9] != 17:
         return None
     length, cut = struct.unpack_from(">H2xH", packet, 2)

@@ -5,6 +5,7 @@ Only messages of the types named here are ever decoded.
 
 from __future__ import annotations
 
+import io
 import itertools
 import os
 import warnings
@@ -89,13 +90,28 @@ class _Bag:
         return Cloud(columns, cloud.height, cloud.header.frame_id.strip("/"), time)
 
 
+class _File(io.BufferedReader):
+    """A file that is never asked for more bytes than it has: a broken length would be allocated first."""
+
+    def read(self, size: int | None = -1, /) -> bytes:
+        left = os.fstat(self.fileno()).st_size - self.tell()
+        return super().read(left if size is None else min(size, left))
+
+
+class _Path(type(Path())):  # type: ignore[misc]
+    """A path whose bytes, and those of files below it, are read so by rosbags."""
+
+    def open(self, mode: str = "r", *how: Any, **named: Any) -> Any:
+        return _File(io.FileIO(self)) if mode == "rb" else super().open(mode, *how, **named)
+
+
 @contextmanager
 def _opened(path: str | os.PathLike[str]) -> Iterator[_Bag]:
     with extra():
         from rosbags.rosbag2 import Reader
     if not Path(path).is_dir():
         regular_size(path, _LARGEST)
-    with named(path), expecting("a whole ROS 2 bag"), Reader(os.fspath(path)) as reader:
+    with named(path), expecting("a whole ROS 2 bag"), Reader(_Path(path)) as reader:
         yield _Bag(reader, path)
 
 

@@ -6,9 +6,9 @@ Sources of `MATERIALS`, by column; a value with several sources is typical of th
   mineral, wooden, metal and vegetable surfaces, soil and asphalt; NIST's skin reference (Cooksey and Allen, SPIE 8734,
   2013) for skin; dyed cloth is bright in the near infrared whatever its colour. Car paint and rubber are
   such that the medians and quartiles of the Pandar64 in PandaSet come out, see docs/explanation/sensor-model.md. Dark
-  paint is a gloss black under a clear coat: two dark cars beside Ouster's OS1-128 return whole sides at 10 m, and 0.010 to
-  0.015 give the quartiles of PandaSet's cars. Road paint is worn or full of glass beads, all of a street alike: the
-  brightest hundredth of recorded roads reads 2 to 13 times their median.
+  paint is a gloss black under a clear coat: two dark cars beside Ouster's OS1-128 return whole sides at 10 m, and
+  0.010 to 0.015 give the quartiles of PandaSet's cars. Road paint is worn or full of glass beads, all of a street
+  alike: the brightest hundredth of recorded roads reads 2 to 13 times their median.
 - `roughness`: Oren and Nayar's slope spread [rad]; 0.35 of walls and 1 of asphalt are fitted to the fall of PandaSet's
   intensities with incidence, the others lie between by analogy.
 - `specular`, `rms_slope`: Fresnel reflectance at normal incidence (0.04 for an index of 1.5, clear coats and glass; 0.6
