@@ -12,6 +12,7 @@ from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import MESH_FENCE_WIDTH, Extents, Size
 from lidardraft.objects.buildings import STOREY
 from lidardraft.scene.road import SIDES
+from lidardraft.scene.solids import Solid
 
 # Numbers without a source are estimates of ours.
 BUILDING_MARGIN = 0.02  # m
@@ -27,6 +28,11 @@ _SHED = Extents((3.0, 12.0), (5.5, 9.0), (2.4, 4.0))
 _HOUSE_STOREYS, _HOUSE_LENGTH, _HOUSE_WIDTH = (1, 4), (8.0, 16.0), (7.5, 11.0)
 _KNEE_WALL = 0.2  # m from the ceiling of the top storey to the eaves
 _PITCH = (0.25, 0.5)  # height of a roof over the width of its house
+
+# Where the view is open: between the rows across the street, and along it up to a building behind its end.
+_OPEN, _OPEN_WIDTH, _OPEN_DEPTH = 0.8, (8.0, 18.0), (40.0, 85.0)  # mean number a side, m
+_OPEN_FROM, _SKY = 1.6, 50.0  # m over the ground: lower things stand there
+_CLOSED, _BEHIND_END = 0.5, (4.0, 22.0)  # share of the ends with a building behind, m behind them
 
 # Rows of houses.
 _ROWS = 2
@@ -57,7 +63,8 @@ _SITE_FENCE_GAP = 0.05  # m
 def place_buildings(
     occupancy: Occupancy, district: District, car_park: CarPark | None, rng: np.random.Generator
 ) -> None:
-    """Two rows of buildings on both sides, and the hall that a car park belongs to."""
+    """Two rows of buildings on both sides, with views between, and the hall that a car park belongs to."""
+    _place_views(occupancy, district, rng)
     if car_park is not None:
         _place_hall(occupancy, car_park, rng)
     for side in SIDES:
@@ -65,6 +72,36 @@ def place_buildings(
             _place_closed_front(occupancy, district, side, rng)
         else:
             _place_rows(occupancy, district, side, rng)
+
+
+def _place_views(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
+    """Keep views open between the rows, each up to a building, and place buildings behind the ends of the street."""
+    road = occupancy.road
+    if not district.built_up:
+        return
+    for side in SIDES:
+        for _ in range(rng.poisson(_OPEN)):
+            along, width, depth = (
+                rng.uniform(-0.8, 0.8) * road.half_length,
+                rng.uniform(*_OPEN_WIDTH),
+                rng.uniform(*_OPEN_DEPTH),
+            )
+            size = _sample_block(rng)
+            across = side * (road.verge + depth + size[1] / 2)
+            occupancy.place("block", along, across, size, angle=_facing(side), margin=BUILDING_MARGIN, private=True)
+            x, y, yaw = road.at(along, side * (road.verge + depth / 2))
+            occupancy.reserve(Solid.box(x, y, yaw, (width, depth), _OPEN_FROM, _SKY))
+        if rng.random() < _CLOSED:
+            size = _sample_block(rng)
+            along, across = (
+                side * (road.half_length + rng.uniform(*_BEHIND_END) + size[1] / 2),
+                rng.normal(0.0, road.edge),
+            )
+            occupancy.place("block", along, across, size, angle=-side * math.pi / 2, margin=BUILDING_MARGIN)
+
+
+def _sample_block(rng: np.random.Generator) -> Size:
+    return rng.uniform(*_BLOCK_LENGTH), rng.uniform(*_BLOCK_WIDTH), _block_height(int(rng.integers(*_BLOCK_STOREYS)))
 
 
 def _facing(side: int) -> float:
@@ -103,8 +140,7 @@ def _place_rows(occupancy: Occupancy, district: District, side: int, rng: np.ran
 def sample_building(district: District, rng: np.random.Generator) -> tuple[str, Size, float]:
     """Kind, extents and eaves [m] of a building that stands alone."""
     if rng.random() < district.blocks:
-        storeys = int(rng.integers(*_BLOCK_STOREYS))
-        return "block", (rng.uniform(*_BLOCK_LENGTH), rng.uniform(*_BLOCK_WIDTH), _block_height(storeys)), 0.0
+        return "block", _sample_block(rng), 0.0
     if rng.random() < _SHEDS:
         return "shed", _SHED.sample(rng), 0.0
     eaves = int(rng.integers(*_HOUSE_STOREYS)) * STOREY + _KNEE_WALL
