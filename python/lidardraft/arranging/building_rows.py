@@ -16,7 +16,7 @@ from lidardraft.scene.solids import Solid
 
 # Numbers without a source are estimates of ours.
 BUILDING_MARGIN = 0.02  # m
-_BEGINS = (0.0, 8.0)  # m before the end of the street that a row begins
+_BEGINS, _ENDS = (16.0, 30.0), 20.0  # m before the street that a row begins, and behind it that the last may begin
 
 # Buildings that stand alone [m].
 _HALL = Extents((24.0, 50.0), (16.0, 30.0), (5.0, 8.0))
@@ -29,10 +29,9 @@ _HOUSE_STOREYS, _HOUSE_LENGTH, _HOUSE_WIDTH = (1, 4), (8.0, 16.0), (7.5, 11.0)
 _KNEE_WALL = 0.2  # m from the ceiling of the top storey to the eaves
 _PITCH = (0.25, 0.5)  # height of a roof over the width of its house
 
-# Where the view is open: between the rows across the street, and along it up to a building behind its end.
+# Where the view is open between the rows, up to a building.
 _OPEN, _OPEN_WIDTH, _OPEN_DEPTH = 0.8, (8.0, 18.0), (40.0, 85.0)  # mean number a side, m
 _OPEN_FROM, _SKY = 1.6, 50.0  # m over the ground: lower things stand there
-_CLOSED, _BEHIND_END = 0.5, (4.0, 22.0)  # share of the ends with a building behind, m behind them
 
 # Rows of houses.
 _ROWS = 2
@@ -64,9 +63,9 @@ def place_buildings(
     occupancy: Occupancy, district: District, car_park: CarPark | None, rng: np.random.Generator
 ) -> None:
     """Two rows of buildings on both sides, with views between, and the hall that a car park belongs to."""
-    _place_views(occupancy, district, rng)
     if car_park is not None:
         _place_hall(occupancy, car_park, rng)
+    _place_views(occupancy, district, rng)
     for side in SIDES:
         if district.closed_fronts:
             _place_closed_front(occupancy, district, side, rng)
@@ -75,29 +74,18 @@ def place_buildings(
 
 
 def _place_views(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
-    """Keep views open between the rows, each up to a building, and place buildings behind the ends of the street."""
+    """Keep views open between the rows, each up to a building."""
     road = occupancy.road
     if not district.built_up:
         return
     for side in SIDES:
         for _ in range(rng.poisson(_OPEN)):
-            along, width, depth = (
-                rng.uniform(-0.8, 0.8) * road.half_length,
-                rng.uniform(*_OPEN_WIDTH),
-                rng.uniform(*_OPEN_DEPTH),
-            )
-            size = _sample_block(rng)
+            along, size = rng.uniform(-0.8, 0.8) * road.half_length, _sample_block(rng)
+            width, depth = rng.uniform(*_OPEN_WIDTH), rng.uniform(*_OPEN_DEPTH)
             across = side * (road.verge + depth + size[1] / 2)
             occupancy.place("block", along, across, size, angle=_facing(side), margin=BUILDING_MARGIN, private=True)
             x, y, yaw = road.at(along, side * (road.verge + depth / 2))
             occupancy.reserve(Solid.box(x, y, yaw, (width, depth), _OPEN_FROM, _SKY))
-        if rng.random() < _CLOSED:
-            size = _sample_block(rng)
-            along, across = (
-                side * (road.half_length + rng.uniform(*_BEHIND_END) + size[1] / 2),
-                rng.normal(0.0, road.edge),
-            )
-            occupancy.place("block", along, across, size, angle=-side * math.pi / 2, margin=BUILDING_MARGIN)
 
 
 def _sample_block(rng: np.random.Generator) -> Size:
@@ -125,7 +113,7 @@ def _place_rows(occupancy: Occupancy, district: District, side: int, rng: np.ran
         setback = rng.uniform(*district.setback) + row * rng.uniform(*_BEHIND)
         askew = rng.uniform(-_ASKEW, _ASKEW)
         along = -road.half_length - rng.uniform(*_BEGINS)
-        while along < road.half_length:
+        while along < road.half_length + _ENDS:
             kind, size, eaves = sample_building(district, rng)
             across = side * (road.verge + setback + rng.uniform(*_OFF_LINE) + _step_back(rng) + size[1] / 2)
             if rng.random() < district.built:
@@ -161,7 +149,7 @@ def _place_closed_front(occupancy: Occupancy, district: District, side: int, rng
     setback = rng.uniform(*district.setback)
     storeys, depth = int(rng.integers(*_BLOCK_STOREYS)), rng.uniform(*_DEPTH)
     along = -road.half_length - rng.uniform(*_BEGINS)
-    while along < road.half_length:
+    while along < road.half_length + _ENDS:
         length = rng.uniform(*_FRONT_LENGTH)
         height = _block_height(max(_LEAST_STOREYS, storeys + int(rng.integers(-1, 2))))
         across = side * (road.verge + setback + _step_back(rng) + depth / 2)

@@ -44,7 +44,7 @@ _CLUSTERS = (
     Cluster((_BINS,), (1, 5), (0.7, 1.1), (0.4, 0.7), 0, (0.16, 0.06), askew=0.4),
     Cluster((_BINS, _BINS, _CRATE), (2, 6), (0.7, 1.3), (0.4, 2.5), 2, (0.22, 0.08), askew=0.3, scattered=0.2),
     Cluster((("bin", sizes.LITTER_BIN), ("cabinet", sizes.CABINET)), (1, 2), (1.2, 2.5), (0.4, 0.5), 1, (0.08, 0.08)),
-    Cluster((("cabinet", sizes.CABINET),), (1, 3), (1.0, 1.8), (0.35, 0.45), 1, (0.09, 0.07), _ACROSS, 0.03),
+    Cluster((("cabinet", sizes.CABINET),), (1, 3), (1.0, 1.8), (0.35, 0.45), 1, (0.09, 0.07), askew=0.03),
     Cluster((("pole", sizes.BOLLARD),), (3, 10), (1.2, 2.2), (0.35, 0.55), 0, (0.07, 0.14), scattered=0.02),
     Cluster((("bicycle", sizes.BICYCLE),), (2, 9), (0.5, 0.8), (1.0, 1.1), 1, (0.02, 0.1), _ACROSS, 0.08),
     Cluster((("bicycle", sizes.BICYCLE),), (1, 4), (1.9, 2.4), (0.35, 0.45), 1, (0.08, 0.08), askew=0.06),

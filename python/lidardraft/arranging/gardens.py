@@ -178,12 +178,11 @@ def place_plot_lines(occupancy: Occupancy, district: District, rng: np.random.Ge
         along = -road.half_length + rng.uniform(*_PLOT)
         while along < road.half_length:
             kind, width, height = sample_enclosure(rng)
-            off, back = road.verge + rng.uniform(*_PLOT_FRONT), road.verge + rng.uniform(*_PLOT_DEPTH)
-            while off < back:
+            ends = road.verge + np.arange(rng.uniform(*_PLOT_FRONT), rng.uniform(*_PLOT_DEPTH), longest)
+            heights = occupancy.ground.heights(np.full(len(ends), along), side * ends)
+            for middle in ((ends[1:] + ends[:-1]) / 2)[np.abs(np.diff(heights)) < 2 * _PLOT_RISE].tolist():
                 size = (longest - _FENCE_SEAM, width, height)
-                across = side * (off + longest / 2)
-                occupancy.place(kind, along, across, size, angle=math.pi / 2, margin=0.0, private=True)
-                off += longest
+                occupancy.place(kind, along, side * middle, size, angle=math.pi / 2, margin=0.0, private=True)
             along += rng.uniform(*_PLOT)
 
 

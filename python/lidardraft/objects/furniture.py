@@ -195,7 +195,7 @@ def planter(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     tub = rng.uniform(*_PLANTER_TUB)
     material, density = str(rng.choice(_PLANTER_MATERIALS)), rng.uniform(*_PLANTER_DENSITY)
     builder.add("box", (0.0, 0.0, (tub - EMBEDMENT) / 2), (length, width, tub + EMBEDMENT), "other", material)
-    at, size = (0.0, 0.0, (tub + height) / 2), (length, width, 1.2 * (height - tub))
+    at, size = (0.0, 0.0, height - 0.6 * (height - tub)), (length, width, 1.2 * (height - tub))
     builder.add("ellipsoid", at, size, "vegetation", extinction=density)
 
 

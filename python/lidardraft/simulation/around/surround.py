@@ -41,6 +41,7 @@ _WIDE = {"urban": 0.35, "avenue": 0.5, "retail": 0.15}
 _ACTIVITY = {"busy": StreetMix(traffic=2.5, people=4.0), "quiet": StreetMix(traffic=0.3, people=0.4)}
 # What stands there, as others see it, keeps its distance [m]: estimates.
 _GAP = 0.3  # to all that was asked for
+_RIM = 3.0  # twice that of the cores of crowns, whose rims stick out
 _AT_HOUSES = {"bicycle", "bin", "letterbox"}
 _AHEAD, _ASIDE = 5.0, 1.0  # of traffic along its lane and beside it
 _VIEW_PIECE = 8.0  # m of a piece of what a picture shows
@@ -192,6 +193,8 @@ class _Scene:
             length, width, height = primitive.size
             low, high = z - height / 2, z + height / 2
             yield Solid.box(x, y, primitive.yaw, (length + 2 * _GAP, width + 2 * _GAP), low - 1.0, high + _GAP)
+            if high > EGO_SIZE[2]:
+                yield Solid.box(x, y, primitive.yaw, (length + _RIM, width + _RIM), max(low, EGO_SIZE[2]), high + _GAP)
             along, across = self.road.along_across(x, y)
             if abs(across) < self.road.edge and low < SENSOR[1]:
                 size = (max(length, width) + 2 * _AHEAD, width + 2 * _ASIDE)
