@@ -71,7 +71,7 @@ _TRAFFIC_MARGIN = 0.2  # m
 
 # What is mostly free around the ego vehicle [m], and how often it need not be: such that as many scans as of KITTI, 9
 # of 25, have over 500 returns within 3.3 m.
-EGO_ROOM, HUGGED = (6.6, 6.6, 1.6), 0.5
+EGO_ROOM, HUGGED = (6.6, 6.6, 1.6), 0.7
 
 # What drives there.
 _HEAVY_INSIDE = 0.01  # share of trucks and buses in inner lanes
