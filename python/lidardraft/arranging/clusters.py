@@ -49,9 +49,9 @@ _CLUSTERS = (
     Cluster((("bicycle", sizes.BICYCLE),), (2, 9), (0.5, 0.8), (1.0, 1.1), 1, (0.02, 0.1), _ACROSS, 0.08),
     Cluster((("bicycle", sizes.BICYCLE),), (1, 4), (1.9, 2.4), (0.35, 0.45), 1, (0.08, 0.08), askew=0.06),
     Cluster((("bicycle", sizes.BICYCLE),), (1, 3), (0.6, 2.0), (0.5, 2.5), 2, (0.06, 0.0), askew=0.5),
-    Cluster((("planter", sizes.PLANTER),), (1, 5), (1.2, 2.6), (0.4, 0.6), 1, (0.05, 0.1)),
+    Cluster((("plant_tub", sizes.PLANT_TUB),), (1, 5), (1.2, 2.6), (0.4, 0.6), 1, (0.05, 0.1)),
     Cluster((("bench", sizes.BENCH), ("bin", sizes.LITTER_BIN)), (1, 3), (1.6, 2.6), (0.45, 0.6), 1, (0.05, 0.06)),
-    Cluster((("table", sizes.TABLE),), (2, 6), (1.7, 2.3), (0.9, 1.0), 1, (0.01, 0.08), askew=0.6),
+    Cluster((("cafe_table", sizes.CAFE_TABLE),), (2, 6), (1.7, 2.3), (0.9, 1.0), 1, (0.01, 0.08), askew=0.6),
     Cluster((_CRATE,), (1, 5), (0.6, 1.2), (0.3, 0.6), 1, (0.04, 0.06), askew=0.5, scattered=0.1),
     Cluster((("fence", sizes.RAILING),), (3, 10), (2.0, 2.02), (0.3, 0.4), 0, (0.02, 0.05), askew=0.0, scattered=0.0),
     Cluster(

@@ -189,7 +189,7 @@ def crate(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     builder.add("box", (0.0, 0.0, height - _CRATE_LID / 2), (length, width, _CRATE_LID), "other", material)
 
 
-def planter(builder: ObjectBuilder, rng: np.random.Generator) -> None:
+def plant_tub(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A tub with a shrub in it."""
     length, width, height = builder.placed.size
     tub = rng.uniform(*_PLANTER_TUB)
@@ -199,7 +199,7 @@ def planter(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     builder.add("ellipsoid", at, size, "vegetation", extinction=density)
 
 
-def table(builder: ObjectBuilder, rng: np.random.Generator) -> None:
+def cafe_table(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A table of a street cafe on one leg, with a chair at both ends."""
     length, width, height = builder.placed.size
     thick, tall, leg = _TABLE

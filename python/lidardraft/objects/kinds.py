@@ -291,8 +291,8 @@ _TABLE: tuple[tuple[SentenceKind | None, dict[str, Kind]], ...] = (
         "letterbox": Kind(furniture.letterbox, ("other",), is_small=True),
         "hydrant": Kind(furniture.hydrant, ("other",), is_small=True),
         "crate": Kind(furniture.crate, ("other",), is_small=True),
-        "planter": Kind(furniture.planter, ("other", "vegetation"), is_small=True),
-        "table": Kind(furniture.table, ("other",), is_small=True),
+        "plant_tub": Kind(furniture.plant_tub, ("other", "vegetation"), is_small=True),
+        "cafe_table": Kind(furniture.cafe_table, ("other",), is_small=True),
         "cabinet": Kind(furniture.cabinet, ("other",), is_small=True, extents=((0.25, 0.5, 0.7), (0.6, 2.5, 1.8))),
     }),
 )  # fmt: skip
