@@ -182,7 +182,9 @@ def test_small_things_stand_together_beside_the_road(district):
         places = np.array([(one.along, one.across) for one in placed])
         apart = np.hypot(*(places[:, None] - places).transpose(2, 0, 1)) + 99.0 * np.eye(len(places))
         near += (apart.min(axis=1) < 3.0).tolist()
-    assert {"bin", "bench", "cabinet", "bicycle", "crate", "plant_tub", "cafe_table", "pole", "bush"} <= set(kinds)
+    assert {"bin", "bench", "cabinet", "bicycle", "crate", "plant_tub", "cafe_table", "pole", "ground_cover"} <= set(
+        kinds
+    )
     assert np.mean(near) > 0.6
 
 

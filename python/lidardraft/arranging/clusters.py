@@ -58,7 +58,10 @@ _CLUSTERS = (
         (("mesh_fence", sizes.SITE_FENCE), ("wall", sizes.HOARDING)),
         (2, 7), (3.55, 3.6), (0.2, 0.3), 1, (0.03, 0.04), askew=0.0, scattered=0.0,
     ),
-    Cluster((("bush", sizes.GROUND_COVER),), (2, 8), (0.8, 2.2), (0.5, 4.0), 2, (0.4, 0.08), askew=0.5, scattered=0.4),
+    Cluster(
+        (("ground_cover", sizes.GROUND_COVER),),
+        (2, 8), (0.8, 2.2), (0.5, 4.0), 2, (0.4, 0.08), askew=0.5, scattered=0.4,
+    ),
     Cluster((("cone", sizes.CONE), ("crate", sizes.CRATE)), (2, 6), (1.0, 2.5), (0.3, 0.6), 0, (0.02, 0.0)),
 )  # fmt: skip
 _CLUSTERS_EACH = 24.0  # mean number a street of 180 m with sidewalks

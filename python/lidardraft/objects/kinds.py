@@ -285,6 +285,7 @@ _TABLE: tuple[tuple[SentenceKind | None, dict[str, Kind]], ...] = (
     }),
     (None, {
         "shed": Kind(buildings.shed, ("building",), most_fall=_PLINTH, extents=((2.4, 2.4, 2.2), (30.0, 20.0, 6.0))),
+        "ground_cover": Kind(plants.bush, ("vegetation",), shapes=coarse.bush, is_small=True),
         "grass": Kind(plants.grass, ("terrain",), shapes=lambda _: [], most_fall=0.0),
         "gantry": Kind(signs.gantry, ("pole", "traffic-sign"), shapes=coarse.gantry, boxes=boxes.gantry, on_pole=True),
         "billboard": Kind(signs.billboard, ("other",), shapes=coarse.billboard, boxes=boxes.billboard, on_pole=True),
