@@ -22,7 +22,7 @@ class Cluster:
     `count` pieces, from and to, stand `apart` [m] from middle to middle, `off` [m] behind the kerb, or where `behind`
     is 1 before the verge, where it is 2 behind it on private land. They are turned by `angle` [rad], give or take
     `askew`, and `scattered` [m] across. `shares` says how often it is one of these where gardens are, and where closed
-    fronts.
+    fronts. Pieces of a kind are of one size where they are `alike`.
     """
 
     kinds: tuple[tuple[str, Extents], ...]
@@ -34,6 +34,7 @@ class Cluster:
     angle: float = 0.0
     askew: float = 0.15
     scattered: float = 0.05
+    alike: bool = False
 
 
 _BINS = ("bin", sizes.WHEELED_BIN)
@@ -45,7 +46,7 @@ _CLUSTERS = (
     Cluster((_BINS, _BINS, _CRATE), (2, 6), (0.7, 1.3), (0.4, 2.5), 2, (0.22, 0.08), askew=0.3, scattered=0.2),
     Cluster((("bin", sizes.LITTER_BIN), ("cabinet", sizes.CABINET)), (1, 2), (1.2, 2.5), (0.4, 0.5), 1, (0.08, 0.08)),
     Cluster((("cabinet", sizes.CABINET),), (1, 3), (1.0, 1.8), (0.35, 0.45), 1, (0.09, 0.07), askew=0.03),
-    Cluster((("pole", sizes.BOLLARD),), (3, 10), (1.2, 2.2), (0.35, 0.55), 0, (0.07, 0.14), scattered=0.02),
+    Cluster((("pole", sizes.BOLLARD),), (3, 10), (1.2, 2.2), (0.35, 0.55), 0, (0.07, 0.14), scattered=0.02, alike=True),
     Cluster((("bicycle", sizes.BICYCLE),), (2, 9), (0.5, 0.8), (1.0, 1.1), 1, (0.02, 0.1), _ACROSS, 0.08),
     Cluster((("bicycle", sizes.BICYCLE),), (1, 4), (1.9, 2.4), (0.35, 0.45), 1, (0.08, 0.08), askew=0.06),
     Cluster((("bicycle", sizes.BICYCLE),), (1, 3), (0.6, 2.0), (0.5, 2.5), 2, (0.06, 0.0), askew=0.5),
@@ -53,10 +54,10 @@ _CLUSTERS = (
     Cluster((("bench", sizes.BENCH), ("bin", sizes.LITTER_BIN)), (1, 3), (1.6, 2.6), (0.45, 0.6), 1, (0.05, 0.06)),
     Cluster((("cafe_table", sizes.CAFE_TABLE),), (2, 6), (1.7, 2.3), (0.9, 1.0), 1, (0.01, 0.08), askew=0.6),
     Cluster((_CRATE,), (1, 5), (0.6, 1.2), (0.3, 0.6), 1, (0.04, 0.06), askew=0.5, scattered=0.1),
-    Cluster((("fence", sizes.RAILING),), (3, 10), (2.0, 2.02), (0.3, 0.4), 0, (0.02, 0.05), askew=0.0, scattered=0.0),
+    Cluster((("fence", sizes.RAILING),), (3, 10), (2.0, 2.02), (0.3, 0.4), 0, (0.02, 0.05), 0.0, 0.0, 0.0, alike=True),
     Cluster(
         (("mesh_fence", sizes.SITE_FENCE), ("wall", sizes.HOARDING)),
-        (2, 7), (3.55, 3.6), (0.2, 0.3), 1, (0.03, 0.04), askew=0.0, scattered=0.0,
+        (2, 7), (3.55, 3.6), (0.2, 0.3), 1, (0.03, 0.04), 0.0, 0.0, 0.0, alike=True,
     ),
     Cluster(
         (("ground_cover", sizes.GROUND_COVER),),
@@ -91,10 +92,13 @@ def _place_cluster(occupancy: Occupancy, cluster: Cluster, along: float, side: i
     facing = (0.0 if side < 0 else math.pi) + cluster.angle
     same = rng.random() < 0.5  # all of one kind, or of any
     number = int(rng.integers(len(cluster.kinds)))
+    drawn = [extents.sample(rng) for _, extents in cluster.kinds]
     for _ in range(int(rng.integers(cluster.count[0], cluster.count[1] + 1))):
-        kind, extents = cluster.kinds[number if same else int(rng.integers(len(cluster.kinds)))]
+        number = number if same else int(rng.integers(len(cluster.kinds)))
+        kind, extents = cluster.kinds[number]
+        size = drawn[number] if cluster.alike else extents.sample(rng)
         if not road.in_junction(along, _JUNCTION):
             place = side * (across + rng.normal(0.0, cluster.scattered))
             angle, private = facing + rng.normal(0.0, cluster.askew), cluster.behind == 2
-            occupancy.place(kind, along, place, extents.sample(rng), angle=angle, margin=_MARGIN, private=private)
+            occupancy.place(kind, along, place, size, angle=angle, margin=_MARGIN, private=private)
         along += rng.uniform(*cluster.apart)
