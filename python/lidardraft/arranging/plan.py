@@ -143,10 +143,10 @@ def fill(frame: Frame, rng: np.random.Generator) -> None:
     place_traffic(occupancy, district, paths_of(frame.street), rng)
     place_people(occupancy, district, frame.street.lights, rng)
     place_clusters(occupancy, district, car_park, rng)
-    place_plot_lines(occupancy, district, rng)
     place_yard_objects(occupancy, district, rng)
     place_shrub_beds(occupancy, district, rng)
     place_thickets(occupancy, district, rng)
+    place_plot_lines(occupancy, district, rng)
     place_garden_plants(occupancy, district, rng)
     place_high_grass(occupancy, rng)
 
