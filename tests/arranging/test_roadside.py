@@ -10,6 +10,7 @@ import pytest
 
 from lidardraft.arranging.building_rows import place_buildings, sample_building
 from lidardraft.arranging.car_parks import sample_car_park
+from lidardraft.arranging.clusters import place_clusters
 from lidardraft.arranging.district import DISTRICTS, RoadEquipment
 from lidardraft.arranging.gardens import (
     place_driveways,
@@ -149,7 +150,7 @@ def test_lamps_stand_off_the_road_as_far_apart_as_their_height_allows_and_reach_
     assert lit > 20
 
 
-def test_furniture_stands_on_the_sidewalk_and_benches_look_to_the_road():
+def test_furniture_stands_on_the_sidewalk():
     kinds: Counter[str] = Counter()
     for occupancy in furnished(Road(sidewalk=4.0), "urban", 40, people=5.0):
         for placed in occupancy._placed:
@@ -162,7 +163,29 @@ def test_furniture_stands_on_the_sidewalk_and_benches_look_to_the_road():
                 assert math.cos(placed.angle) * placed.across > 0
         assert all(abs(along) < 55.0 for along, _ in occupancy.stops)
         assert sum(placed.kind == "shelter" for placed in occupancy._placed) == len(occupancy.stops)
-    assert {"lamp", "sign", "pole", "bin", "bench", "cabinet", "hydrant", "shelter", "bicycle"} <= set(kinds)
+    assert {"lamp", "sign", "pole", "hydrant", "shelter"} <= set(kinds)
+
+
+@pytest.mark.parametrize("district", ["urban", "residential"])
+def test_small_things_stand_together_beside_the_road(district):
+    kinds: Counter[str] = Counter()
+    near = []
+    for seed in range(12):
+        occupancy = empty(Road(sidewalk=4.0))
+        place_clusters(occupancy, DISTRICTS[district], None, np.random.default_rng(seed))
+        placed = occupancy._placed
+        assert all(abs(one.across) > occupancy.road.edge for one in placed)
+        assert all(
+            math.cos(one.angle) * one.across < 0 for one in placed if one.kind == "bench"
+        )  # +y looks to the road
+        kinds.update(one.kind for one in placed)
+        places = np.array([(one.along, one.across) for one in placed])
+        apart = np.hypot(*(places[:, None] - places).transpose(2, 0, 1)) + 99.0 * np.eye(len(places))
+        near += (apart.min(axis=1) < 3.0).tolist()
+    assert {"bin", "bench", "cabinet", "bicycle", "crate", "plant_tub", "cafe_table", "pole", "ground_cover"} <= set(
+        kinds
+    )
+    assert np.mean(near) > 0.6
 
 
 def test_outside_towns_there_are_signs_and_no_benches():

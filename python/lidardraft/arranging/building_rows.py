@@ -12,10 +12,11 @@ from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import MESH_FENCE_WIDTH, Extents, Size
 from lidardraft.objects.buildings import STOREY
 from lidardraft.scene.road import SIDES
+from lidardraft.scene.solids import Solid
 
 # Numbers without a source are estimates of ours.
 BUILDING_MARGIN = 0.02  # m
-_BEGINS = (0.0, 8.0)  # m before the end of the street that a row begins
+_BEGINS, _ENDS = (16.0, 30.0), 20.0  # m before the street that a row begins, and behind it that the last may begin
 
 # Buildings that stand alone [m].
 _HALL = Extents((24.0, 50.0), (16.0, 30.0), (5.0, 8.0))
@@ -27,6 +28,10 @@ _SHED = Extents((3.0, 12.0), (5.5, 9.0), (2.4, 4.0))
 _HOUSE_STOREYS, _HOUSE_LENGTH, _HOUSE_WIDTH = (1, 4), (8.0, 16.0), (7.5, 11.0)
 _KNEE_WALL = 0.2  # m from the ceiling of the top storey to the eaves
 _PITCH = (0.25, 0.5)  # height of a roof over the width of its house
+
+# Where the view is open between the rows, up to a building.
+_OPEN, _OPEN_WIDTH, _OPEN_DEPTH = 0.8, (8.0, 18.0), (40.0, 85.0)  # mean number a side, m
+_OPEN_FROM, _SKY = 1.6, 50.0  # m over the ground: lower things stand there
 
 # Rows of houses.
 _ROWS = 2
@@ -57,14 +62,34 @@ _SITE_FENCE_GAP = 0.05  # m
 def place_buildings(
     occupancy: Occupancy, district: District, car_park: CarPark | None, rng: np.random.Generator
 ) -> None:
-    """Two rows of buildings on both sides, and the hall that a car park belongs to."""
+    """Two rows of buildings on both sides, with views between, and the hall that a car park belongs to."""
     if car_park is not None:
         _place_hall(occupancy, car_park, rng)
+    _place_views(occupancy, district, rng)
     for side in SIDES:
         if district.closed_fronts:
             _place_closed_front(occupancy, district, side, rng)
         else:
             _place_rows(occupancy, district, side, rng)
+
+
+def _place_views(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
+    """Keep views open between the rows, each up to a building."""
+    road = occupancy.road
+    if not district.built_up:
+        return
+    for side in SIDES:
+        for _ in range(rng.poisson(_OPEN)):
+            along, size = rng.uniform(-0.8, 0.8) * road.half_length, _sample_block(rng)
+            width, depth = rng.uniform(*_OPEN_WIDTH), rng.uniform(*_OPEN_DEPTH)
+            across = side * (road.verge + depth + size[1] / 2)
+            occupancy.place("block", along, across, size, angle=_facing(side), margin=BUILDING_MARGIN, private=True)
+            x, y, yaw = road.at(along, side * (road.verge + depth / 2))
+            occupancy.reserve(Solid.box(x, y, yaw, (width, depth), _OPEN_FROM, _SKY))
+
+
+def _sample_block(rng: np.random.Generator) -> Size:
+    return rng.uniform(*_BLOCK_LENGTH), rng.uniform(*_BLOCK_WIDTH), _block_height(int(rng.integers(*_BLOCK_STOREYS)))
 
 
 def _facing(side: int) -> float:
@@ -88,7 +113,7 @@ def _place_rows(occupancy: Occupancy, district: District, side: int, rng: np.ran
         setback = rng.uniform(*district.setback) + row * rng.uniform(*_BEHIND)
         askew = rng.uniform(-_ASKEW, _ASKEW)
         along = -road.half_length - rng.uniform(*_BEGINS)
-        while along < road.half_length:
+        while along < road.half_length + _ENDS:
             kind, size, eaves = sample_building(district, rng)
             across = side * (road.verge + setback + rng.uniform(*_OFF_LINE) + _step_back(rng) + size[1] / 2)
             if rng.random() < district.built:
@@ -103,8 +128,7 @@ def _place_rows(occupancy: Occupancy, district: District, side: int, rng: np.ran
 def sample_building(district: District, rng: np.random.Generator) -> tuple[str, Size, float]:
     """Kind, extents and eaves [m] of a building that stands alone."""
     if rng.random() < district.blocks:
-        storeys = int(rng.integers(*_BLOCK_STOREYS))
-        return "block", (rng.uniform(*_BLOCK_LENGTH), rng.uniform(*_BLOCK_WIDTH), _block_height(storeys)), 0.0
+        return "block", _sample_block(rng), 0.0
     if rng.random() < _SHEDS:
         return "shed", _SHED.sample(rng), 0.0
     eaves = int(rng.integers(*_HOUSE_STOREYS)) * STOREY + _KNEE_WALL
@@ -125,7 +149,7 @@ def _place_closed_front(occupancy: Occupancy, district: District, side: int, rng
     setback = rng.uniform(*district.setback)
     storeys, depth = int(rng.integers(*_BLOCK_STOREYS)), rng.uniform(*_DEPTH)
     along = -road.half_length - rng.uniform(*_BEGINS)
-    while along < road.half_length:
+    while along < road.half_length + _ENDS:
         length = rng.uniform(*_FRONT_LENGTH)
         height = _block_height(max(_LEAST_STOREYS, storeys + int(rng.integers(-1, 2))))
         across = side * (road.verge + setback + _step_back(rng) + depth / 2)

@@ -11,13 +11,10 @@ from lidardraft.arranging.district import District
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import (
     BICYCLE,
-    FENCE_WIDTH,
     GARDEN_LETTERBOX,
-    GARDEN_WALL_WIDTH,
-    HEDGE_WIDTH,
-    MESH_FENCE_WIDTH,
     WHEELED_BIN,
     Size,
+    sample_enclosure,
     sample_tree,
 )
 from lidardraft.objects.cars import sample_car
@@ -36,12 +33,14 @@ _STEEPEST_DRIVEWAY = 0.5  # m of rise over its length
 _WITH_CAR, _CAR_OFF, _CAR_ASKEW = 0.7, 0.5, 0.03  # share with a car, m from the verge to it, rad (deviation)
 
 # Front fences, walls and hedges, in runs of one kind.
-_FRONT_FENCES = ("fence", "garden_wall", "hedge", "hedge", "hedge", "hedge", "hedge", "mesh_fence")
 _FENCE_OFF = (0.3, 0.9)  # m from the verge
-_FENCE_HEIGHT, _HEDGE_HEIGHT = (0.8, 1.6), (1.1, 2.9)  # m
 _FENCE_RUN, _RUN_GAP = (8.0, 28.0), (1.2, 4.0)  # m of a run, and between two
 _FENCE_LENGTH, _LEAST_FENCE, _FENCE_SEAM = 12.0, 1.2, 0.1  # m of a piece: longest, shortest, between two
 _GATE, _BEFORE_GATE = 1.7, 4.5  # m from the middle of a gate that stay open, and from where on a piece ends at it
+
+# Between plots.
+_PLOT, _PLOT_DEPTH, _PLOT_FRONT = (9.0, 24.0), (14.0, 34.0), (0.6, 5.0)  # m along, across, and open before its line
+_PLOT_PIECES, _PLOT_RISE = (2.5, 6.0), 0.25  # m of a piece, limits, and m that the ground may rise under it
 
 # Behind the fences.
 _YARD_OBJECTS, _FEW_YARD_OBJECTS = 4, 0.5  # mean number where most plots are built, and elsewhere
@@ -136,12 +135,9 @@ def place_front_fences(
         if car_park is not None and car_park.side == side:
             gates.append(car_park.gate)
         while along < road.half_length:
-            kind = _FRONT_FENCES[int(rng.integers(len(_FRONT_FENCES)))]
-            height = rng.uniform(*_FENCE_HEIGHT) if kind != "hedge" else rng.uniform(*_HEDGE_HEIGHT)
-            widths = {"fence": FENCE_WIDTH, "garden_wall": GARDEN_WALL_WIDTH, "mesh_fence": MESH_FENCE_WIDTH}
-            widths["hedge"] = rng.uniform(*HEDGE_WIDTH)
+            kind, width, height = sample_enclosure(rng)
             stop = min(along + rng.uniform(*_FENCE_RUN), road.half_length)
-            along = _place_fence_run(occupancy, kind, (along, stop), side, off, (widths[kind], height), gates)
+            along = _place_fence_run(occupancy, kind, (along, stop), side, off, (width, height), gates)
             along += rng.uniform(*_RUN_GAP)
 
 
@@ -170,6 +166,30 @@ def _place_fence_run(
             occupancy.place(kind, along + length / 2, across, size, margin=0.0, private=True)
         along = along + length if gate is None else gate + _GATE
     return along
+
+
+def place_plot_lines(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
+    """Fences, walls and hedges between plots, from the front to the back, as far as there is room."""
+    road = occupancy.road
+    if not district.built_up:
+        return
+    for side in SIDES:
+        longest = piece_across(occupancy, side, *_PLOT_PIECES, _PLOT_RISE)
+        along = -road.half_length + rng.uniform(*_PLOT)
+        while along < road.half_length:
+            kind, width, height = sample_enclosure(rng)
+            ends = road.verge + np.arange(rng.uniform(*_PLOT_FRONT), rng.uniform(*_PLOT_DEPTH), longest)
+            heights = occupancy.ground.heights(np.full(len(ends), along), side * ends)
+            for middle in ((ends[1:] + ends[:-1]) / 2)[np.abs(np.diff(heights)) < 2 * _PLOT_RISE].tolist():
+                size = (longest - _FENCE_SEAM, width, height)
+                occupancy.place(kind, along, side * middle, size, angle=math.pi / 2, margin=0.0, private=True)
+            along += rng.uniform(*_PLOT)
+
+
+def piece_across(occupancy: Occupancy, side: int, least: float, most: float, rise: float) -> float:
+    """How long a piece of a fence up the hillside of a side may be [m], from `least` to `most`, to rise by `rise`."""
+    slope = abs(float(occupancy.ground.relief.hillside[0 if side > 0 else 1]))
+    return max(least, min(most, rise / max(slope, 1e-3)))
 
 
 def place_yard_objects(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:

@@ -8,11 +8,13 @@ import numpy as np
 
 from lidardraft.arranging.building_rows import place_buildings
 from lidardraft.arranging.car_parks import CarPark, place_in_car_park, sample_car_park
+from lidardraft.arranging.clusters import place_clusters
 from lidardraft.arranging.district import CALM, STREET_DISTRICTS, District, sample_road
 from lidardraft.arranging.gardens import (
     place_driveways,
     place_front_fences,
     place_garden_plants,
+    place_plot_lines,
     place_shrub_beds,
     place_thickets,
     place_yard_objects,
@@ -140,9 +142,11 @@ def fill(frame: Frame, rng: np.random.Generator) -> None:
     place_parked_vehicles(occupancy, frame.street.parked or (), car_park, rng)
     place_traffic(occupancy, district, paths_of(frame.street), rng)
     place_people(occupancy, district, frame.street.lights, rng)
+    place_clusters(occupancy, district, car_park, rng)
     place_yard_objects(occupancy, district, rng)
     place_shrub_beds(occupancy, district, rng)
     place_thickets(occupancy, district, rng)
+    place_plot_lines(occupancy, district, rng)
     place_garden_plants(occupancy, district, rng)
     place_high_grass(occupancy, rng)
 

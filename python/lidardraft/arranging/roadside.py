@@ -10,42 +10,34 @@ from lidardraft.arranging.car_parks import CarPark
 from lidardraft.arranging.district import CALM, District
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import (
-    BENCH,
-    BICYCLE,
     BILLBOARD,
     BILLBOARD_CLEARANCE,
-    CABINET,
     HYDRANT,
     LAMP_WIDTH,
-    LITTER_BIN,
     POLE,
     SHELTER,
     SIGN_DEPTH,
     STREET_LETTERBOX,
-    WHEELED_BIN,
     Size,
     sample_tree,
 )
+from lidardraft.objects.collision_boxes import CROWN_CORE
 from lidardraft.scene.road import SIDES
 
 # How often a piece of furniture is of a kind. Numbers without a source are estimates of ours, here and below.
 _FURNITURE = {
-    "sign": 0.42,
-    "pole": 0.2,
-    "bin": 0.14,
-    "bench": 0.07,
-    "hydrant": 0.04,
-    "cabinet": 0.08,
-    "letterbox": 0.02,
-    "billboard": 0.03,
+    "sign": 0.6,
+    "pole": 0.26,
+    "hydrant": 0.06,
+    "letterbox": 0.03,
+    "billboard": 0.05,
 }
 _KINDS, _SHARES = tuple(_FURNITURE), np.cumsum(tuple(_FURNITURE.values()))
-_PIECES, _PIECES_OUTSIDE = 9, 4  # mean number a street, in towns and outside
-_AT_KERB, _AT_VERGE = 0.45, 0.45  # m that furniture stands behind the kerb, and before the verge
+_PIECES, _PIECES_OUTSIDE = 7, 4  # mean number a street, in towns and outside
+_AT_KERB = 0.45  # m that furniture stands behind the kerb
 _SHOULDER = (1.2, 1.8)  # m behind the edge of a road without sidewalks
 _ASKEW = 0.08  # rad, deviation
 _JUNCTION_MARGIN, _GATE = 0.5, 4.5  # m to a junction, and from the middle of a car park's gate
-_WHEELED = 0.4  # share of bins that are emptied by a lorry; the others are litter bins
 # Signs: plates of 420, 600 or 750 mm (VwV-StVO), 2.0 to 2.5 m over the sidewalk.
 _PLATES, _PLATE_CLEARANCE = (0.42, 0.6, 0.6, 0.75), (2.0, 2.5)  # m
 _PLATES_OUTSIDE, _PLATE_CLEARANCE_OUTSIDE = (0.6, 1.5), (1.5, 2.0)  # m
@@ -60,26 +52,17 @@ LAMP_OFF, _LAMP_OFF_OUTSIDE = 0.45, 1.6  # m from the kerb, from the edge of a r
 _LAMP_JUNCTION = 1.0  # m to a junction
 
 # Bus stops.
-_BUS_STOPS, _BUS_STOPS_EACH = 0.2, 0.02  # probability, and what is added for each of the district's people
+_BUS_STOPS, _BUS_STOPS_EACH = 0.2, 0.01  # probability, and what is added for each of the district's people
 _STOP_PLACE = 0.6  # of the half length of the street, at most
 _STOP_JUNCTION = 8.0  # m to a junction
 _SHELTER_OFF, _SHELTER_WALK = 0.85, 3.2  # m from its middle to the verge, before it where a sidewalk is this wide
 _STOP_SIGN, _STOP_SIGN_AHEAD, _STOP_SIGN_CLEARANCE = (SIGN_DEPTH, 0.5, 2.8), 3.6, 2.3  # m
 
-# Parked bicycles, 0.8 m apart (FGSV: 0.8 m and more).
-_BUSY = 4.0  # people of a district from which there are bicycle stands
-_STANDS, _STANDS_SPREAD = 1.0, 30.0  # mean number of stands, m along (deviation)
-_UPRIGHT_WALK = 3.4  # m of a sidewalk from which bicycles stand across it
-_ACROSS_OFF, _ALONG_OFF = 1.0, 0.4  # m before the verge
-_ACROSS_SPACING, _ALONG_SPACING = 0.8, 2.1  # m
-_STAND, _BICYCLES = (2, 8), 0.8  # places: from, to before; share that is taken
-_BICYCLE_ANGLE, _BICYCLE_MARGIN = 0.06, 0.03  # rad, deviation; m
-
 # Street trees, 8 to 15 m apart as they are planted (GALK).
 _TREE_SPACING, _FIRST_TREE = (8.0, 15.0), (0.0, 10.0)  # m
 TREE_OFF, WIDE_SIDEWALK = 0.8, 2.0  # m behind the kerb of sidewalks wider than this
 _TREE_BEHIND, _TREE_ROOM = (3.0, 4.5), 9.0  # m behind the verge of others, and m of room there
-_TO_WALL, _LEAST_CROWN, _LEAST_SHRINK = 1.3, 1.8, 0.6  # m from crown to building, m, least share of the height
+_TO_WALL, _LEAST_CROWN, _LEAST_SHRINK = 0.6, 1.8, 0.6  # m from a crown's core to a wall, m, least share of the height
 LEAST_STEM = 2.6  # m under the crown of a street tree
 _GROWN, _OFF_PLACE, _KEPT = (0.8, 1.15), 0.3, 0.92  # size against the row's, m along (deviation), share not cut down
 _LEAST_TOP = 1.5  # m from the stem to the top
@@ -105,15 +88,13 @@ _SPOT_LENGTH, _SPOT_WIDTH, _SPOT_HEIGHT, _SPOT_ANGLE = (1.5, 3.5), (1.2, 2.5), (
 def place_street_furniture(
     occupancy: Occupancy, district: District, car_park: CarPark | None, rng: np.random.Generator
 ) -> None:
-    """Lamps at even spacing, signs, poles, bins, benches, cabinets, and a bus stop."""
+    """Lamps at even spacing, signs and poles, and a bus stop."""
     town = occupancy.road.sidewalk > 0
     _place_lamps(occupancy, district, rng)
     for _ in range(rng.poisson(_PIECES if town else _PIECES_OUTSIDE)):
         _place_piece(occupancy, car_park, rng)
     if town and rng.random() < _BUS_STOPS + _BUS_STOPS_EACH * district.people:
         _place_bus_stop(occupancy, rng)
-    if district.people > _BUSY:
-        _place_bicycle_stands(occupancy, rng)
 
 
 def _place_lamps(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
@@ -144,10 +125,6 @@ def _place_piece(occupancy: Occupancy, car_park: CarPark | None, rng: np.random.
     angle = (math.pi if side < 0 else 0.0) + rng.normal(0.0, _ASKEW)
     size, clearance = _piece_size(kind, town, rng)
     off = road.edge + (_AT_KERB if town else rng.uniform(*_SHOULDER))
-    if kind == "bench":
-        angle += math.pi  # it looks to the road
-    if kind in ("bin", "bench", "cabinet") and town:
-        off = road.verge - _AT_VERGE
     if kind == "billboard":
         off = road.verge + _BILLBOARD_OFF
     occupancy.place(kind, along, side * off, size, angle=angle, clearance=clearance)
@@ -160,10 +137,7 @@ def _piece_size(kind: str, town: bool, rng: np.random.Generator) -> tuple[Size, 
     sizes = {
         "sign": (SIGN_DEPTH, plate, under + plate),
         "pole": POLE.sample(rng),
-        "bin": (WHEELED_BIN if rng.random() < _WHEELED else LITTER_BIN).sample(rng),
-        "bench": BENCH.sample(rng),
         "hydrant": HYDRANT.sample(rng),
-        "cabinet": CABINET.sample(rng),
         "letterbox": STREET_LETTERBOX.sample(rng),
         "billboard": BILLBOARD.sample(rng),
     }
@@ -185,21 +159,6 @@ def _place_bus_stop(occupancy: Occupancy, rng: np.random.Generator) -> None:
         occupancy.stops.append((along, float(side)))
 
 
-def _place_bicycle_stands(occupancy: Occupancy, rng: np.random.Generator) -> None:
-    """Rows of parked bicycles across the back of a wide sidewalk, or along that of a narrow one."""
-    road = occupancy.road
-    for _ in range(rng.poisson(_STANDS)):
-        side, along = SIDES[int(rng.integers(2))], rng.normal(0.0, _STANDS_SPREAD)
-        upright = road.sidewalk > _UPRIGHT_WALK
-        across = side * (road.verge - (_ACROSS_OFF if upright else _ALONG_OFF))
-        step, angle = (_ACROSS_SPACING, math.pi / 2) if upright else (_ALONG_SPACING, 0.0)
-        for number in range(int(rng.integers(*_STAND))):
-            middle = along + number * step
-            if not road.in_junction(middle) and rng.random() < _BICYCLES:
-                turned = angle + rng.normal(0.0, _BICYCLE_ANGLE)
-                occupancy.place("bicycle", middle, across, BICYCLE.sample(rng), angle=turned, margin=_BICYCLE_MARGIN)
-
-
 def place_street_trees(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
     """Trees in rows, with the crowns that there is room for, on the sides and in a wide median."""
     for side in SIDES:
@@ -214,7 +173,7 @@ def _place_tree_row(occupancy: Occupancy, district: District, side: int, rng: np
     wide = road.sidewalk > WIDE_SIDEWALK
     off = road.edge + TREE_OFF if wide else road.verge + rng.uniform(*_TREE_BEHIND)
     (length, width, height), stem = sample_tree(rng)
-    room = 2 * (road.verge - off + district.setback[0] - _TO_WALL) if wide else _TREE_ROOM
+    room = 2 * (road.verge - off + district.setback[0] - _TO_WALL) / CROWN_CORE if wide else _TREE_ROOM
     shrink = min(1.0, max(room, _LEAST_CROWN) / width)
     length, width, height = length * shrink, width * shrink, height * max(shrink, _LEAST_SHRINK)
     stem = max(stem, LEAST_STEM)

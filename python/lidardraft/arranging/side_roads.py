@@ -10,13 +10,12 @@ import numpy as np
 
 from lidardraft.arranging.building_rows import BUILDING_MARGIN, sample_building
 from lidardraft.arranging.district import District
+from lidardraft.arranging.gardens import piece_across
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.roadside import LAMP_OFF, LEAST_STEM, TREE_OFF, WIDE_SIDEWALK
 from lidardraft.arranging.sizes import (
-    FENCE_WIDTH,
-    GARDEN_WALL_WIDTH,
-    HEDGE_WIDTH,
     LAMP_WIDTH,
+    sample_enclosure,
     sample_person,
     sample_tree,
 )
@@ -31,12 +30,10 @@ _BUILDING_SEAM = 0.05  # m
 _START = 6.0  # m behind the verge or the roundabout where the rest begins
 
 # Fences, walls and hedges in front of gardens.
-_FENCES = ("fence", "garden_wall", "hedge", "hedge")
 _FENCE_OFF = (0.4, 0.8)  # m from the verge
 _FENCE_LENGTHS = (3.0, 9.0)  # m, limits of the longest piece
 _FENCE_RISE = 0.25  # m that the ground may rise under a piece
 _FENCE_LENGTH = (0.6, 1.0)  # of the longest
-_FENCE_HEIGHT = (0.8, 1.8)  # m
 _ADJOINING, _FENCE_SEAM, _FENCE_GAP = 0.6, 0.1, (1.2, 5.0)  # share of pieces that adjoin, m between them, and others
 
 _LAMP_HEIGHT = (4.5, 8.0)  # m
@@ -55,7 +52,7 @@ _PARKED = (0.3, 0.8)  # share of the places
 _PARKING_GAP, _TO_KERB = (0.6, 2.0), 0.2  # m between two cars, and to the kerb
 _ASKEW, _PARKED_MARGIN = 0.015, 0.05  # rad, deviation; m
 
-_PEOPLE = 6  # people of the road itself for one on an edge of a side road
+_PEOPLE = 12  # people of the road itself for one on an edge of a side road
 _PEOPLE_FAR = 50.0  # m from the middle of the road
 _OFF_WAY = 0.2  # rad against the side road, deviation
 
@@ -130,12 +127,10 @@ def place_beside_side_roads(occupancy: Occupancy, district: District, rng: np.ra
 
 def _place_fences(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.random.Generator) -> None:
     distance, off = start, occupancy.road.verge + rng.uniform(*_FENCE_OFF)
-    slope = abs(float(occupancy.ground.relief.hillside[0 if edge.side > 0 else 1]))
-    longest = max(_FENCE_LENGTHS[0], min(_FENCE_LENGTHS[1], _FENCE_RISE / max(slope, 1e-3)))
+    longest = piece_across(occupancy, edge.side, *_FENCE_LENGTHS, _FENCE_RISE)
     while distance < _FAR:
-        kind = _FENCES[int(rng.integers(len(_FENCES)))]
-        width = {"fence": FENCE_WIDTH, "garden_wall": GARDEN_WALL_WIDTH, "hedge": rng.uniform(*HEDGE_WIDTH)}[kind]
-        length, height = rng.uniform(*_FENCE_LENGTH) * longest, rng.uniform(*_FENCE_HEIGHT)
+        kind, width, height = sample_enclosure(rng)
+        length = rng.uniform(*_FENCE_LENGTH) * longest
         along, across, angle = edge.at(distance + length / 2, off + width / 2)
         occupancy.place(kind, along, across, (length, width, height), angle=angle, margin=0.0, private=True)
         distance += length + (_FENCE_SEAM if rng.random() < _ADJOINING else rng.uniform(*_FENCE_GAP))

@@ -15,11 +15,11 @@ from lidardraft.scene.road import SIDES
 _MARGIN = 0.05  # m
 _AT_STOP = 1.5  # mean number of people who wait at a bus stop
 # People of the district's number for one group that stands, one who crosses, one who waits at each corner with lights
-_GROUPS, _CROSSING, _WAITING = 5, 8, 8
+_GROUPS, _CROSSING, _WAITING = 10, 16, 16
 _MOST_WAITING = 1.0  # mean number at a corner, at most
 
 # On the sidewalks.
-_SPREAD = 30.0  # m along from the middle of the street, deviation
+_ENDS = 0.8  # of the half length of the street that they keep to
 _EDGE = 0.6  # m to both edges of the sidewalk
 _LEAST_ROOM = 1.2  # m from the kerb, where the sidewalk is narrow or missing
 _IN_COMPANY, _IN_THREES = 0.3, 0.1  # share of those who walk with another, and with one more
@@ -69,7 +69,7 @@ def _spot(occupancy: Occupancy, rng: np.random.Generator) -> tuple[float, float]
     """Along and across [m] somewhere on a sidewalk."""
     road = occupancy.road
     low, high = road.edge + _EDGE, max(road.verge - _EDGE, road.edge + _LEAST_ROOM)
-    return rng.normal(0.0, _SPREAD), SIDES[int(rng.integers(2))] * rng.uniform(low, high)
+    return rng.uniform(-_ENDS, _ENDS) * road.half_length, SIDES[int(rng.integers(2))] * rng.uniform(low, high)
 
 
 def _place_walkers(occupancy: Occupancy, rng: np.random.Generator) -> None:

@@ -10,6 +10,7 @@ from lidardraft.objects.signs import GANTRY_POST, billboard_posts
 from lidardraft.scene.solids import Solid
 
 # Estimates.
+CROWN_CORE = 0.7  # of the extents of a crown: its rim gives way, and overhangs neighbours
 _POST = 0.2  # m, the room for a post
 _ARM = 0.3  # m, thickness and height of a lamp's arm, with its luminaire
 _UNDER_EAVES = 0.2  # m, the start of a roof under its eaves
@@ -24,9 +25,11 @@ def whole(size: Vector, _clearance: float) -> list[Solid]:
 
 
 def tree(size: Vector, clearance: float) -> list[Solid]:
-    """A trunk and a crown with room for a car under it."""
-    diameter = trunk_diameter(size[2])
-    return [_box(diameter, diameter, 0.0, clearance), _above(size, clearance)]
+    """A trunk and the core of a crown, so that a car can stand under it and its rim overhang a wall."""
+    length, width, height = size
+    diameter = trunk_diameter(height)
+    crown = (CROWN_CORE * length, CROWN_CORE * width, height)
+    return [_box(diameter, diameter, 0.0, clearance), _above(crown, clearance)]
 
 
 def house(size: Vector, clearance: float) -> list[Solid]:

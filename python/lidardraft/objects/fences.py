@@ -63,6 +63,12 @@ _BARRIER_REFLECTOR = (0.03, 0.08, 0.1)
 _BARRIER_REFLECTOR_OVER = 0.03  # its middle, over the rail
 
 
+# What grows over fences, in shares of length, width and height where no unit is said: estimates.
+_OVERGROWN_APART, _OVERGROWN_P = 0.8, 0.8  # m between the middles of tufts; share of the places that have one
+_OVERGROWN_LONG, _OVERGROWN_WIDE, _OVERGROWN_TALL = (0.8, 2.2), (0.4, 1.0), (0.4, 1.1)  # m, shares
+_OVERGROWN_DENSITY = (2.0, 8.0)  # 1/m, as of shrubs and hedges
+
+
 _WALL_MATERIALS = {"concrete": 0.4, "wood": 0.2, "metal": 0.2, "brick": 0.2}  # an estimate
 _POST_SHARE = 0.04  # of the distance of posts, their thickness: an estimate
 # One side of a concrete barrier from the foot up, after the New Jersey profile: shares of width and height.
@@ -94,6 +100,19 @@ def mesh_fence(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     builder.add("box", (0.0, 0.0, gap + (height - gap) / 2), size, "fence", "metal", extinction=extinction)
     posts = _posts(_post_count(length, _MESH_FENCE_POST_APART), _POST_SHARE)
     builder.add_mesh(posts, (length, min(width, _MESH_FENCE_POST), height), "fence", "metal")
+
+
+def overgrown_fence(builder: ObjectBuilder, rng: np.random.Generator) -> None:
+    """A wire mesh that climbers and shrubs hide, in tufts of uneven depth and height."""
+    length, width, height = builder.placed.size
+    mesh_fence(builder, rng)
+    density = rng.uniform(*_OVERGROWN_DENSITY)
+    for middle in np.arange(0.5 * _OVERGROWN_APART, length, _OVERGROWN_APART).tolist():
+        if rng.random() < _OVERGROWN_P:
+            wide, tall = rng.uniform(*_OVERGROWN_WIDE) * width, min(rng.uniform(*_OVERGROWN_TALL), 1.0) * height
+            at = (middle - length / 2, rng.uniform(-0.5, 0.5) * (width - wide), rng.uniform(0.35, 0.5) * tall)
+            long = min(rng.uniform(*_OVERGROWN_LONG), 2 * min(middle, length - middle))
+            builder.add("ellipsoid", at, (long, wide, tall), "vegetation", extinction=density)
 
 
 def garden_wall(builder: ObjectBuilder, rng: np.random.Generator) -> None:

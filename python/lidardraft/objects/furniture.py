@@ -63,6 +63,14 @@ _WHEELED_BIN = ((0.34, 0.38, 0.06), (0.44, 0.46, 0.86), (0.5, 0.5, 0.88), (0.5, 
 _CONE, _SLEEVE = ((0.36, 0.04), (0.09, 1.0)), ((0.27, 0.45), (0.20, 0.72))
 _SLEEVE_OVER = 1.03  # times as wide as the cone under it
 
+# Boxes, tubs, tables with chairs [m], shares of the extents where no unit is said: estimates.
+_CRATE_MATERIALS: tuple[str, ...] = ("wood", "plastic", "metal", "light-paint")
+_CRATE_BODY, _CRATE_LID = (0.86, 1.0), 0.05
+_PLANTER_TUB, _PLANTER_DENSITY = (0.35, 0.6), (2.0, 6.0)  # m; 1/m, as of shrubs
+_PLANTER_MATERIALS: tuple[str, ...] = ("concrete", "wood", "rusty-metal")
+_TABLE = (0.04, 0.74, 0.08)  # thickness, height, of its leg
+_CHAIR = (0.42, 0.45, 0.04)  # seat, height of it, thickness
+
 
 def shelter(builder: ObjectBuilder, rng: np.random.Generator) -> None:
     """A bus stop, open to its left (+y): a roof on posts, panes around it, a bench, a poster case."""
@@ -170,6 +178,40 @@ def cabinet(builder: ObjectBuilder, _rng: np.random.Generator) -> None:
     builder.add("box", (0.0, 0.0, height - lid / 2), (length, width, lid), "other", "plastic")
     size = (length, width, plinth + EMBEDMENT)
     builder.add("box", (0.0, 0.0, plinth / 2 - EMBEDMENT / 2), size, "other", "concrete")
+
+
+def crate(builder: ObjectBuilder, rng: np.random.Generator) -> None:
+    """A box of wood, cardboard or plastic, as of goods, grit or waste; its lid may stick out."""
+    length, width, height = builder.placed.size
+    material, share = str(rng.choice(_CRATE_MATERIALS)), rng.uniform(*_CRATE_BODY)
+    at, size = (0.0, 0.0, (height - EMBEDMENT) / 2), (share * length, share * width, height + EMBEDMENT)
+    builder.add("box", at, size, "other", material)
+    builder.add("box", (0.0, 0.0, height - _CRATE_LID / 2), (length, width, _CRATE_LID), "other", material)
+
+
+def plant_tub(builder: ObjectBuilder, rng: np.random.Generator) -> None:
+    """A tub with a shrub in it."""
+    length, width, height = builder.placed.size
+    tub = rng.uniform(*_PLANTER_TUB)
+    material, density = str(rng.choice(_PLANTER_MATERIALS)), rng.uniform(*_PLANTER_DENSITY)
+    builder.add("box", (0.0, 0.0, (tub - EMBEDMENT) / 2), (length, width, tub + EMBEDMENT), "other", material)
+    at, size = (0.0, 0.0, height - 0.6 * (height - tub)), (length, width, 1.2 * (height - tub))
+    builder.add("ellipsoid", at, size, "vegetation", extinction=density)
+
+
+def cafe_table(builder: ObjectBuilder, rng: np.random.Generator) -> None:
+    """A table of a street cafe on one leg, with a chair at both ends."""
+    length, width, height = builder.placed.size
+    thick, tall, leg = _TABLE
+    builder.add("cylinder", (0.0, 0.0, tall), (width, width, thick), "other", str(rng.choice(_CRATE_MATERIALS)))
+    builder.add("cylinder", (0.0, 0.0, tall / 2), (leg, leg, tall), "other", "metal")
+    seat, high, back = _CHAIR
+    for side in (-1, 1):
+        x, y = side * (length - seat) / 2, rng.uniform(-0.5, 0.5) * (width - seat)
+        builder.add("box", (x, y, high), (seat, seat, back), "other", "plastic")
+        builder.add("box", (x, y, high / 2), (0.8 * seat, 0.1 * seat, high), "other", "metal")
+        size = (back, seat, height - high)
+        builder.add("box", (side * (length - back) / 2, y, (height + high) / 2), size, "other", "plastic")
 
 
 @lru_cache(maxsize=1)

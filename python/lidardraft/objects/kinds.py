@@ -228,6 +228,7 @@ _TABLE: tuple[tuple[SentenceKind | None, dict[str, Kind]], ...] = (
     ), {
         "fence": Kind(fences.fence, ("fence",), extents=((0.6, 0.05, 0.4), (60.0, 0.4, 3.0))),
         "mesh_fence": Kind(fences.mesh_fence, ("fence",), is_small=True, extents=((1.0, 0.05, 0.6), (60.0, 0.4, 3.0))),
+        "overgrown_fence": Kind(fences.overgrown_fence, ("fence", "vegetation"), is_small=True),
         "barrier": Kind(fences.barrier, ("fence",), is_small=True),  # the packaged weights know it as a fence
     }),
     (_enclosure(  # of steel or, from 0.8 m on, of concrete
@@ -284,11 +285,15 @@ _TABLE: tuple[tuple[SentenceKind | None, dict[str, Kind]], ...] = (
     }),
     (None, {
         "shed": Kind(buildings.shed, ("building",), most_fall=_PLINTH, extents=((2.4, 2.4, 2.2), (30.0, 20.0, 6.0))),
+        "ground_cover": Kind(plants.bush, ("vegetation",), shapes=coarse.bush, is_small=True),
         "grass": Kind(plants.grass, ("terrain",), shapes=lambda _: [], most_fall=0.0),
         "gantry": Kind(signs.gantry, ("pole", "traffic-sign"), shapes=coarse.gantry, boxes=boxes.gantry, on_pole=True),
         "billboard": Kind(signs.billboard, ("other",), shapes=coarse.billboard, boxes=boxes.billboard, on_pole=True),
         "letterbox": Kind(furniture.letterbox, ("other",), is_small=True),
         "hydrant": Kind(furniture.hydrant, ("other",), is_small=True),
+        "crate": Kind(furniture.crate, ("other",), is_small=True),
+        "plant_tub": Kind(furniture.plant_tub, ("other", "vegetation"), is_small=True),
+        "cafe_table": Kind(furniture.cafe_table, ("other",), is_small=True),
         "cabinet": Kind(furniture.cabinet, ("other",), is_small=True, extents=((0.25, 0.5, 0.7), (0.6, 2.5, 1.8))),
     }),
 )  # fmt: skip

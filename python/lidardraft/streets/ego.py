@@ -9,7 +9,7 @@ import numpy as np
 
 from lidardraft.arranging.district import FAST
 from lidardraft.arranging.occupancy import Occupancy
-from lidardraft.arranging.traffic import USES
+from lidardraft.arranging.traffic import EGO_ROOM, HUGGED, USES
 from lidardraft.errors import LayoutError
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.street import MAIN_ROAD, Path
@@ -73,7 +73,7 @@ def sample_ego(occupancy: Occupancy, lanes: tuple[Path, ...], rng: np.random.Gen
             continue
         x, y, heading = road.at(along, across)
         yaw = math.remainder(heading + angle + rng.normal(0.0, _OFF_LANE), 2 * math.pi)
-        if occupancy.is_free(x, y, yaw, EGO_SPACE):
+        if occupancy.is_free(x, y, yaw, EGO_ROOM if rng.random() > HUGGED else EGO_SPACE):
             return _ego(occupancy, lane, (along, across, angle), (x, y, yaw), rng)
     raise LayoutError(f"no free place of {EGO_SPACE[0]} x {EGO_SPACE[1]} m for the ego vehicle")
 

@@ -10,6 +10,8 @@ from functools import partial
 from lidardraft.drafting.solver.poses import (
     STOP_LINE,
     PoseSampler,
+    RoadPose,
+    Try,
     aside,
     at_corner,
     at_kerb,
@@ -40,6 +42,8 @@ from lidardraft.scene.road import Road
 NEAREST = 8.0  # m to the middle of an object in front or behind, without a requested distance
 _CLEAR = 0.3  # m between a row and a road that crosses it
 QUEUE_BEFORE = 25.0  # m before a junction that count as "at" it
+# m along the road that a vehicle is beside the ego, and the share that stays there if only its side is asked for
+_ALONGSIDE, _STAYS = 7.0, 0.25
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,15 +166,25 @@ def _driven(group: ObjectGroup, kind: SentenceKind, fore: str, side: str, sides:
     if group.surface == "sidewalk":
         return Zone(span, partial(on_sidewalk, road, sides), len(sides))
     stands = side == "right" and road.ego_lane == 0 and kind.is_vehicle and not group.heading
+    few = not fore and kind.is_vehicle and group.spacing is None and group.fewest in (1, 2, 3)
     if group.lane is None and (group.heading == "parked" or stands):
-        return Zone(span, partial(at_kerb if kind.is_vehicle else on_sidewalk, road, sides), len(sides))
+        sample_pose: PoseSampler = partial(at_kerb if kind.is_vehicle else on_sidewalk, road, sides)
+        return Zone(span, partial(_seldom_alongside, sample_pose) if few else sample_pose, len(sides))
     if not fore:
         span = _span(group, fore, road, 60.0)
     lanes = lanes_of(group, fore, side, road)
     if group.lane == "each":
         each = [partial(in_lane, road, [lane], kind, group.heading, "") for lane in lanes]
         return Zone(span, partial(in_turns, each))
-    return Zone(span, partial(in_lane, road, lanes, kind, group.heading, side))
+    sample_pose = partial(in_lane, road, lanes, kind, group.heading, side)
+    return Zone(span, partial(_seldom_alongside, sample_pose) if few else sample_pose)
+
+
+def _seldom_alongside(sample_pose: PoseSampler, at: Try) -> RoadPose:
+    """The pose, mostly further ahead or behind where it is beside the ego, as vehicles seldom are."""
+    if abs(at.along) < _ALONGSIDE and at.rng.random() > _STAYS:
+        at = at._replace(along=at.along + math.copysign(_ALONGSIDE, at.along))
+    return sample_pose(at)
 
 
 def _in_lot(span: tuple[float, float], road: Road) -> tuple[float, float]:

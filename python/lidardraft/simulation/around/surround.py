@@ -14,6 +14,7 @@ from lidardraft.arranging.ground import Ground
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import Frame, fill, greened, sample_lights
 from lidardraft.arranging.street_mix import StreetMix, applied
+from lidardraft.arranging.traffic import EGO_ROOM, HUGGED
 from lidardraft.errors import LayoutError, check_choice, check_seed, check_type
 from lidardraft.objects.kinds import KINDS, SENTENCE_KINDS, kind_of
 from lidardraft.objects.mesh import quads
@@ -40,6 +41,7 @@ _WIDE = {"urban": 0.35, "avenue": 0.5, "retail": 0.15}
 _ACTIVITY = {"busy": StreetMix(traffic=2.5, people=4.0), "quiet": StreetMix(traffic=0.3, people=0.4)}
 # What stands there, as others see it, keeps its distance [m]: estimates.
 _GAP = 0.3  # to all that was asked for
+_RIM = 3.0  # twice that of the cores of crowns, whose rims stick out
 _AT_HOUSES = {"bicycle", "bin", "letterbox"}
 _AHEAD, _ASIDE = 5.0, 1.0  # of traffic along its lane and beside it
 _VIEW_PIECE = 8.0  # m of a piece of what a picture shows
@@ -120,7 +122,7 @@ class _Scene:
         denied = _denied(self.intent, self.counted) | (set() if district.built_up else _AT_HOUSES)
         instances = max((primitive.instance for primitive in self.given), default=0)
         occupancy = Occupancy(road, ground, denied=denied, instances=instances)
-        for space in (*self._footprints(), *self._view(), *self._beyond_ends()):
+        for space in (*self._footprints(rng), *self._view(), *self._beyond_ends()):
             occupancy.reserve(space)
         for place, size, bottom, top in self.sights.spaces(_REACH):
             occupancy.reserve(Solid.box(*in_frame(place, self.ego), size, bottom, top))
@@ -180,15 +182,19 @@ class _Scene:
             if len(quad):
                 yield Primitive.from_mesh(*quads(quad), label=label, id=AROUND + name)
 
-    def _footprints(self) -> Iterator[Solid]:
+    def _footprints(self, rng: np.random.Generator) -> Iterator[Solid]:
         """What stays free around the ego vehicle and what was asked for; of what is on the road, its lane as well."""
         length, width, height = EGO_SIZE
         yield Solid.box(*self.ego, (length + 2 * _AHEAD, width + _ASIDE), 0.0, height)
+        if rng.random() > HUGGED:
+            yield Solid.box(*self.ego, EGO_ROOM[:2], 0.0, height)
         for primitive in itertools.chain.from_iterable(self.asked.values()):
             x, y, z = primitive.center
             length, width, height = primitive.size
             low, high = z - height / 2, z + height / 2
             yield Solid.box(x, y, primitive.yaw, (length + 2 * _GAP, width + 2 * _GAP), low - 1.0, high + _GAP)
+            if high > EGO_SIZE[2]:
+                yield Solid.box(x, y, primitive.yaw, (length + _RIM, width + _RIM), max(low, EGO_SIZE[2]), high + _GAP)
             along, across = self.road.along_across(x, y)
             if abs(across) < self.road.edge and low < SENSOR[1]:
                 size = (max(length, width) + 2 * _AHEAD, width + 2 * _ASIDE)
