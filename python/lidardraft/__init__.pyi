@@ -58,6 +58,7 @@ from lidardraft.simulation.recorded.scan_edits import (
 from lidardraft.simulation.motion.sequence import SequenceSimulator as SequenceSimulator
 from lidardraft.simulation.simulate import Simulator as Simulator, simulate as simulate
 from lidardraft.simulation.around.surround import surround as surround
+from lidardraft.simulation.on_relief import on_relief as on_relief
 from lidardraft.simulation.motion.tracks import Tracks as Tracks
 from lidardraft.streets import (
     StreetConfig as StreetConfig, StreetMix as StreetMix, street_drive as street_drive, street_scan as street_scan,

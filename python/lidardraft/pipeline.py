@@ -111,15 +111,17 @@ class Pipeline:
         sensor: Sensor | None = None,
         seed: int = 0,
         speed: float = 0.0,
+        relief: bool = True,
         on_step: Callable[[], object] | None = None,
     ) -> Scan:
-        """The scan of a layout, or of a sentence in its street, by a sensor that moves ahead with `speed` [m/s].
+        """The scan of a layout, or of a sentence in its street, by a sensor that moves ahead with `speed` [m/s], with
+        `relief` or on level ground as in `Simulator`.
 
         Same arguments, same scan; another seed gives another one (of a sentence, with another layout too). `on_step` is
         called after each sampling step. A layout that leaves nothing open to weights that complete is a `UserWarning`.
         """
         check_type("source", source, str, Layout)
-        return next(self.scans([(source, seed)], sensor=sensor, speed=speed, on_step=on_step))
+        return next(self.scans([(source, seed)], sensor=sensor, speed=speed, relief=relief, on_step=on_step))
 
     def scans(
         self,
@@ -127,6 +129,7 @@ class Pipeline:
         *,
         sensor: Sensor | None = None,
         speed: float = 0.0,
+        relief: bool = True,
         on_step: Callable[[], object] | None = None,
     ) -> Iterator[Scan]:
         """The scans of many sentences or layouts, each with its seed. A GPU makes several in the same calls.
@@ -135,7 +138,8 @@ class Pipeline:
         """
         sensor, rest = sensor or Sensor.preset("hdl64e"), iter(sources)
         while some := list(itertools.islice(rest, self._at_once(sensor))):
-            yield from self._made([simulate(each, sensor, seed=seed, speed=speed) for each, seed in some], on_step)
+            made = [simulate(each, sensor, seed=seed, speed=speed, relief=relief) for each, seed in some]
+            yield from self._made(made, on_step)
 
     def from_simulated(self, scan: Scan, *, on_step: Callable[[], object] | None = None) -> Scan:
         """What becomes of a simulated scan, as of those that `scans` makes of layouts."""

@@ -106,6 +106,7 @@ _LABELS = ("road", "sidewalk", "terrain", "terrain")
 _KERBED = (1, 3)  # of these, what lies behind kerbs
 _SPACING = 4.5  # m between the stations of a level mesh; the chord of a 110 m bend leaves the arc by 2 cm
 _FINE = 3.0  # m between the lines on a road with waves
+_COARSER = 0.08  # of how far away they are, between the lines of a relief
 _MARGIN = 36.0  # m that the ground goes on behind the ends of the road, for what stands there
 _BEYOND = (11.0, 16.0, 23.0, 33.0, 48.0, 70.0, 100.0)  # m from the verge, where the land is sampled
 _AROUND = (2.5, 6.0)  # m beyond the square of a roundabout, where the land is sampled
@@ -155,7 +156,9 @@ class Ground:
         land_level = kerb + garden if road.sidewalk > 0 else TERRAIN_HEIGHT
         self._levels = np.array([0.0, kerb, land_level, kerb - _GRASS_DROP])
         self._roundabout = None if road.roundabout_radius is None else RoundaboutMesh(road)
-        self._along, self._across = self._lines(plain is None, self._roundabout)
+        end = road.half_length + _MARGIN
+        stations = np.linspace(-end, end, round(2 * end / (_FINE if plain is None else _SPACING)) + 1)
+        self._along, self._across = self._lines(stations, plain is None, self._roundabout)
         if plain is None:
             self._lattice = self.relief.heights(self._along[:, None], self._across[None, :])
         else:
@@ -337,7 +340,7 @@ class Ground:
 
     def relief_lines(self) -> tuple[np.ndarray, np.ndarray]:
         """Lines along and across [m] between which the relief is nearly even."""
-        along, across = self._lines(True, None)
+        along, across = self._lines(graded(self.road.half_length + _MARGIN), True, None)
         rims = self.road.verge + _GARDEN_BEGINS
         return along, _distinct(np.concatenate([across, [-rims, rims]]))
 
@@ -348,10 +351,10 @@ class Ground:
         heights: np.ndarray = self.relief.heights(along, across) + step * begins
         return heights
 
-    def _lines(self, fine: bool, roundabout: RoundaboutMesh | None) -> tuple[np.ndarray, np.ndarray]:
+    def _lines(
+        self, stations: np.ndarray, fine: bool, roundabout: RoundaboutMesh | None
+    ) -> tuple[np.ndarray, np.ndarray]:
         road = self.road
-        end = road.half_length + _MARGIN
-        stations = np.linspace(-end, end, round(2 * end / (_FINE if fine else _SPACING)) + 1)
         ways = np.array([road.edge, *([road.edge + self.strip] if self.strip else []), road.verge])
         section = road.verge + np.array(SECTION)
         lines = [d for area in road.paved_areas for d in area.along]
@@ -382,6 +385,14 @@ class Ground:
             half_lines = half_lines[half_lines < _INSIDE / abs(road.curvature)]
         across = np.concatenate([-half_lines, half_lines, [d for area in road.paved_areas for d in area.across]])
         return _distinct(along), _distinct(across)
+
+
+def graded(reach: float) -> np.ndarray:
+    """Lines [m] on either side of 0, up to `reach` or a little more, the further away the fewer."""
+    lines = [0.0]
+    while lines[-1] < reach:
+        lines.append(lines[-1] + max(_FINE, _COARSER * lines[-1]))
+    return np.array([*(-line for line in lines[:0:-1]), *lines])
 
 
 def _distinct(lines: np.ndarray) -> np.ndarray:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -45,7 +45,7 @@ def both_on_relief(layout: Layout, detailed: Callable[[Layout], Layout]) -> tupl
     raised = dataclasses.replace(layout, primitives=tuple(_raised(layout, relief)))
     scene = detailed(raised)
     ground = {part.id: part for part in (*raised, *scene) if part.label in GROUND}
-    laid = dict(zip(ground, _laid(list(ground.values()), relief), strict=True))
+    laid = {id: _laid(part, relief) for id, part in ground.items()}
     shown = {one.id for one in layout.roads.drawn or drawn(raised)}
     whole = [laid.get(part.id, part) for part in raised]
 
@@ -105,17 +105,8 @@ def _pieces(layout: Layout) -> Iterator[tuple[Primitive, bool]]:
             yield changed(part, id=id, center=center, size=size), True
 
 
-def _laid(ground: list[Primitive], relief: Relief) -> Iterable[Primitive]:
-    """The surfaces of level ground as they rise and fall."""
-    if not ground:
-        return
-    meshes = [primitive_mesh(part) for part in ground]
-    triangles, owner = relief.laid(np.concatenate([mesh.vertices[mesh.faces] for mesh in meshes]))
-    whose = np.repeat(np.arange(len(meshes)), [len(mesh.faces) for mesh in meshes])[owner]
-    order = np.argsort(whose, kind="stable")
-    ends = np.cumsum(np.bincount(whose, minlength=len(ground)))[:-1]
-    for part, own in zip(ground, np.split(triangles[order], ends), strict=True):
-        faces = np.arange(3 * len(own)).reshape(-1, 3)
-        yield Primitive.from_mesh(
-            own.reshape(-1, 3), faces, label=part.label, id=part.id, instance=part.instance, **part.more()
-        )
+def _laid(part: Primitive, relief: Relief) -> Primitive:
+    """A surface of level ground as it rises and falls."""
+    mesh = relief.laid(primitive_mesh(part))
+    fields = {"label": part.label, "id": part.id, "instance": part.instance, **part.more()}
+    return Primitive.from_mesh(mesh.vertices, mesh.faces, **fields)

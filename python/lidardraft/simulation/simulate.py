@@ -30,10 +30,9 @@ class Simulator:
 
     What is scanned is `scene`: `layout` in detail; or `layout` itself without `detail`. `model` is by default that of
     the sensor: its preset, or typical values (`Sensor.assumed_model`). `weather` is by default what the sentence says,
-    or clear and dry. `seed` decides the layout of a sentence and the details. With `relief` the ground rises and falls
-    where the roads of the layout have one (`on_relief`), without it lies level. `threads` is how many threads a scan may
-    use, by default as many as there are cores; scans are the same for any number, and several Python threads may scan
-    at once.
+    or clear and dry. `seed` decides the layout of a sentence and the details. `relief` is whether the ground rises and
+    falls as that of surroundings is to (`on_relief`), or lies level. `threads` is how many threads a scan may use, by
+    default as many as there are cores; scans are the same for any number, and several Python threads may scan at once.
 
     Raises `SensorError` where the beams of the sensor are too close for the model, `LayoutError` on an invalid seed; a
     layout without ground is a `UserWarning`, and one of the `notes` of its scans.

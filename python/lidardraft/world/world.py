@@ -136,10 +136,9 @@ class World:
     With a `Rig`, several sensors on the ego vehicle scan one moment: `scan(channel)`, `scans()`.
 
     All but sensor, model and weather is in `state()`: from the same state the same bytes follow, in scans and steps. A
-    `WorldState` in place of the layout goes on from there. What runs into each other is listed in
-    `collisions`; with "stop" it stands there, and with "refuse" the call raises `LayoutError`. `model`, `weather`,
-    `relief` and `threads` are those of `Simulator`. A call that raises leaves the world as it was; one thread may use
-    it at a time.
+    `WorldState` in place of the layout goes on from there. What runs into each other is listed in `collisions`; with
+    "stop" it stands there, and with "refuse" the call raises `LayoutError`. `model`, `weather`, `relief` and `threads`
+    are those of `Simulator`. A call that raises changes nothing; one thread may use it at a time.
     """
 
     def __init__(
@@ -168,7 +167,7 @@ class World:
         given: Any = layout
         if isinstance(layout, WorldState):
             check_that(check_seed(seed) in (0, layout.seed), "seed", seed, f"{layout.seed}, that of the state")
-            check_that(relief, "relief", relief, "left out: the state says how its ground lies")
+            check_that(relief, "relief", relief, "left out: the state has its own")
             given = layout.layouts[0]
         elif not isinstance(layout, Layout | str):
             given = layout_from_boxes(layout)
@@ -209,8 +208,10 @@ class World:
         made = {number: entry for number, entry in kept.items() if state.layouts.get(number) is entry[0]}
         for number, layout in state.layouts.items():
             if number not in made:
-                around = base if number else None
-                made[number] = layout, built(layout, state.seed, weather.wetness, around, state.origin)
+                made[number] = (
+                    layout,
+                    built(layout, state.seed, weather.wetness, base if number else None, state.origin),
+                )
         things = dict[str, Thing]()
         for name, actor in state.actors.items():
             if name != EGO_NAME:

@@ -8,14 +8,14 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from lidardraft.arranging.ground import Ground
+from lidardraft.arranging.ground import Ground, graded
 from lidardraft.scene.pose import Place, point_at
 from lidardraft.scene.relief import Relief
 
 _WHEELS = np.array([(1.35, 0.8), (1.35, -0.8), (-1.35, 0.8), (-1.35, -0.8)])  # m, where those of the ego vehicle are
-_FINE, _COARSER = 3.0, 0.06  # m between lines near the ego vehicle, and in shares of how far away they are
 _REACH = 150.0  # m of the lines over a bend
 _TURN, _MIDDLE = 1.0, 0.5  # rad before the far side of a bend, and share of its radius, over which its land is level
+_SHOULDER = 3.0  # m from the road, over which the land beside it may come to another height
 _APRON = 6.0  # m around what stands level, over which the land comes to its height
 
 
@@ -24,12 +24,12 @@ def drawn_relief(
 ) -> Relief:
     """The relief of a `ground` whose road's frame is at a `place` in the layout, under which all lies level.
 
-    In that frame the ego vehicle is at `ego`, where the relief is 0 and even; what lies off the road is `level` in some
+    In that frame the ego vehicle is at `ego`, where the relief is 0 and even; off the road it is `level` in some
     rectangles.
     """
     road = ground.road
     if road.curvature:
-        x = y = _lines()
+        x = y = graded(_REACH)
     else:
         along, across = ground.relief_lines()
         x, y = along, across - road.lane(road.ego_lane)
@@ -41,7 +41,7 @@ def drawn_relief(
     plane, *_ = np.linalg.lstsq(np.column_stack([wheels, np.ones(4)]), relief.at(wheels), rcond=None)
     heights = heights - points @ plane[:2] - plane[2]
     cell = np.maximum(np.gradient(x)[:, None], np.gradient(y)[None, :])
-    off_road = np.clip((np.abs(across) - road.verge) / _FINE, 0.0, 1.0)
+    off_road = np.clip((np.abs(across) - road.verge) / _SHOULDER, 0.0, 1.0)
     for spot, (length, width) in level:
         here = Relief(x, y, heights).at(np.array([spot[:2]]))[0]
         away = points - spot[:2]
@@ -49,15 +49,9 @@ def drawn_relief(
         out = [np.maximum(np.abs(away @ (a, b)) - extent / 2 - cell, 0.0) for a, b, extent in turned]
         share = off_road * np.clip(1.0 - np.hypot(*out) / _APRON, 0.0, 1.0)
         heights = heights + share * (here - heights)
+    row, column = (int(np.searchsorted(lines, at, side="right")) for lines, at in zip((x, y), ego, strict=False))
+    heights[row - 1 : row + 1, column - 1 : column + 1] = 0.0
     return Relief(x, y, heights, place)
-
-
-def _lines() -> np.ndarray:
-    """Lines [m] on either side of the ego vehicle."""
-    lines = [0.0]
-    while lines[-1] < _REACH:
-        lines.append(lines[-1] + max(_FINE, _COARSER * lines[-1]))
-    return np.array([*(-line for line in lines[:0:-1]), *lines])
 
 
 def _share(curvature: float, along: np.ndarray, across: np.ndarray) -> np.ndarray | float:
