@@ -38,6 +38,7 @@ from lidardraft.scene.raycast import (
     Hits as Hits, Raycaster as Raycaster, raycast as raycast, with_vehicle as with_vehicle,
 )
 from lidardraft.scene.road import PavedArea as PavedArea, Road as Road
+from lidardraft.scene.relief import Relief as Relief
 from lidardraft.scene.road_network import Drawn as Drawn, RoadNetwork as RoadNetwork
 from lidardraft.scene.scenario import (
     AlongLane as AlongLane, Motion as Motion, Scenario as Scenario, Straight as Straight, Track as Track,

@@ -25,7 +25,8 @@ def on_relief(layout: Layout) -> Layout:
     """The layout on the relief of its roads: its ground rises and falls, and what stands on it keeps its height over
     it and its place in plan. One without a relief, or that is on it already, stays as it is.
 
-    Long walls, fences and hedges that were asked for follow the ground in pieces. The roads know the ground.
+    Long walls, fences and hedges that were asked for follow the ground in pieces. The roads know the ground. `simulate`
+    is given the level layout: of one that is on its relief already it does not know where lines and kerbs are.
     """
     return both_on_relief(layout, lambda level: level)[0]
 
@@ -38,26 +39,24 @@ def without_relief(layout: Layout) -> Layout:
 
 
 def both_on_relief(layout: Layout, detailed: Callable[[Layout], Layout]) -> tuple[Layout, Layout]:
-    """`on_relief` of a layout, and of what is made of it."""
+    """`on_relief` of a layout, with the lines and kerbs that its details have, and of these details."""
     relief = None if layout.roads is None else layout.roads.relief
     if layout.roads is None or relief is None:
         return layout, detailed(layout)
     raised = dataclasses.replace(layout, primitives=tuple(_raised(layout, relief)))
     scene = detailed(raised)
-    ground = {part.id: part for part in (*raised, *scene) if part.label in GROUND}
-    laid = {id: _laid(part, relief) for id, part in ground.items()}
+    laid = {part.id: _laid(part, relief) for part in (*raised, *scene) if part.label in GROUND}
     shown = {one.id for one in layout.roads.drawn or drawn(raised)}
-    whole = [laid.get(part.id, part) for part in raised]
+    whole = {part.id: part for part in raised} | laid
 
     def height(points: np.ndarray) -> np.ndarray:
-        return Ground(Layout(tuple(whole))).at(points)[0]
+        return Ground(Layout(tuple(laid.values()))).at(points)[0]
 
-    seen = drawn(part for part in whole if part.id in shown)
+    seen = drawn(laid[id] for id in laid if id in shown)
     roads = layout.roads.but(relief=None, drawn=seen, ground=height)
-    parts = [laid.get(part.id, part) for part in scene]
-    return tuple(  # type: ignore[return-value]
-        dataclasses.replace(one, primitives=tuple(some), roads=roads) for one, some in ((raised, whole), (scene, parts))
-    )
+    parts = tuple(laid.get(part.id, part) for part in scene)
+    layout = dataclasses.replace(raised, primitives=tuple(whole.values()), roads=roads)
+    return layout, dataclasses.replace(scene, primitives=parts, roads=roads)
 
 
 def _raised(layout: Layout, relief: Relief) -> Iterator[Primitive]:
