@@ -133,12 +133,11 @@ class World:
     its points lie, as in sequences: frame k of a `SequenceSimulator` is the scan after k + 1 steps of 1 / hz, and a
     box is half a `sweep_time` of its velocity behind that of `boxes`.
 
-    With a `Rig`, several sensors on the ego vehicle scan one moment: `scan(channel)`, `scans()`.
-
-    All but sensor, model and weather is in `state()`: from the same state the same bytes follow, in scans and steps. A
-    `WorldState` in place of the layout goes on from there. What runs into each other is listed in `collisions`; with
-    "stop" it stands there, and with "refuse" the call raises `LayoutError`. `model`, `weather`, `relief` and `threads`
-    are those of `Simulator`. A call that raises changes nothing; one thread may use it at a time.
+    With a `Rig`, several sensors on the ego vehicle scan one moment: `scan(channel)`, `scans()`. All but sensor, model
+    and weather is in `state()`: from the same state the same bytes follow, in scans and steps. A `WorldState` in place
+    of the layout goes on from there. What runs into each other is listed in `collisions`; with "stop" it stands there,
+    and with "refuse" the call raises `LayoutError`. `model`, `weather`, `relief` and `threads` are those of
+    `Simulator`. A call that raises changes nothing; one thread may use it at a time.
     """
 
     def __init__(
@@ -208,10 +207,8 @@ class World:
         made = {number: entry for number, entry in kept.items() if state.layouts.get(number) is entry[0]}
         for number, layout in state.layouts.items():
             if number not in made:
-                made[number] = (
-                    layout,
-                    built(layout, state.seed, weather.wetness, base if number else None, state.origin),
-                )
+                around = base if number else None
+                made[number] = layout, built(layout, state.seed, weather.wetness, around, state.origin)
         things = dict[str, Thing]()
         for name, actor in state.actors.items():
             if name != EGO_NAME:
