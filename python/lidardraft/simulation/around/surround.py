@@ -117,7 +117,9 @@ class _Scene:
         district = applied(_ACTIVITY.get(str(self.intent.activity), StreetMix()), district)
         district = _beside_lots(district, road)
         paved = bool(rng.random() < district.paved)
-        land = dataclasses.replace(district.land, ditch=0.0, bank=0.0) if self.paved else district.land
+        # what was asked for would be out of sight behind banks
+        crossed = self.paved or any(map(self._is_beside, itertools.chain.from_iterable(self.asked.values())))
+        land = dataclasses.replace(district.land, ditch=0.0, bank=0.0) if crossed else district.land
         ground = Ground(road, rng, land, plain=self.street.plain, paved=paved)
         denied = _denied(self.intent, self.counted) | (set() if district.built_up else _AT_HOUSES)
         instances = max((primitive.instance for primitive in self.given), default=0)
@@ -145,9 +147,11 @@ class _Scene:
         if self.coverage is not None or not any(one.open and one.label == "terrain" for one in self.given):
             return None
         large = (part for parts in self.asked.values() for part in parts if part.label in _LARGE)
-        beside = (part for part in large if abs(self.road.along_across(*part.center[:2])[1]) > self.road.verge)
-        level = (((*part.center[:2], part.yaw), part.size[:2]) for part in beside)
+        level = (((*part.center[:2], part.yaw), part.size[:2]) for part in filter(self._is_beside, large))
         return drawn_relief(ground, self.street.place, self.ego, level)
+
+    def _is_beside(self, part: Primitive) -> bool:
+        return bool(abs(self.road.along_across(*part.center[:2])[1]) > self.road.verge)
 
     def land(self, ground: Ground) -> Iterator[Primitive]:
         """The ground that the layout lacks, and paved yards and driveways beside the road."""
