@@ -204,7 +204,10 @@ def test_scan_notes_are_those_of_the_layout_and_of_the_scan(tmp_path: Path) -> N
 def test_a_sentence_that_is_simulated_gets_a_street_and_a_layout_none(capsys: pytest.CaptureFixture[str]) -> None:
     bare = lidardraft.layout_from_text("a car", seed=2)
     assert lidardraft.simulate(bare, SENSOR, seed=2).layout == bare
-    assert lidardraft.simulate("a car", SENSOR, seed=2).layout == lidardraft.surround(bare, seed=2) != bare
+    street = lidardraft.surround(bare, seed=2)
+    hilly = lidardraft.simulate("a car", SENSOR, seed=2).layout
+    assert hilly.primitives[: len(street)] == lidardraft.on_relief(street).primitives != street.primitives
+    assert lidardraft.simulate("a car", SENSOR, seed=2, relief=False).layout.primitives == street.primitives
     with pytest.raises(SystemExit):
         main(["simulate", "--help"])
     said = " ".join(capsys.readouterr().out.split())

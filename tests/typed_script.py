@@ -40,6 +40,7 @@ from lidardraft import (
     RangeImageBatch,
     Raycaster,
     RecordedScan,
+    Relief,
     Remove,
     Replace,
     Rig,
@@ -84,7 +85,9 @@ def planned(layout: Layout) -> tuple[Lane, ...]:
     if roads is None:
         area = PavedArea((1.0, 20.0), (9.0, 30.0))
         street = StreetFrame(road=Road(lanes=2, paved_areas=(area,)))
-        roads = RoadNetwork(street=street, drawn=(Drawn("road", (0.0, 0.0, 0.0), (9.0, 9.0, 0.0)),))
+        relief = Relief(np.array([0.0, 9.0]), np.array([-9.0, 9.0]), np.zeros((2, 2)), (1.0, 2.0, 0.0))
+        drawn = (Drawn("road", (0.0, 0.0, 0.0), (9.0, 9.0, 0.0)),)
+        roads = RoadNetwork(street=street, drawn=drawn, relief=relief)
     lane, along, left = roads.nearest_lane(0.0, 0.0, yaw=0.0)
     up: np.ndarray = roads.normal(along, left, roads.height(along, left))
     mine = Lane(id="1", line=Line.through(np.outer([0.0, 9.0], up)), width=3.5, speed=9.0, junction="j")
@@ -100,7 +103,7 @@ def planned(layout: Layout) -> tuple[Lane, ...]:
 
 def layouts(file: str, points: np.ndarray, boxes: list[Box]) -> Iterator[Layout]:
     """One of each input."""
-    yield lidardraft.layout_from_text("a bus ahead", seed=1, strict=True)
+    yield lidardraft.on_relief(lidardraft.layout_from_text("a bus ahead", seed=1, strict=True))
     yield lidardraft.layout_from_llm("a bus ahead", seed=1, url="http://localhost:11434/v1", model="small")
     yield lidardraft.layout_from_image(file, hfov=1.2)
     yield lidardraft.layout_from_sketch(file, metres_per_pixel=0.1, seed=1)

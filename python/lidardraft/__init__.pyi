@@ -38,6 +38,7 @@ from lidardraft.scene.raycast import (
     Hits as Hits, Raycaster as Raycaster, raycast as raycast, with_vehicle as with_vehicle,
 )
 from lidardraft.scene.road import PavedArea as PavedArea, Road as Road
+from lidardraft.scene.relief import Relief as Relief
 from lidardraft.scene.road_network import Drawn as Drawn, RoadNetwork as RoadNetwork
 from lidardraft.scene.scenario import (
     AlongLane as AlongLane, Motion as Motion, Scenario as Scenario, Straight as Straight, Track as Track,
@@ -58,6 +59,7 @@ from lidardraft.simulation.recorded.scan_edits import (
 from lidardraft.simulation.motion.sequence import SequenceSimulator as SequenceSimulator
 from lidardraft.simulation.simulate import Simulator as Simulator, simulate as simulate
 from lidardraft.simulation.around.surround import surround as surround
+from lidardraft.simulation.on_relief import on_relief as on_relief
 from lidardraft.simulation.motion.tracks import Tracks as Tracks
 from lidardraft.streets import (
     StreetConfig as StreetConfig, StreetMix as StreetMix, street_drive as street_drive, street_scan as street_scan,

@@ -233,6 +233,15 @@ def read_obj(
     An object with several materials comes as several entries; shared positions stay shared.
     """
 
+def lay(
+    mesh: tuple[NDArray[np.float64], NDArray[np.uint32]],
+    x: NDArray[np.float64],
+    y: NDArray[np.float64],
+    heights: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.uint32]]:
+    """Vertices [U, 3] and triangles [G, 3] of a mesh, vertices [V, 3] and triangles [F, 3], that is cut where the lines
+    x [X] and y [Y] and the diagonals between them lie, and raised by their `heights` [X, Y]."""
+
 @final
 class SensorModel:
     """The effects of one unit of a sensor, checked: `SensorError` names an invalid number, and its limit.

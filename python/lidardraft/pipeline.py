@@ -111,16 +111,18 @@ class Pipeline:
         sensor: Sensor | None = None,
         seed: int = 0,
         speed: float = 0.0,
+        relief: bool = True,
         on_step: Callable[[], object] | None = None,
     ) -> Scan:
-        """The scan of a layout, or of a sentence in its street, by a sensor that moves ahead at `speed` [m/s].
+        """The scan of a layout, or of a sentence in its street, by a sensor that moves ahead at `speed` [m/s], with
+        `relief` or on level ground as in `Simulator`.
 
         The same arguments give the same scan; another seed gives another one, for a sentence with another layout too.
         `on_step` is called after each sampling step. With weights that complete, a layout that leaves nothing open is a
         `UserWarning`.
         """
         check_type("source", source, str, Layout)
-        return next(self.scans([(source, seed)], sensor=sensor, speed=speed, on_step=on_step))
+        return next(self.scans([(source, seed)], sensor=sensor, speed=speed, relief=relief, on_step=on_step))
 
     def scans(
         self,
@@ -128,6 +130,7 @@ class Pipeline:
         *,
         sensor: Sensor | None = None,
         speed: float = 0.0,
+        relief: bool = True,
         on_step: Callable[[], object] | None = None,
     ) -> Iterator[Scan]:
         """The scans of many sentences or layouts, each with its seed. A GPU makes several in one call.
@@ -136,7 +139,8 @@ class Pipeline:
         """
         sensor, rest = sensor or Sensor.preset("hdl64e"), iter(sources)
         while some := list(itertools.islice(rest, self._at_once(sensor))):
-            yield from self._made([simulate(each, sensor, seed=seed, speed=speed) for each, seed in some], on_step)
+            made = [simulate(each, sensor, seed=seed, speed=speed, relief=relief) for each, seed in some]
+            yield from self._made(made, on_step)
 
     def from_simulated(self, scan: Scan, *, on_step: Callable[[], object] | None = None) -> Scan:
         """The generated scan of a simulated one, as `scans` makes it from a layout."""

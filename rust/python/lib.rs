@@ -14,7 +14,7 @@ use numpy::ndarray::Ix1;
 use numpy::{PyArrayDyn, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 
-use arrays::{Column, Table, array, rows, shaped};
+use arrays::{Column, Table, array, rows, shaped, table_shape};
 use errors::{CoreError, CoreResult};
 use images::{Given, Outputs};
 use poses::{primitive_poses, sensor_poses};
@@ -265,6 +265,26 @@ fn read_obj(
     meshes.into_iter().map(entry).collect()
 }
 
+#[pyfunction]
+#[expect(clippy::type_complexity, reason = "the tuple of the stub file")]
+fn lay<'py>(
+    py: Python<'py>,
+    mesh: (Bound<'py, PyAny>, Bound<'py, PyAny>),
+    x: &Bound<'py, PyAny>,
+    y: &Bound<'py, PyAny>,
+    heights: &Bound<'py, PyAny>,
+) -> PyResult<(Out<'py, f64>, Out<'py, u32>)> {
+    let (mesh, x, y) = (triangle_mesh(0, &mesh)?, vector("x", x)?, vector("y", y)?);
+    let table: Table<'_, f64> = array("heights", heights)?;
+    if table.shape() != [x.len(), y.len()] || x.len().min(y.len()) < 2 {
+        return Err(table_shape("heights", table.shape(), "[X, Y] of two lines or more"));
+    }
+    let heights = table.as_slice()?;
+    let (vertices, faces) = py.detach(|| core::Relief { x: &x, y: &y, heights }.lay(&mesh));
+    let (count, number) = (vertices.len(), faces.len());
+    Ok((shaped(py, vertices.into_flattened(), [count, 3])?, shaped(py, faces.into_flattened(), [number, 3])?))
+}
+
 fn vector(name: &str, argument: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     let values: Column<'_, f64> = array::<f64, Ix1>(name, argument)?;
     Ok(values.as_slice()?.to_vec())
@@ -308,5 +328,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(backends, module)?)?;
     module.add_function(wrap_pyfunction!(sensor_model::observe, module)?)?;
     module.add_function(wrap_pyfunction!(read_obj, module)?)?;
+    module.add_function(wrap_pyfunction!(lay, module)?)?;
     module.add("DEBUG", cfg!(debug_assertions))
 }

@@ -379,7 +379,7 @@ def test_the_page_of_docs_is_true(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert world["person_3"].pose == pytest.approx((9.0, 2.0, world["person_3"].pose[2]))
     assert not [id for id in world.ids if id.startswith("around/tree_")]
     assert scan.time == pytest.approx(1.95)
-    assert scan.speed == pytest.approx(8.0)
+    assert scan.speed == pytest.approx(8.0, rel=1e-3)  # on a slope
     assert len(names["boxes"]) == len(scan.boxes())
     exec(states, names)
     assert list(names["again"].rig.mounts) == ["os1-128"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 
@@ -107,11 +106,13 @@ _LABELS = ("road", "sidewalk", "terrain", "terrain")
 _KERBED = (1, 3)  # of these, what lies behind kerbs
 _SPACING = 4.5  # m between the stations of a level mesh; the chord of a 110 m bend leaves the arc by 2 cm
 _FINE = 3.0  # m between the lines on a road with waves
+_COARSER = 0.08  # of how far away they are, between the lines of a relief
 _MARGIN = 36.0  # m that the ground goes on behind the ends of the road, for what stands there
 _BEYOND = (11.0, 16.0, 23.0, 33.0, 48.0, 70.0, 100.0)  # m from the verge, where the land is sampled
 _AROUND = (2.5, 6.0)  # m beyond the square of a roundabout, where the land is sampled
 _INSIDE = 0.8  # of the way to the centre of a bend, where the land inside it ends
-_GARDEN_DROP, _GRASS_DROP = 0.03, 0.02  # m from a sidewalk down to gardens and to the grass beside it
+_GRASS_DROP = 0.02  # m from a sidewalk down to the grass beside it
+_GARDEN_BEGINS = 0.15  # m from the sidewalk, where gardens beside a level road have their height
 # m, of streets: of a kerb over the road, of one that is dropped, and of gardens over the sidewalk: estimates
 _KERBS, _DROPPED, _GARDENS = (0.0, KERB_HEIGHT), 0.03, (-0.04, 0.08)
 _CROSSED = 2.5  # m beside a side road, where kerbs are dropped for people who cross
@@ -132,8 +133,8 @@ class Ground:
     """The surface of one street over the road's frame (along, across): its class and height.
 
     `strip` [m] is the width of the grass between kerb and sidewalk; with `paved` the land beside the street is a
-    square or a yard. Where the height of a `plain` [m] is given, the road is level as `Road.surfaces` has it, the plain
-    hides land that falls, and the relief comes to nothing where `share` f64 [...], of points x, y [..., 2], is 0.
+    square or a yard. Where the height of a `plain` [m] is given, all lies level, as `road_surfaces` has it, and the
+    relief is still to be applied.
     """
 
     def __init__(
@@ -145,23 +146,23 @@ class Ground:
         strip: float = 0.0,
         paved: bool = False,
         plain: float | None = None,
-        share: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> None:
         self.road, self.strip, self.paved, self.plain = road, strip, paved, plain
-        self.relief = Relief(road, land or Land(), rng, level_road=plain is not None)
+        self.relief = Relief(road, land or Land(), rng)
         (own,) = rng.spawn(1)
         kerb = KERB_HEIGHT if plain is not None or road.sidewalk == 0 else own.uniform(*_KERBS)
-        garden = -_GARDEN_DROP if plain is not None else own.uniform(*_GARDENS)
+        garden = own.uniform(*_GARDENS)
         # beside a sidewalk gardens are about as high as it, beside a bare road the land is a little lower
         land_level = kerb + garden if road.sidewalk > 0 else TERRAIN_HEIGHT
         self._levels = np.array([0.0, kerb, land_level, kerb - _GRASS_DROP])
         self._roundabout = None if road.roundabout_radius is None else RoundaboutMesh(road)
-        self._along, self._across = self._lines()
-        self._lattice = self.relief.heights(self._along[:, None], self._across[None, :])
-        if share is not None:
-            self._lattice = self._lattice * share(road.points(self._along[:, None], self._across[None, :]))
-        if plain is not None:
-            self._lattice = np.maximum(self._lattice, 0.0)
+        end = road.half_length + _MARGIN
+        stations = np.linspace(-end, end, round(2 * end / (_FINE if plain is None else _SPACING)) + 1)
+        self._along, self._across = self._lines(stations, plain is None, self._roundabout)
+        if plain is None:
+            self._lattice = self.relief.heights(self._along[:, None], self._across[None, :])
+        else:
+            self._lattice = np.zeros((len(self._along), len(self._across)))
         self._drop = self._dropped_at_crossings()
         self.low = float(self._lattice.min())
         self._driveways: list[PavedArea] = []
@@ -337,16 +338,29 @@ class Ground:
             drop[np.ix_(np.isclose(off, road.edge), (out >= road.edge - _NEAR) & (out <= far))] = self._most_dropped
         return drop
 
-    def _lines(self) -> tuple[np.ndarray, np.ndarray]:
+    def relief_lines(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lines along and across [m] between which the relief is nearly even."""
+        along, across = self._lines(graded(self.road.half_length + _MARGIN), True, None)
+        rims = self.road.verge + _GARDEN_BEGINS
+        return along, _distinct(np.concatenate([across, [-rims, rims]]))
+
+    def rises(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+        """What a relief adds [m] to level ground at points that broadcast: gardens are as high as sidewalks too."""
+        step = self._levels[2] - (TERRAIN_HEIGHT if self.plain is None else self.plain)
+        begins = np.minimum(self.relief.away(along, across) / _GARDEN_BEGINS, 1.0)
+        heights: np.ndarray = self.relief.heights(along, across) + step * begins
+        return heights
+
+    def _lines(
+        self, stations: np.ndarray, fine: bool, roundabout: RoundaboutMesh | None
+    ) -> tuple[np.ndarray, np.ndarray]:
         road = self.road
-        end = road.half_length + _MARGIN
-        stations = np.linspace(-end, end, round(2 * end / (_SPACING if self.plain is not None else _FINE)) + 1)
         ways = np.array([road.edge, *([road.edge + self.strip] if self.strip else []), road.verge])
         section = road.verge + np.array(SECTION)
         lines = [d for area in road.paved_areas for d in area.along]
-        if self._roundabout is not None:
-            lines += self._roundabout.lines_along()
-            half = self._roundabout.half
+        if roundabout is not None:
+            lines += roundabout.lines_along()
+            half = roundabout.half
             assert road.junction is not None
             stations = stations[np.abs(stations - road.junction) > half]
         elif road.junction is not None:
@@ -359,18 +373,26 @@ class Ground:
             stations = stations[np.abs(stations[:, None] - fixed).min(axis=1) > _CLOSE]
         along = np.concatenate([stations, fixed])
         middle = [road.median / 2] if road.median > 0 else [0.0]
-        if self.plain is None:
+        if fine:
             middle += np.arange(middle[0] + _FINE, road.edge - _CLOSE, _FINE).tolist()
         half_lines = np.concatenate([middle, ways, section, road.verge + np.array(_BEYOND)])
-        if self._roundabout is not None:
-            beyond = half_lines[half_lines > self._roundabout.half + _CLOSE]
-            around = self._roundabout.half + np.array(_AROUND)
-            half_lines = np.concatenate([[d for d in self._roundabout.offsets if d >= 0.0], around, beyond])
+        if roundabout is not None:
+            beyond = half_lines[half_lines > roundabout.half + _CLOSE]
+            around = roundabout.half + np.array(_AROUND)
+            half_lines = np.concatenate([[d for d in roundabout.offsets if d >= 0.0], around, beyond])
         # the land inside a bend ends before the bend's centre
         if road.curvature:
             half_lines = half_lines[half_lines < _INSIDE / abs(road.curvature)]
         across = np.concatenate([-half_lines, half_lines, [d for area in road.paved_areas for d in area.across]])
         return _distinct(along), _distinct(across)
+
+
+def graded(reach: float) -> np.ndarray:
+    """Lines [m] on either side of 0, up to `reach` or a little more, the further away the fewer."""
+    lines = [0.0]
+    while lines[-1] < reach:
+        lines.append(lines[-1] + max(_FINE, _COARSER * lines[-1]))
+    return np.array([*(-line for line in lines[:0:-1]), *lines])
 
 
 def _distinct(lines: np.ndarray) -> np.ndarray:

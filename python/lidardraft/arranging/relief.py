@@ -28,7 +28,7 @@ _WAVES = (1.0, 0.45)
 _RIPPLES, _RIPPLE_LENGTHS, _ROUGHNESS = 6, (6.0, 25.0), (0.003, 0.009)
 # The land beside the road: estimates.
 _STEEPEST_HILL = 0.12
-_STREET_HILLS = 1.6  # times those beside level roads, which hide all that falls
+_STREET_HILLS = 1.6  # times `Land.hillside`
 _HILL_BEGINS = 20.0  # m from the verge, where a hillside has half of its slope
 _ROLLING = (0.3, 1.0)  # how high its waves are, in shares of what the district has
 _ROLLING_BEGINS = 15.0  # m from what is paved, where they have their full height
@@ -57,11 +57,10 @@ class Land:
 class Relief:
     """Heights over the frame (along, across) of one road, continuous everywhere.
 
-    With `level_road` all that is paved is flat. `hillside` [2] holds the slopes that the land on the left and on the
-    right comes to, away from the road.
+    `hillside` [2] holds the slopes that the land on the left and on the right comes to, away from the road.
     """
 
-    def __init__(self, road: Road, land: Land, rng: np.random.Generator, *, level_road: bool = False) -> None:
+    def __init__(self, road: Road, land: Land, rng: np.random.Generator) -> None:
         self.road = road
         self._camber = rng.uniform(*_CAMBER)
         outside = road.sidewalk == 0.0
@@ -71,22 +70,18 @@ class Relief:
         self._wavenumbers = 2 * math.pi / rng.uniform(*_WAVELENGTHS)
         self._rise = np.clip(rng.normal(0.0, land.grade, 2) * _WAVES, -0.5 * _STEEPEST, 0.5 * _STEEPEST)
         self._phase = rng.uniform(0.0, 2 * math.pi, 2)
-        slopes = rng.normal(0.0, land.hillside, 2) * (1.0 if level_road else _STREET_HILLS)
+        slopes = rng.normal(0.0, land.hillside, 2) * _STREET_HILLS
         self.hillside = np.clip(slopes, -_STEEPEST_HILL, _STEEPEST_HILL)
         self._sections = np.stack([_section(road, land, rng) for _ in range(2)])
         self._rolling = rng.uniform(*_ROLLING) * land.rolling
         self._waves = rng.uniform(*_ROLLING_WAVES, (3, 3))
         self._mound = rng.uniform(*_MOUND)
-        self._level_road = level_road
         (own,) = rng.spawn(1)
         lengths = np.geomspace(*_RIPPLE_LENGTHS, _RIPPLES)
         heading, self._ripple_phases = own.uniform(0.0, 2 * math.pi, (2, _RIPPLES))
         self._ripples = 2 * math.pi / lengths * np.stack([np.cos(heading), np.sin(heading)])
         self._ripple_heights = own.uniform(*_ROUGHNESS) / math.sqrt(_RIPPLES / 2) * lengths / (2 * math.pi)
-        if level_road:
-            self._camber, self._bank, self._mound, self._rise = 0.0, 0.0, 0.0, 0.0 * self._rise
-            self._ripple_heights = 0.0 * self._ripple_heights
-        elif not outside:  # behind a sidewalk, too, land falls as often as it rises
+        if not outside:  # behind a sidewalk, too, land falls as often as it rises
             self._sections[:, -2:] *= np.where(own.random(2) < _FALLING, -1.0, 1.0)[:, None]
 
     def grade(self, along: float) -> float:
@@ -101,13 +96,11 @@ class Relief:
         relief = self._profile(along) + self._crossfall(along, across) + self._short_waves(along, across)
         out = np.maximum(side - road.verge, 0.0)
         relief = relief + np.where(left, self.hillside[0], self.hillside[1]) * out * out / (out + _HILL_BEGINS)
-        away = self._away(along, across)
+        away = self.away(along, across)
         section = np.where(left, self._cut(away, 0), self._cut(away, 1))
         p, q, phase = self._waves.T
         waves = np.sin(along[..., None] * p + across[..., None] * q + phase).mean(axis=-1)
         relief = relief + section + self._rolling * np.minimum(away / _ROLLING_BEGINS, 1.0) * waves
-        if self._level_road:  # nor do side roads rise
-            relief = relief * np.minimum(away / np.maximum(side - road.verge, 1e-6), 1.0)
         if road.roundabout_radius is not None and road.junction is not None:
             inward = np.clip(1.0 - np.hypot(along - road.junction, across) / road.island, 0.0, 1.0)
             relief = relief + self._mound * inward * (2.0 - inward)
@@ -140,8 +133,8 @@ class Relief:
         off = np.hypot(along - self.road.junction, across) - self.road.roundabout_radius
         return np.asarray(np.clip(off / _CAMBER_BEGINS, 0.0, 1.0))
 
-    def _away(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """Distance from all that is paved [m]."""
+    def away(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
+        """Distance [m] from all that is paved, of points that broadcast."""
         road = self.road
         away = np.abs(across) - road.verge
         if road.junction is not None:

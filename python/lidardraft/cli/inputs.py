@@ -157,8 +157,9 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, required: bool = Tru
         (model if name.startswith("llm_") else group).add_argument(f"--{name.replace('_', '-')}", help=text, **how)
     usual = f"street with {', '.join(f'--{name}' for name in _STREET_AROUND)}, else bare"
     text = "street: buildings, plants, traffic and people around the input, which stays unchanged and in sight; "
-    text += f"their ids begin with {AROUND}; bare: nothing is added (default: {usual})"
-    group.add_argument("--surroundings", choices=("street", "bare"), help=text)
+    text += f"their ids begin with {AROUND}; level: the same on level ground; bare: nothing is added "
+    text += f"(default: {usual})"
+    group.add_argument("--surroundings", choices=("street", "level", "bare"), help=text)
     add_seed(group)
     return group
 
@@ -209,11 +210,16 @@ def layout_of_input(arguments: argparse.Namespace) -> Layout:
 
 def _surrounded(arguments: argparse.Namespace, layout: Layout, seed: int, *, usual: bool) -> Layout:
     """The layout with a street around it if --surroundings asks for one, or by default if that is `usual`."""
-    if (arguments.surroundings or ("street" if usual else "bare")) == "bare":
+    wanted = arguments.surroundings or ("street" if usual else "bare")
+    if wanted == "bare":
         return layout
     from lidardraft.simulation.around.surround import surround
+    from lidardraft.simulation.on_relief import without_relief
 
-    return surround(layout, seed=seed)
+    level = wanted == "level"
+    has_relief = layout.roads is not None and layout.roads.relief is not None
+    whole = layout if level and has_relief else surround(layout, seed=seed)
+    return without_relief(whole) if level else whole
 
 
 def around_it(layout: Layout) -> str:

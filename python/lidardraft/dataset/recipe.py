@@ -77,7 +77,7 @@ class Scene:
     values: Values
     numbers: dict[str, Values]
     words: dict[str, Values] = dataclasses.field(default_factory=dict)
-    surroundings: bool = False
+    surroundings: str = "bare"
     weights: str | None = None
     edits: tuple[Edit, ...] = ()
 
@@ -246,9 +246,13 @@ def _layout(scene: Scene, seed: int, rng: np.random.Generator) -> Layout:
         return Layout.load(drawn(scene.values, rng))
     from lidardraft.drafting.text.layout import layout_from_text
     from lidardraft.simulation.around.surround import surround
+    from lidardraft.simulation.on_relief import without_relief
 
     layout = layout_from_text(_filled(drawn(scene.values, rng), all_drawn(scene.words, rng)), seed=seed)
-    return surround(layout, seed=seed) if scene.surroundings else layout
+    if scene.surroundings == "bare":
+        return layout
+    whole = surround(layout, seed=seed)
+    return without_relief(whole) if scene.surroundings == "level" else whole
 
 
 def _filled(sentence: str, words: dict[str, Any]) -> str:
@@ -361,7 +365,7 @@ def _scene(table: Table, folder: Path) -> Scene:
         values=values,
         numbers=_numbers(table, {"speed": 0.0}) if "speed" in table else {},
         words=words,
-        surroundings=table.name("surroundings", ["street", "bare"], usual) == "street",
+        surroundings=table.name("surroundings", ["street", "level", "bare"], usual),
         weights=weights,
         edits=tuple(map(_edit, table.tables("edit"))),
     )

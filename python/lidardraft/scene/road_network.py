@@ -16,6 +16,7 @@ from lidardraft.json_fields import check_fields, read_as, write_as
 from lidardraft.scene.lane import Crossing, Junction, Lane, Pavement, Signal
 from lidardraft.scene.line import Line
 from lidardraft.scene.pose import Place, in_frame
+from lidardraft.scene.relief import Relief
 from lidardraft.scene.street import StreetFrame
 
 MEETS = 0.5  # m, the largest distance from the end of a lane to the start of its successor
@@ -40,6 +41,7 @@ _FIELDS: dict[str, Any] = {
     "signals": tuple[Signal, ...],
     "paved": tuple[Pavement, ...],
     "drawn": tuple[Drawn, ...] | None,
+    "relief": Relief | None,
 }
 
 
@@ -49,7 +51,8 @@ class RoadNetwork:
     `lanes`, `junctions`, `crossings`, `signals` and `paved` areas refer to each other by ids, and may overlap on
     several levels. `drawn` are the primitives that show the roads; None means those of `street.road`
     (`scene.road_surfaces`). A street follows its `ground`, a function from points [N, 2] to heights f64 [N], called
-    when needed. Networks are immutable.
+    when needed. A `relief` says how the ground of a level layout rises and falls in scans (`on_relief`). Networks are
+    immutable.
 
     Raises `LayoutError` for an unknown or repeated id, for lanes that do not meet their successors, and for a street
     with other lanes.
@@ -65,9 +68,10 @@ class RoadNetwork:
         signals: tuple[Signal, ...] = (),
         paved: tuple[Pavement, ...] = (),
         drawn: tuple[Drawn, ...] | None = None,
+        relief: Relief | None = None,
         ground: Callable[[np.ndarray], np.ndarray] | None = None,
     ) -> None:
-        self._flat, self.paved, self.drawn, self._ground = street, paved, drawn, ground
+        self._flat, self.paved, self.drawn, self.relief, self._ground = street, paved, drawn, relief, ground
         self._given, self._crossings = (lanes, junctions, signals), crossings
         if street is None:
             self._check()
@@ -281,13 +285,16 @@ class RoadNetwork:
 
     def moved(self, place: Place) -> RoadNetwork:
         """The network of a frame that is at `place`, in the frame around it; `drawn` stays in its own frame."""
+        relief = self.relief and self.relief.moved(place)
         if self.street is not None:
-            return self.but(street=replace(self.street, place=in_frame(self.street.place, place)))
+            return self.but(street=replace(self.street, place=in_frame(self.street.place, place)), relief=relief)
         parts = {
             name: tuple(replace(part, place=in_frame(part.place, place)) for part in getattr(self, name))
             for name in ("crossings", "signals", "paved")
         }
-        return self.but(lanes=tuple(replace(lane, line=lane.line.moved(place)) for lane in self.lanes), **parts)
+        return self.but(
+            lanes=tuple(replace(lane, line=lane.line.moved(place)) for lane in self.lanes), relief=relief, **parts
+        )
 
     def but(self, **fields: Any) -> RoadNetwork:
         """The network with some of its fields replaced."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from functools import partial
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.weather import Weather, weather_of
 from lidardraft.semantics import GROUND
 from lidardraft.simulation.detail.detail import detail as detailed
+from lidardraft.simulation.on_relief import both_on_relief, without_relief
 from lidardraft.simulation.sweeps import Sweeper
 
 _NO_GROUND = "the layout has no ground (road, sidewalk or terrain): nothing returns from it"
@@ -28,9 +30,9 @@ class Simulator:
 
     What is scanned is `scene`: `layout` in detail; or `layout` itself without `detail`. `model` is by default that of
     the sensor: its preset, or typical values (`Sensor.assumed_model`). `weather` is by default what the sentence says,
-    or clear and dry. `seed` decides the layout of a sentence and the details. `threads` is how many threads a scan may
-    use, by default as many as there are cores; scans are the same for any number, and several Python threads may scan
-    at once.
+    or clear and dry. `seed` decides the layout of a sentence and the details. `relief` is whether the ground rises and
+    falls as that of surroundings is to (`on_relief`), or lies level. `threads` is how many threads a scan may use, by
+    default as many as there are cores; scans are the same for any number, and several Python threads may scan at once.
 
     Raises `SensorError` where the beams of the sensor are too close for the model, `LayoutError` on an invalid seed; a
     layout without ground is a `UserWarning`, and one of the `notes` of its scans.
@@ -45,10 +47,11 @@ class Simulator:
         model: SensorModel | None = None,
         weather: Weather | None = None,
         detail: bool = True,
+        relief: bool = True,
         threads: int | None = None,
     ) -> None:
         check_type("sensor", sensor, Sensor)
-        self.layout, self.scene, self._assumed = prepared(layout, seed, detail)
+        self.layout, self.scene, self._assumed = prepared(layout, seed, detail, relief)
         self._sweeper = Sweeper.of(sensor, model, weather or weather_of(self.layout.intent.weather), threads)
         self._bodies = Bodies.of(self.scene, self._sweeper.weather.wetness)
 
@@ -81,6 +84,7 @@ def simulate(
     model: SensorModel | None = None,
     weather: Weather | None = None,
     detail: bool = True,
+    relief: bool = True,
     threads: int | None = None,
 ) -> Scan:
     """The scan of a layout as it is, or of a sentence with a street around it.
@@ -89,19 +93,30 @@ def simulate(
     road is bare. It is `Simulator(layout, sensor, ...).scan(pose, ...)`.
     Same arguments, same scan, for any number of threads; another seed gives another one.
     """
-    simulator = Simulator(layout, sensor, seed=seed, model=model, weather=weather, detail=detail, threads=threads)
+    simulator = Simulator(
+        layout, sensor, seed=seed, model=model, weather=weather, detail=detail, relief=relief, threads=threads
+    )
     return simulator.scan(pose, speed=speed, seed=seed)
 
 
-def prepared(layout: Layout | str, seed: int, detail: bool) -> tuple[Layout, Layout, tuple[str, ...]]:
-    """The layout, or that of a sentence in its street, what is scanned of it, and what of its scans is assumed."""
+def prepared(layout: Layout | str, seed: int, detail: bool, relief: bool) -> tuple[Layout, Layout, tuple[str, ...]]:
+    """The layout, or that of a sentence in its street, on its relief, what is scanned of it, and what of its scans is
+    assumed."""
+    layout, assumed = level_layout(layout, seed, relief)
+    return *both_on_relief(layout, partial(detailed, seed=seed) if detail else Layout.noted), assumed
+
+
+def level_layout(layout: Layout | str, seed: int, relief: bool) -> tuple[Layout, tuple[str, ...]]:
+    """The layout, or that of a sentence in its street, as it lies level, with its `relief` or without, and what of its
+    scans is assumed."""
     seed = check_seed(seed)
     check_type("layout", layout, Layout, str)
+    check_type("relief", relief, bool)
     layout = _from_text(layout, seed) if isinstance(layout, str) else layout
     assumed = () if any(primitive.label in GROUND for primitive in layout) else (_NO_GROUND,)
     if assumed:
-        warnings.warn(_NO_GROUND, stacklevel=3)
-    return layout, detailed(layout, seed=seed) if detail else layout, assumed
+        warnings.warn(_NO_GROUND, stacklevel=4)
+    return layout if relief else without_relief(layout), assumed
 
 
 def _from_text(sentence: str, seed: int) -> Layout:

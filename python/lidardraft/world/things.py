@@ -10,6 +10,7 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from lidardraft.scene.bodies import Bodies
 from lidardraft.scene.box import Box
@@ -22,6 +23,7 @@ from lidardraft.simulation.detail.fitting import changed
 from lidardraft.simulation.motion.driver import Body
 from lidardraft.simulation.motion.motions import Ground
 from lidardraft.simulation.motion.tracks import EGO_BODY, bodies_of
+from lidardraft.simulation.on_relief import both_on_relief, on_relief
 from lidardraft.simulation.sweeps import Spot
 
 
@@ -97,9 +99,9 @@ Origin = tuple[float, float, float]
 def built(
     layout: Layout, seed: int, wetness: float, base: Layout | None = None, origin: Origin | None = None
 ) -> dict[str, Thing]:
-    """The things of a layout, by their names; of one that is added to a `base`, on the roads of that. All are compiled
-    around `origin` [m], by default the middle of them."""
-    scene = detail(layout, seed=seed, around=base)
+    """The things of a layout on its relief, by their names; of one that is added to a `base`, on the roads of that. All
+    are compiled around `origin` [m], by default the middle of them."""
+    layout, scene = both_on_relief(layout, partial(detail, seed=seed, around=base))
     whole = Bodies.of(scene, wetness)
     given, own = dict[str, list[Primitive]](), dict[str, list[int]]()
     for part in layout:
@@ -108,7 +110,9 @@ def built(
         own.setdefault(object_of(part), []).append(number)
     around = origin or whole.origin
     standing = {name: [part for part in parts if part.label not in GROUND] for name, parts in given.items()}
-    solid = bodies_of({name: parts for name, parts in standing.items() if parts}, Ground(base or layout))
+    solid = bodies_of(
+        {name: parts for name, parts in standing.items() if parts}, Ground(on_relief(base) if base else layout)
+    )
     things = {}
     for name, parts in given.items():
         body = solid[name] if name in solid else _bare(name, parts)

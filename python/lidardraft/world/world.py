@@ -43,9 +43,10 @@ from lidardraft.semantics import BY_NAME, GROUND
 from lidardraft.simulation.motion.driving import STEP
 from lidardraft.simulation.motion.motions import DRIVES
 from lidardraft.simulation.motion.tracks import through
+from lidardraft.simulation.on_relief import on_relief
 from lidardraft.simulation.recorded.solid_object import sampled_parts
 from lidardraft.simulation.roads import with_known_roads
-from lidardraft.simulation.simulate import prepared
+from lidardraft.simulation.simulate import level_layout
 from lidardraft.simulation.sweeps import FLASH, Mover, Spot, Sweeper, radius_of
 from lidardraft.world.rig import Mount, Rig
 from lidardraft.world.state import EGO_NAME, Actor, Collision, WorldState
@@ -132,12 +133,11 @@ class World:
     its points lie, as in sequences: frame k of a `SequenceSimulator` is the scan after k + 1 steps of 1 / hz, and a
     box is half a `sweep_time` of its velocity behind that of `boxes`.
 
-    With a `Rig`, several sensors on the ego vehicle scan one moment: `scan(channel)`, `scans()`.
-
-    All but sensor, model and weather is in `state()`: from the same state the same bytes follow, in scans and steps. A
-    `WorldState` in place of the layout goes on from there. What runs into each other is listed in
-    `collisions`; with "stop" it stands there, and with "refuse" the call raises `LayoutError`. `model`, `weather` and
-    `threads` are those of `Simulator`. A call that raises leaves the world as it was; one thread may use it at a time.
+    With a `Rig`, several sensors on the ego vehicle scan one moment: `scan(channel)`, `scans()`. All but sensor, model
+    and weather is in `state()`: from the same state the same bytes follow, in scans and steps. A `WorldState` in place
+    of the layout goes on from there. What runs into each other is listed in `collisions`; with "stop" it stands there,
+    and with "refuse" the call raises `LayoutError`. `model`, `weather`, `relief` and `threads` are those of
+    `Simulator`. A call that raises changes nothing; one thread may use it at a time.
     """
 
     def __init__(
@@ -149,6 +149,7 @@ class World:
         collisions: str = "allow",
         model: SensorModel | None = None,
         weather: Weather | None = None,
+        relief: bool = True,
         threads: int | None = None,
     ) -> None:
         check_type("sensor", sensor, Sensor, Rig)
@@ -165,10 +166,11 @@ class World:
         given: Any = layout
         if isinstance(layout, WorldState):
             check_that(check_seed(seed) in (0, layout.seed), "seed", seed, f"{layout.seed}, that of the state")
+            check_that(relief, "relief", relief, "left out: the state has its own")
             given = layout.layouts[0]
         elif not isinstance(layout, Layout | str):
             given = layout_from_boxes(layout)
-        base, _, self._assumed = prepared(given, seed, False)
+        base, self._assumed = level_layout(given, seed, relief)
         self._made_for, self._given = (0, (0.0, 0.0, 0.0), Weather()), (model, weather, threads)
         self._weather: Weather | None = None
         if isinstance(layout, WorldState):
@@ -215,7 +217,7 @@ class World:
                 things[name] = made[actor.batch][1][name]
         ground = [part for thing in things.values() if thing.is_ground for part in thing.parts if part.label in GROUND]
         if self._roads is None or self._roads[0] is not base or not _same(self._roads[1], ground):
-            known = with_known_roads(base)
+            known = with_known_roads(on_relief(base))
             longest = max(mount.sensor.sweep_time for mount in self.rig.mounts.values())
             stepping = Stepping(known, ground, self._thing, max(longest, FLASH))
         else:

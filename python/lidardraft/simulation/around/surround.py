@@ -24,12 +24,14 @@ from lidardraft.scene.edit import placed
 from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import AROUND, MOST_PRIMITIVES, Layout, Primitive
 from lidardraft.scene.pose import in_frame, place_around
+from lidardraft.scene.relief import Relief
 from lidardraft.scene.road import KERB_HEIGHT, SIDES, Road
 from lidardraft.scene.road_network import RoadNetwork
 from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.scene.solids import Solid
 from lidardraft.scene.street import StreetFrame
 from lidardraft.semantics import BY_NAME
+from lidardraft.simulation.around.land import drawn_relief
 from lidardraft.simulation.around.sights import SENSOR, Sights
 from lidardraft.simulation.roads import NoStreetError, with_roads
 
@@ -48,8 +50,7 @@ _VIEW_PIECE = 8.0  # m of a piece of what a picture shows
 _HIGH = 50.0  # m over and under anything
 _REACH = 112.0  # m, a little less than sensors reach: beyond it nothing is added
 _OVER_ROAD, _BEYOND = 4.0, 80.0  # m over roads that stay free, m beyond the end of one
-_MOST_ON_HILLS = 1000  # objects; land around more stays flat
-_FLAT_AROUND, _RISES = 3.0, 12.0  # m around what was asked for that stay flat, and over which the land rises then
+_LARGE = {*VEHICLE_LABELS, "building"}  # classes of what is too large for a slope
 
 
 def surround(layout: Layout, *, seed: int = 0) -> Layout:
@@ -81,7 +82,8 @@ def surround(layout: Layout, *, seed: int = 0) -> Layout:
     except NoStreetError as error:
         return layout.noted(str(error))
     intent = dataclasses.replace(layout.intent, around=name)
-    roads = roads.but(street=dataclasses.replace(street, speed=frame.district.speed, lights=frame.street.lights))
+    street = dataclasses.replace(street, speed=frame.district.speed, lights=frame.street.lights)
+    roads = roads.but(street=street, relief=scene.relief(frame.occupancy.ground))
     whole = dataclasses.replace(layout, primitives=(*layout.primitives, *around), intent=intent, roads=roads)
     said = {"district": name, "seed": seed, "objects": len(standing), "in_sight": scene.sights.share_open(whole)}
     hidden = {name: by for name, by in scene.sights.hidden.items() if name not in scene.free}
@@ -117,8 +119,10 @@ class _Scene:
         district = applied(_ACTIVITY.get(str(self.intent.activity), StreetMix()), district)
         district = _beside_lots(district, road)
         paved = bool(rng.random() < district.paved)
-        flat = self._flat
-        ground = Ground(road, rng, district.land, plain=self.street.plain, paved=paved, share=flat)
+        # what was asked for would be out of sight behind banks
+        crossed = self.paved or any(map(self._is_beside, itertools.chain.from_iterable(self.asked.values())))
+        land = dataclasses.replace(district.land, ditch=0.0, bank=0.0) if crossed else district.land
+        ground = Ground(road, rng, land, plain=self.street.plain, paved=paved)
         denied = _denied(self.intent, self.counted) | (set() if district.built_up else _AT_HOUSES)
         instances = max((primitive.instance for primitive in self.given), default=0)
         occupancy = Occupancy(road, ground, denied=denied, instances=instances)
@@ -139,37 +143,25 @@ class _Scene:
         street = StreetFrame(road=road, speed=district.speed, parked=parking, lights=lights)
         return Frame(district, street, occupancy), name
 
-    def _flat(self, points: np.ndarray) -> np.ndarray:
-        """How much of its relief the land has at points [..., 2]: none on what is paved, and none under what was asked
-        for beside the road and before it."""
-        if len(self.asked) > _MOST_ON_HILLS:
-            return np.zeros(points.shape[:-1])
-        least = np.full(points.shape[:-1], np.inf)
-        spots = [((x, y, yaw), size) for (x, y, yaw), size, _ in self.paved]
-        for parts in self.asked.values():
-            x, y, _ = parts[0].center
-            if abs(self.road.along_across(x, y)[1]) > self.road.verge - 2.0:
-                distance, reach = math.dist((x, y), self.ego[:2]), max(math.hypot(*part.size[:2]) for part in parts)
-                heading = math.atan2(y - self.ego[1], x - self.ego[0])
-                middle = ((x + self.ego[0]) / 2, (y + self.ego[1]) / 2, heading)
-                spots.append((middle, (distance + reach, reach)))
-        for (x, y, yaw), (length, width) in spots:
-            off = points - (x, y)
-            along = np.abs(off @ (math.cos(yaw), math.sin(yaw))) - length / 2
-            across = np.abs(off @ (-math.sin(yaw), math.cos(yaw))) - width / 2
-            least = np.minimum(least, np.hypot(np.maximum(along, 0.0), np.maximum(across, 0.0)))
-        # cells of the ground are as wide as half of their way from the road
-        cells = np.abs(self.road.along_across(points[..., 0], points[..., 1])[1]) / 2
-        flat: np.ndarray = np.clip((least - _FLAT_AROUND - cells) / _RISES, 0.0, 1.0)
-        return flat
+    def relief(self, ground: Ground) -> Relief | None:
+        """How the ground is to rise and fall, where the layout leaves that open; level under large things that were
+        asked for beside the road."""
+        if self.coverage is not None or not any(one.open and one.label == "terrain" for one in self.given):
+            return None
+        large = (part for parts in self.asked.values() for part in parts if part.label in _LARGE)
+        level = (((*part.center[:2], part.yaw), part.size[:2]) for part in filter(self._is_beside, large))
+        return drawn_relief(ground, self.street.place, self.ego, level)
+
+    def _is_beside(self, part: Primitive) -> bool:
+        return bool(abs(self.road.along_across(*part.center[:2])[1]) > self.road.verge)
 
     def land(self, ground: Ground) -> Iterator[Primitive]:
-        """The ground that the layout lacks, and the hills, paved yards and driveways beside the road."""
+        """The ground that the layout lacks, and paved yards and driveways beside the road."""
         corners, kinds, across = ground.quads()
         outside = self._is_outside(corners)
         yards = (kinds == 1) & (np.abs(across) > self.road.verge)
-        rises = (corners[..., 2] > self.street.plain + 1e-3).any(axis=-1) | ("terrain" in self.street.lacks)
-        pieces = {"land": ("terrain", corners[(kinds == 2) & rises & outside]), "yards": ("sidewalk", corners[yards])}
+        lacks = kinds == (2 if "terrain" in self.street.lacks else -1)
+        pieces = {"land": ("terrain", corners[lacks & outside]), "yards": ("sidewalk", corners[yards])}
         if "road" in self.street.lacks:
             flat = corners * (1.0, 1.0, 0.0)
             pieces["road"] = ("road", flat[(kinds == 0) & outside])

@@ -71,12 +71,13 @@ class SequenceSimulator:
         model: SensorModel | None = None,
         weather: Weather | None = None,
         detail: bool = True,
+        relief: bool = True,
         threads: int | None = None,
         scene: Layout | None = None,
     ) -> None:
         _check_rate(sensor, frames, hz)
         self.frames, self.hz, self.seed = frames, hz, check_seed(seed)
-        layout, detailed, self._assumed = prepared(layout, seed, detail and scene is None)
+        layout, detailed, self._assumed = prepared(layout, seed, detail and scene is None, relief)
         scene = scene or detailed
         self.layout = with_known_roads(layout)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
