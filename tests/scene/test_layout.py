@@ -444,3 +444,10 @@ def test_transforms_that_are_no_transforms(number: float) -> None:
     matrix[0, 0] = number
     with pytest.raises(LayoutError, match=r"car_1: a transform or an extent is larger than 1e.09, or no number"):
         placed_mesh(matrix, box.vertices, box.faces, **FIELDS)
+
+
+def test_a_mesh_away_from_its_origin_is_placed_by_its_middle():
+    box = unit_mesh("box")
+    found = placed_mesh(np.eye(4), np.add(box.vertices, (2.0, 4.0, 6.0)), box.faces, **FIELDS)
+    assert found is not None
+    assert found.center == pytest.approx((2.0, 4.0, 6.0))

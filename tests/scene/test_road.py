@@ -81,6 +81,7 @@ def test_wrong_roads(fields: dict[str, float], message: str) -> None:
     with pytest.raises(LayoutError) as caught:
         Road(**fields)  # type: ignore[arg-type]
     assert message in str(caught.value)
+    assert Road(curvature=0.025).half_length == 80.0  # the sharpest that does not turn back
 
 
 def test_junctions() -> None:
