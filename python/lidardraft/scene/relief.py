@@ -73,11 +73,14 @@ class Relief:
         far over it as before."""
         vertices, faces = _core.lay((self._own(mesh.vertices), mesh.faces), self.x, self.y, self.heights)
         x, y, yaw = self.place
-        vertices[:, :2] = vertices[:, :2] @ rotation(yaw) + (x, y)
+        if any(self.place):
+            vertices[:, :2] = vertices[:, :2] @ rotation(yaw) + (x, y)
         return TriangleMesh.unchecked(vertices, faces)
 
     def _own(self, points: np.ndarray) -> np.ndarray:
         """Points [N, 2 or more] in the frame of the lines."""
+        if not any(self.place):
+            return points
         x, y, yaw = self.place
         own = points.copy()
         own[:, :2] = (points[:, :2] - (x, y)) @ rotation(-yaw)
