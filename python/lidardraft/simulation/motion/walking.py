@@ -10,7 +10,8 @@ import numpy as np
 from lidardraft.scene.scenario import Walk
 
 _MEETS, _CLEAR = 1.5, 0.5  # m ahead in which others are passed, and from the middle of a person to them
-_TOUCHES = 0.4  # m from the middle of a person that it does not come nearer to others
+_BESIDE, _PARALLEL = 0.43, 1e-9  # m to others beside it who are in nobody's way; the least slope
+_TOUCHES = 0.45  # m from the middle of a person that it does not come nearer to others
 _THERE = 1.5  # m to a goal that somebody else is at
 _MOVES = 0.5  # m/s from which others are let pass
 _LOOKS = 0.4  # s between the times at which who waits looks
@@ -98,18 +99,23 @@ def _around(
     off = obstacles[:, :2] - place[:2]
     along, left = off @ np.array(ahead), off @ np.array((-ahead[1], ahead[0]))
     turned = obstacles[:, 2] - math.atan2(ahead[1], ahead[0])
-    cos, sin = np.abs(np.cos(turned)), np.abs(np.sin(turned))
-    near = along - cos * obstacles[:, 3] - sin * obstacles[:, 4] - _CLEAR
-    reach = sin * obstacles[:, 3] + cos * obstacles[:, 4] + _CLEAR
-    met = (near < _MEETS) & (near > -_CLEAR)  # beside others it goes along their sides
-    if not (np.abs(left[met]) < reach[met]).any():
+    cos, sin = np.cos(turned), np.sin(turned)
+    # from when to when a ray ahead is between the lengthwise and the crosswise sides of each
+    slope = np.stack([cos, -sin])
+    slope = np.where(np.abs(slope) < _PARALLEL, _PARALLEL, slope)
+    middle = np.stack([along * cos + left * sin, left * cos - along * sin]) / slope
+    spans = (obstacles[:, 3:5].T + _BESIDE) / np.abs(slope)
+    enters, leaves = (middle - spans).max(axis=0), (middle + spans).min(axis=0)
+    in_way = (enters < np.minimum(leaves, _MEETS)) & (enters > -_BESIDE)
+    if not in_way.any():
         return 1.0, 0.0
-    near, low, high = near[met], (left - reach)[met], (left + reach)[met]
-    in_way = (low < 0.0) & (high > 0.0)
-    if (obstacles[met, 5][in_way] > _MOVES).any():
+    if (obstacles[in_way, 5] > _MOVES).any():
         return 0.0, 0.0
-    sides = np.concatenate([low, high])
-    free = sides[~((low < sides[:, None]) & (sides[:, None] < high)).any(axis=1)]
+    reach = np.abs(sin) * obstacles[:, 3] + np.abs(cos) * obstacles[:, 4] + _CLEAR
+    low, high = left - reach, left + reach
+    met = in_way | ((np.abs(along) < _MEETS) & (along > 0.0))
+    sides = np.concatenate([low[met], high[met]])
+    free = sides[~((low[met] < sides[:, None]) & (sides[:, None] < high[met])).any(axis=1)]
     side = float(free[np.abs(free).argmin()])
-    on = max(0.0, float(near[in_way].min()))
+    on = max(0.0, float(enters[in_way].min()))
     return on / math.hypot(on, side), side / math.hypot(on, side)
