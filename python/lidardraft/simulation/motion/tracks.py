@@ -28,7 +28,7 @@ from lidardraft.simulation.roads import with_known_roads
 _REACHED = 1.9  # m over the ground, what hangs higher is passed under
 _SMOOTH = 6  # steps before and after one over which tracks of people and heights are smooth
 _WAITS = 1.0  # s after others have passed
-_CHECKED = 0.2  # s between the times at which it is looked for collisions
+_CHECKED = 0.1  # s between the times at which it is looked for collisions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
