@@ -27,7 +27,7 @@ from lidardraft.simulation.motion.driver import Body
 from lidardraft.simulation.motion.motions import Ground
 from lidardraft.simulation.motion.tracks import EGO_BODY, Tracks, _solid, bodies_of, tracks_of
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
-from lidardraft.streets.pairs import sample_viewpoint
+from lidardraft.streets.drives import _STREAM, HALF_LENGTH, _start
 from lidardraft.streets.street import StreetConfig, make_street
 
 HZ, STANDS, JUMP, INSIDE = 10.0, 0.2, 0.02, 0.1  # 1/s, m/s, m, m from the corner of a box
@@ -46,13 +46,13 @@ SENTENCES = (
 
 
 def streets(count: int) -> Iterator[tuple[str, Layout]]:
-    """Streets of 400 m, seen from a place in their traffic."""
-    config = StreetConfig(half_length=200.0)
+    """Streets of drives, seen from where their ego vehicles begin."""
+    config = StreetConfig(half_length=HALF_LENGTH)
     for number in range(count):
         street = make_street(seed=1, config=config, number=number)
-        ego, _, _ = sample_viewpoint(street, config.sensor, number)
-        shapes = as_boxes(street.coarse, BoxStyle(relief=True), ego.pose)
-        layout = street.with_roads(shapes.layout({}, intent=street.scene.intent), ego.pose, relief=True)
+        pose, _ = _start(street, np.random.default_rng([1, number, _STREAM]))
+        shapes = as_boxes(street.coarse, BoxStyle(relief=True), pose)
+        layout = street.with_roads(shapes.layout({}, intent=street.scene.intent), pose, relief=True)
         yield f"street {number} ({street.district})", layout
 
 

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from lidardraft import Layout, Primitive, Sensor
+from lidardraft import Layout, Primitive, Sensor, layout_from_text, surround
 from lidardraft.scene.road import LEFT, Road
 from lidardraft.scene.road_network import RoadNetwork
 from lidardraft.scene.road_surfaces import road_surfaces
@@ -140,6 +140,38 @@ def test_people_wait_for_a_car_and_cross_at_a_zebra_and_a_car_yields() -> None:
     assert passed(far["car_1"], 37.9) > entered
     nowhere = moved(layout_of(road, person), 20.0)
     assert "person_1" not in nowhere or nowhere["person_1"].places[:, 1].max() < -1.75
+
+
+def test_who_crosses_a_road_waits_for_those_who_have_green() -> None:
+    road = Road(sidewalk=3.0, half_length=120.0, junction=60.0)
+    person, car = thing("person", 52.0, -3.5, math.pi / 2), thing("car", 25.0, 0.0)
+    layout = layout_of(road, person, car, lights=True, zebras=(52.0,))
+    rules, tracks = rules_of(layout), moved(layout, 40.0)
+    track = tracks["person_1"]
+    enters = float(track.times[int(np.argmax(track.places[:, 1] > -1.5))])
+    assert track.places[-1, 1] > 3.0
+    assert not rules.is_green(0, enters) or enters > passed(tracks["car_1"], 54.0)
+
+
+def test_people_on_the_road_go_around_a_vehicle_that_stands() -> None:
+    road = Road(sidewalk=3.0, half_length=120.0)
+    people = [thing("person", 20.0 + k, 4.5, -math.pi / 2, number=1 + k) for k in range(3)]
+    walks = {f"person_{1 + k}": Walk((20.0 + k, -4.0), crosses=((1e4, 0.0),)) for k in range(3)}
+    layout = layout_of(road, thing("bus", 20.0, 0.0), *people)
+    tracks = moved(layout, 20.0, bus_1=AlongLane(8.0, start=12.0), **walks)
+    for name in walks:
+        assert tracks[name].places[-1, 1] < -2.5
+        there = tracks[name].places[tracks[name].times < 12.0]
+        assert (np.abs(there[:, :2] - (20.0, 0.0)) > (6.0, 1.25)).any(axis=1).all()
+    assert tracks["bus_1"].at(np.array([11.9]))[0, 0] == pytest.approx(20.0)
+
+
+@pytest.mark.parametrize("seed", [3, 5])
+def test_the_ego_vehicle_passes_a_crossroads_that_is_crowded_at_the_start(seed: int) -> None:
+    sentence = "a busy downtown crossroads with pedestrians crossing"
+    layout = surround(layout_from_text(sentence, seed=seed), seed=seed)
+    ego = tracks_of(layout, Scenario(), 20.0).ego
+    assert float(np.hypot(*np.diff(ego.places[:, :2], axis=0).T).sum()) > 40.0
 
 
 def test_cars_drive_off_the_map_and_the_ego_vehicle_stops_at_its_edge() -> None:

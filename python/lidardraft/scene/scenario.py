@@ -45,7 +45,7 @@ class AlongLane:
     vehicle ahead, by the Intelligent Driver Model (Treiber, Hennecke and Helbing, Physical Review E 62, 2000). With
     `gives_way` it stops before junctions as lights and signs demand. At the junction it may `turn` "left" or "right".
     If it `overtakes`, it drives beside its lane, and returns to it after it has passed another. It stops for some
-    seconds beside the place `halt` x, y [m], as a bus at its stop.
+    seconds beside the place `halt` x, y [m], as a bus at its stop. It stands until the time `start` [s].
     """
 
     speed: float | None = None
@@ -56,6 +56,7 @@ class AlongLane:
     overtakes: bool = False
     gives_way: bool = True
     halt: tuple[float, float] | None = None
+    start: float = 0.0
 
     def __post_init__(self) -> None:
         if self.speed is not None:
@@ -64,6 +65,7 @@ class AlongLane:
         for _, speed in self.later:
             _check("later: speed", speed, 0.0, FASTEST, "m/s")
         _check("gap", self.gap, 0.0, _FURTHEST, "m")
+        _check("start", self.start, 0.0, _LONGEST, "s")
         _check("headway", self.headway, 0.0, 60.0, "s")
         if self.turn not in (None, "left", "right"):
             raise LayoutError(f"turn is {self.turn!r:.80}; it must be left or right")

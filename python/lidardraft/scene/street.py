@@ -293,7 +293,7 @@ class StreetFrame:
             across = direction * np.array([-start, end])
             stop = start - road.verge - _GIVES_WAY if begins in road.side_roads else None
             known = {"stop": stop, "closed": goes_on not in road.side_roads}
-            for off in [road.edge / 2] if self.parked is None else self.side_offsets():
+            for off in self.side_offsets():
                 yield middle + direction * off * ahead + across[:, None] * left, known
 
     def _turning_ways(self, junction: float) -> Iterator[_Points]:

@@ -15,11 +15,11 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk, Waypoints
 from lidardraft.scene.solids import Solid, penetration
 from lidardraft.simulation.motion.driver import Driver, driver_of
-from lidardraft.simulation.motion.driving import Seen, Traffic, extents_in, settle
+from lidardraft.simulation.motion.driving import Seen, Traffic, boxes_of, extents_in, settle
 from lidardraft.simulation.motion.motions import Ground, usual_motions
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.motion.tracks import through
-from lidardraft.simulation.motion.walking import walked
+from lidardraft.simulation.motion.walking import FORESEEN, foreseen, walked
 from lidardraft.simulation.sweeps import Spot
 from lidardraft.world.state import Actor, Collision, Drive, WorldState
 from lidardraft.world.things import Thing
@@ -68,7 +68,7 @@ class Stepping:
         actors = {name: self.commanded(name, state.actors[name], motion) for name, motion in motions.items()}
         state = state.but(actors)
         drivers, others = self._movers(state)
-        rows = np.array([_row(state.actors[name], state.actors[name].rate()) for name in others]).reshape(-1, 5)
+        rows = np.array([_row(state.actors[name], state.actors[name].rate()) for name in others]).reshape(-1, 6)
         among = [self._thing_of(name, state.actors[name]).body for name in others]
         starting = [drivers[name] for name in actors if name in drivers]
         Traffic(list(drivers.values()), among, self._rules).begin(starting, rows, state.time)
@@ -135,14 +135,15 @@ class Stepping:
         drivers, others = self._movers(state)
         bodies = [self._thing_of(name, actors[name]).body for name in others]
         traffic = Traffic(list(drivers.values()), bodies, self._rules)
-        people = [one.spot[:2] for name, one in actors.items() if "person" in self._thing_of(name, one).body.labels]
-        watch = Seen(traffic, state.time, traffic.places(), np.array(people).reshape(-1, 2))
+        assert self._standing is not None
+        rows = np.array([_row(actors[name], actors[name].rate()) for name in others]).reshape(-1, 6)
+        watch = Seen(traffic, state.time, np.concatenate([self._standing.boxes, traffic.boxes(rows)]))
         changes = {name: _gone(actors[name], state.time, time, left, watch) for name in others}
-        rows = [
-            _row(actors[name], [(b - a) / span for a, b in zip(actors[name].spot, after.spot, strict=True)])
-            for name, after in changes.items()
+        after = [
+            _row(actors[name], [(b - a) / span for a, b in zip(actors[name].spot, one.spot, strict=True)])
+            for name, one in changes.items()
         ]
-        traffic.advance(state.time, np.array(rows).reshape(-1, 5), span)
+        traffic.advance(state.time, np.array(after).reshape(-1, 6), span)
         places = traffic.places().tolist() if drivers else []
         for (name, driver), (x, y, _, yaw) in zip(drivers.items(), places, strict=True):
             actor = actors[name]
@@ -252,6 +253,7 @@ class _Standing:
         bodies = ((name, thing_of(name, actor).body_at(actor.spot)) for name, actor in actors)
         self.solids = [(name, solid) for name, body in bodies for solid in body.solids]
         self.circles = _circles(solid for _, solid in self.solids)
+        self.boxes = boxes_of([solid for _, solid in self.solids])
         self._extents: dict[int, np.ndarray] = {}
 
     def is_of(self, actors: Sequence[tuple[str, Actor]]) -> bool:
@@ -280,7 +282,8 @@ def _drive(driver: Driver, way: int) -> Drive:
 
 
 def _row(actor: Actor, rate: Sequence[float]) -> tuple[float, ...]:
-    return *actor.spot[:2], actor.spot[3], rate[0], rate[1]
+    expected = foreseen(actor.motion, actor.spot[:2]) if isinstance(actor.motion, Walk) else FORESEEN[0]
+    return *actor.spot[:2], actor.spot[3], rate[0], rate[1], expected
 
 
 def _gone(actor: Actor, begin: float, end: float, left: int, watch: Seen) -> Actor:

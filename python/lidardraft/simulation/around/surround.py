@@ -14,7 +14,7 @@ from lidardraft.arranging.ground import Ground
 from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.plan import Frame, fill, greened, sample_lights
 from lidardraft.arranging.street_mix import StreetMix, applied
-from lidardraft.arranging.traffic import EGO_ROOM, HUGGED
+from lidardraft.arranging.traffic import EGO_ROOM
 from lidardraft.errors import LayoutError, check_choice, check_seed, check_type
 from lidardraft.objects.kinds import KINDS, SENTENCE_KINDS, kind_of
 from lidardraft.objects.mesh import quads
@@ -47,6 +47,7 @@ _RIM = 3.0  # twice that of the cores of crowns, whose rims stick out
 _AT_HOUSES = {"bicycle", "bin", "letterbox"}
 _AHEAD, _ASIDE = 5.0, 1.0  # of traffic along its lane and beside it
 _VIEW_PIECE = 8.0  # m of a piece of what a picture shows
+_HUGGED = 0.4  # share of scenes in which traffic may stand right beside the ego vehicle: an estimate
 _HIGH = 50.0  # m over and under anything
 _REACH = 112.0  # m, a little less than sensors reach: beyond it nothing is added
 _OVER_ROAD, _BEYOND = 4.0, 80.0  # m over roads that stay free, m beyond the end of one
@@ -178,7 +179,7 @@ class _Scene:
         """What stays free around the ego vehicle and what was asked for; of what is on the road, its lane as well."""
         length, width, height = EGO_SIZE
         yield Solid.box(*self.ego, (length + 2 * _AHEAD, width + _ASIDE), 0.0, height)
-        if rng.random() > HUGGED:
+        if rng.random() > _HUGGED:
             yield Solid.box(*self.ego, EGO_ROOM[:2], 0.0, height)
         for primitive in itertools.chain.from_iterable(self.asked.values()):
             x, y, z = primitive.center

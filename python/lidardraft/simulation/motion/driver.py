@@ -60,6 +60,8 @@ class Driver:
 
     def wish(self, time: float) -> float:
         """The speed of a free way [m/s]."""
+        if time < self.motion.start:
+            return 0.0
         said = [speed for when, speed in self.motion.later if when <= time]
         return min(said[-1] if said else self.usual(), self.lane.limit(self.along))
 

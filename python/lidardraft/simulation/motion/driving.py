@@ -17,10 +17,10 @@ from lidardraft.scene.scenario import Track, Walk
 from lidardraft.scene.solids import Solid
 from lidardraft.simulation.motion.driver import Body, Driver
 from lidardraft.simulation.motion.right_of_way import RightOfWay
-from lidardraft.simulation.motion.walking import walked
+from lidardraft.simulation.motion.walking import FORESEEN, foreseen, walked
 
 STEP = 0.05  # s between the places of a track
-_AHEAD = 2.0  # s for which whoever follows no lane is expected to go on as now
+_WARNS = 1.0  # s before a vehicle in which people let it pass
 _SIDE = 0.2  # m that stay free beside a vehicle
 _TOUCHING = 0.5  # m by which what stands before a vehicle may reach into its box at the start
 _ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what tyres give
@@ -51,28 +51,29 @@ def drive(
     at = (track.at(times) for track in others.values())
     rows = [np.column_stack([one[:, [0, 1, 3]], np.gradient(one[:, :2], STEP, axis=0)]) for one in at]
     known = np.array(rows).reshape(-1, len(times), 5)
-    walking = np.array(["person" in bodies[name].labels for name in others], dtype=bool)
-    people = np.array([body.place[:2] for body in standing if "person" in body.labels]).reshape(-1, 2)
-    traffic = Traffic(drivers, [bodies[name] for name in (*others, *walks)], rules)
+    known = np.concatenate([known, np.full((*known.shape[:2], 1), FORESEEN[0])], axis=2)
+    traffic, still = Traffic(drivers, [bodies[name] for name in (*others, *walks)], rules), boxes_of(solids)
     places = np.empty((len(times), len(drivers) + len(walks), 4))
     on_foot = np.array([bodies[name].place for name in walks]).reshape(-1, 4)
-    traffic.begin(drivers, np.concatenate([known[:, 0], _rows(on_foot, _towards(on_foot, walks.values()))]))
+    traffic.begin(drivers, np.concatenate([known[:, 0], _rows(on_foot, _towards(on_foot, walks.values()), walks)]))
     for step, time in enumerate(times.tolist()):
         places[step] = np.concatenate([traffic.places(), on_foot])
-        seen = np.concatenate([people, on_foot[:, :2], known[walking, step, :2]])
-        after, watch = on_foot.copy(), Seen(traffic, time, places[step, : len(drivers)], seen)
+        now = np.concatenate([known[:, step], _rows(on_foot, np.zeros((len(walks), 2)), walks)])
+        after, watch = on_foot.copy(), Seen(traffic, time, np.concatenate([still, traffic.boxes(now)]))
         for row, walk in zip(after, walks.values(), strict=True):
             row[[0, 1, 3]] = walked(walk, tuple(row[[0, 1, 3]].tolist()), time, time + STEP, watch)[0]
-        traffic.advance(time, np.concatenate([known[:, step], _rows(on_foot, (after - on_foot)[:, :2] / STEP)]))
+        goes = _rows(on_foot, (after - on_foot)[:, :2] / STEP, walks)
+        traffic.advance(time, np.concatenate([known[:, step], goes]))
         on_foot = after
     places[:, :, 3] = np.unwrap(places[:, :, 3], axis=0)
     names = (*(driver.body.name for driver in drivers), *walks)
     return {name: Track(times, places[:, number]) for number, name in enumerate(names)}
 
 
-def _rows(places: np.ndarray, rates: np.ndarray) -> np.ndarray:
-    """x, y, yaw and velocity [N, 5] of places [N, 4]."""
-    return np.column_stack([places[:, [0, 1, 3]], rates])
+def _rows(places: np.ndarray, rates: np.ndarray, walks: Mapping[str, Walk]) -> np.ndarray:
+    """x, y, yaw, velocity and the seconds for which that is foreseen [N, 6] of people at places [N, 4]."""
+    spans = [foreseen(walk, (x, y)) for walk, (x, y) in zip(walks.values(), places[:, :2].tolist(), strict=True)]
+    return np.column_stack([places[:, [0, 1, 3]], rates, np.array(spans)])
 
 
 def _towards(places: np.ndarray, walks: Iterable[Walk]) -> np.ndarray:
@@ -81,6 +82,12 @@ def _towards(places: np.ndarray, walks: Iterable[Walk]) -> np.ndarray:
     ways = rows[:, :2] - places[:, :2]
     rates: np.ndarray = ways * (rows[:, 2] / np.maximum(np.hypot(*ways.T), 1e-9))[:, None]
     return rates
+
+
+def boxes_of(solids: Sequence[Solid]) -> np.ndarray:
+    """Solids that stand, as people on foot see them (`Watch.obstacles`)."""
+    rows = [(*one[:2], math.atan2(one.sin, one.cos), one.half_length, one.half_width, 0.0) for one in solids]
+    return np.array(rows).reshape(-1, 6)
 
 
 def extents_in(lane: Lane, solids: Sequence[Solid]) -> np.ndarray:
@@ -113,13 +120,14 @@ def bar_of(driver: Driver, extents: np.ndarray) -> float:
 
 
 class Traffic:
-    """All drivers, lane by lane, at one time, among `others` that follow no lane; their x, y, yaw and velocity are
-    given for each time, f64 [W, 5]."""
+    """All drivers, lane by lane, at one time, among `others` that follow no lane; their x, y, yaw and velocity, and for
+    how long [s] it is expected to be that, are given for each time, f64 [W, 6]."""
 
     def __init__(self, drivers: Sequence[Driver], others: Sequence[Body], rules: RightOfWay) -> None:
         self.drivers, self.rules = drivers, rules
         bodies = [*(driver.body for driver in drivers), *others]
         self.cycles = np.array([bool(body.labels & CYCLES) for body in bodies], dtype=bool)
+        self.walking = np.array(["person" in body.labels for body in bodies], dtype=bool)
         self.sizes = np.array([body.size[:2] for body in bodies]).reshape(-1, 2)
         self.lanes: dict[int, list[int]] = {}
         for number, driver in enumerate(drivers):
@@ -156,6 +164,15 @@ class Traffic:
                 found[numbers, :2] += np.outer(over, (np.cos(heading), np.sin(heading)))
         return found
 
+    def boxes(self, others: np.ndarray) -> np.ndarray:
+        """All that moves, as people on foot see it (`Watch.obstacles`): a vehicle is as long as it goes in a second."""
+        x, y, yaw, *rate = self._all(others).T
+        half_length, half_width = self.sizes.T / 2
+        speed = np.where(self.walking, 0.0, np.hypot(*rate))
+        way = speed * _WARNS / 2
+        along = x + way * np.cos(yaw), y + way * np.sin(yaw)
+        return np.column_stack([*along, yaw, half_length + way, half_width, speed])
+
     def advance(self, time: float, others: np.ndarray, span: float = STEP) -> None:
         """A step of `span` [s] on."""
         for driver, (gap, ahead) in zip(self.drivers, self._free(others, time), strict=True):
@@ -186,15 +203,19 @@ class Traffic:
         for numbers in self.lanes.values():
             lane = self.drivers[numbers[0]].lane
             along, left, yaw, forward, sideways = self._in_lane(lane, now)
+            expected = np.concatenate([np.zeros(len(self.drivers)), others[:, 5]])
             cycles = self.cycles & (forward > _ROLLS) & (np.abs(left) < lane.width / 2)
             cos, sin = np.abs(np.cos(yaw)), np.abs(np.sin(yaw))
             half_along = (cos * self.sizes[:, 0] + sin * self.sizes[:, 1]) / 2
             half_across = (sin * self.sizes[:, 0] + cos * self.sizes[:, 1]) / 2
-            soon = left + np.where(np.arange(len(left)) >= len(self.drivers), sideways * _AHEAD, 0.0)
-            low, high = np.minimum(left, soon) - half_across, np.maximum(left, soon) + half_across
             for number in numbers:
                 driver = self.drivers[number]
                 front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
+                turns = abs(driver.yaw) * math.exp((driver.start - driver.along) / _AIM)
+                reach += driver.body.size[0] / 2 * math.sin(turns)  # its ends swing out
+                leaves = (along + half_along - driver.along + driver.body.size[0] / 2) / max(driver.speed, _STANDS)
+                soon = left + sideways * np.clip(leaves, 0.0, expected)
+                low, high = np.minimum(left, soon) - half_across, np.maximum(left, soon) + half_across
                 in_way = (low < driver.left + reach) & (high > driver.left - reach) & (along > driver.along)
                 in_way[number] = False
                 if driver.motion.overtakes:
@@ -227,7 +248,7 @@ class Traffic:
         x, y, _, yaw = self.places().T
         speed = np.array([driver.speed for driver in self.drivers])
         rows = np.column_stack([x, y, yaw, speed * np.cos(yaw), speed * np.sin(yaw)])
-        return np.concatenate([rows.reshape(-1, 5), others])
+        return np.concatenate([rows.reshape(-1, 5), others[:, :5]])
 
     @staticmethod
     def _in_lane(lane: Lane, now: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -240,24 +261,15 @@ class Traffic:
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What people on foot see at a time [s]: the traffic, whose drivers are at `places` f64 [D, 4], and other `people`
-    f64 [P, 2]."""
+    """What people on foot see at a time [s] (`Watch`)."""
 
     traffic: Traffic
     time: float
-    places: np.ndarray
-    people: np.ndarray
+    obstacles: np.ndarray
 
     def can_cross(self, places: np.ndarray, speed: float) -> bool:
         """As `RightOfWay.lets_cross`."""
         return self.traffic.rules.lets_cross(self.traffic.drivers, self.time, places, speed)
-
-    def is_free(self, x: float, y: float) -> bool:
-        """Whether nobody drives or stands there."""
-        off, yaw = (x, y) - self.places[:, :2], self.places[:, 3]
-        cos, sin = np.cos(yaw), np.sin(yaw)
-        aside = np.abs(np.stack([off[:, 0] * cos + off[:, 1] * sin, off[:, 1] * cos - off[:, 0] * sin], axis=1))
-        return not (aside < self.traffic.sizes[: len(off)] / 2 + _SIDE).all(axis=1).any()
 
 
 def _safe(gap: float, ahead: float) -> float:

@@ -28,7 +28,6 @@ _WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around who wa
 _LONG = 1e4  # m, longer than all ways
 _WIDEST = 30.0  # m of a way to the far side of a road
 _SHORTEST_WALK = 2.0  # m; who has less room stands
-_BESIDE_ROAD = 1.0  # m, how far who crosses a road goes on beside it
 _HIGH = 500.0  # m, over all ground
 _SOON = 1.0  # s after which who brakes or accelerates does so
 _SLOW = 0.3  # share of its usual speed that who accelerates has before
@@ -177,8 +176,8 @@ class _Way:
         self.usual = len(usual) - 1
         self.steps = np.arange(0.0, usual[-1] + _WIDEST, _STRIDE)
         self.places = np.array([x, y]) + self.steps[:, None] * np.array([math.cos(yaw), math.sin(yaw)])
-        _, label = ground.at(self.places)
-        self.road, self.same = label == BY_NAME["road"].id, label == label[0]
+        _, self.label = ground.at(self.places)
+        self.road, self.same = self.label == BY_NAME["road"].id, self.label == self.label[0]
 
     def free_of(self, others: Iterable[Body]) -> np.ndarray:
         """Which places [N] are free of others."""
@@ -221,7 +220,8 @@ def _free_walk(way: _Way, others: Iterable[Body], crosses: bool) -> Walk | None:
     if road[0] or (crosses and road.any()):
         begin = int(np.argmax(road))
         end = begin + int(np.argmin(np.append(road[begin:], False)))
-        free |= np.arange(len(free)) < end + _BESIDE_ROAD / _STRIDE
+        free |= np.arange(len(free)) < end
+        free[end:] |= way.label[end:] == way.label[min(end, len(free) - 1)]
     free = (free & way.free_of(others))[: way.usual + 1]
     end = int(np.argmin(free)) - 1 if not free.all() else len(free) - 1
     on_road = ((_LONG, 0.0),) if road.any() else ()  # it does not wait, but nor does it walk into cars

@@ -5,6 +5,7 @@ All of it is a function of the network, the time and where everybody is: a state
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -19,7 +20,7 @@ from lidardraft.simulation.motion.driver import Driver
 
 # Lights: the first road of a junction and those along it, then the others. Seconds, estimates.
 _GREEN, _AMBER, _ALL_RED = (18.0, 8.0), 3.0, 1.5
-_FIRST = (-6.0, 12.0)  # s since the first road has had green at the time 0, so that it has not to wait for long
+_FIRST = (-3.0, 4.0)  # s since the first road has had green at the time 0, so that it has not to wait for long
 _CYCLE = sum(_GREEN) + 2 * (_AMBER + _ALL_RED)
 
 _SAMPLED, _BESIDE = 1.0, 2.2  # m along ways, and between the middles of two that are in each other's way
@@ -117,11 +118,9 @@ class RightOfWay:
         for user, number in self._users(drivers, ahead, time, starts):
             users.setdefault(number, []).append(user)
         holds = [math.inf] * len(drivers)
-        for some in users.values():
-            for user in some:
-                gives = user.driver.motion.gives_way and not user.committed
-                if gives and (user.held or self._is_in_way(user, users)):
-                    holds[user.number] = min(holds[user.number], user.passage.line)
+        for user in itertools.chain(*users.values()):
+            if user.driver.motion.gives_way or user.committed:
+                holds[user.number] = min(holds[user.number], self._hold(user, users))
         return holds
 
     def pace(self, driver: Driver) -> float:
@@ -146,12 +145,14 @@ class RightOfWay:
 
     def lets_cross(self, drivers: Sequence[Driver], time: float, places: np.ndarray, speed: float) -> bool:
         """Whether somebody on foot, as fast as that [m/s], can go over a road from and to places [2, 2] now: nobody
-        comes, or who comes has to stop and can."""
+        comes, or who comes has to stop and can. Nobody goes before who has green, or has let others cross."""
         length = float(np.hypot(*np.diff(places, axis=0)[0]))
         on_foot = np.linspace(0.0, length, 2 + int(length / _SAMPLED))
         points = places[0] + np.outer(on_foot / length, places[1] - places[0])
         zebra, free = self._on_zebra(points.mean(axis=0)), [(math.inf, 0.0)] * len(drivers)
-        stops = {user.number for user, _ in self._users(drivers, free, time, False) if user.held and not user.committed}
+        users = [user for user, _ in self._users(drivers, free, time, False) if not user.committed]
+        stops = {user.number for user in users if user.held and self._is_red(user.passage, time + length / speed)}
+        goes = {user.number for user in users if user.passage.phase is not None and not user.passage.turn} - stops
         crossed: dict[int, tuple[np.ndarray, np.ndarray]] = {}
         for number, driver in enumerate(drivers):
             if id(driver.lane) not in crossed:
@@ -162,9 +163,13 @@ class RightOfWay:
                 continue
             half, when = driver.body.size[0] / 2, on_foot[there] / speed
             room = float(along[there].min()) - driver.along - half
-            if room < -driver.body.size[0] - _ROOM or (driver.speed < _SLOW and room > _ROOM):
+            if room < -driver.body.size[0] - _ROOM:
                 continue
-            yields = zebra or driver.lane.bend[0] < driver.along + half + max(room, 0.0) < driver.lane.bend[1] + _BEYOND
+            if driver.speed < _SLOW and room > _ROOM and driver.waited < _PATIENCE and number not in goes:
+                continue
+            yields = (zebra and number not in goes) or driver.lane.bend[0] < driver.along + half + max(
+                room, 0.0
+            ) < driver.lane.bend[1] + _BEYOND
             if yields and room > driver.speed**2 / (2 * _BRAKING) + _ROOM:
                 continue
             comes = room / max(driver.speed, _SLOW)
@@ -188,22 +193,31 @@ class RightOfWay:
                 committed = room < -_OVER or brakes > room + _OVER
                 free, speed = ahead[number]
                 behind = free < room and speed < _SLOW
-                held = passage.phase is not None and not self.is_green(passage.phase, time)
+                held = self._is_red(passage, time)
                 if not driver.motion.gives_way:
                     committed, held = committed or driver.speed > _SLOW, False
                 yield _User(number, driver, passage, front, rear, committed, held, behind), index
 
-    def _is_in_way(self, user: _User, users: dict[int, list[_User]]) -> bool:
-        """Whether somebody is in the way of a driver before its line."""
-        brakes = user.driver.speed**2 / (2 * _BRAKING)
-        if user.passage.line - user.front > brakes + _LOOKS:
-            return False
-        return any(
-            _meet(user, zone, other)
-            for zone in user.passage.zones
-            for other in users.get(zone.other, ())
-            if other.number != user.number
-        )
+    def _is_red(self, passage: Passage, time: float) -> bool:
+        return passage.phase is not None and not self.is_green(passage.phase, time)
+
+    def _hold(self, user: _User, users: dict[int, list[_User]]) -> float:
+        """How far along its way a driver may come: to its line, or, beyond it, to where the way of another begins who
+        is beyond its own and is there first."""
+        line, brakes = user.passage.line, user.driver.speed**2 / (2 * _BRAKING)
+        if user.held and not user.committed:
+            return line
+        if line - user.front > brakes + _LOOKS:
+            return math.inf
+        found = [math.inf]
+        for zone in user.passage.zones:
+            others = (other for other in users.get(zone.other, ()) if other.number != user.number)
+            if not user.committed:
+                found += [line for other in others if _meet(user, zone, other)]
+            elif user.front + brakes < zone.own[0] - _BEFORE + _OVER:
+                first = (other for other in others if other.committed and _is_first(other, user, zone))
+                found += [zone.own[0] - _BEFORE for other in first if _meet(user, zone, other)]
+        return min(found)
 
 
 def _meet(user: _User, zone: Zone, other: _User) -> bool:
@@ -219,6 +233,13 @@ def _meet(user: _User, zone: Zone, other: _User) -> bool:
     elif other.driver.speed < _SLOW and other.front > near:
         return True
     return in_it < theirs_out + _MARGIN and theirs_in < out + _MARGIN
+
+
+def _is_first(other: _User, user: _User, zone: Zone) -> bool:
+    """Whether another is in a zone before a driver, of two who are both beyond their lines."""
+    (begin, _), (near, _) = zone.own, zone.theirs
+    theirs, own = other.reaches(near, other.front), user.reaches(begin, user.front)
+    return (theirs, other.number) < (own, user.number)
 
 
 def _goes_first(user: _User, in_it: float, zone: Zone, other: _User, theirs_in: float) -> bool:

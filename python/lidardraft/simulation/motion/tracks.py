@@ -26,8 +26,9 @@ from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.roads import with_known_roads
 
 _REACHED = 1.9  # m over the ground, what hangs higher is passed under
-_SMOOTH = 4  # steps before and after one over which tracks of people and heights are smooth
-_CHECKED = 0.2  # s between the times at which it is looked for collisions
+_SMOOTH = 6  # steps before and after one over which tracks of people and heights are smooth
+_WAITS = 1.0  # s after others have passed
+_CHECKED = 0.1  # s between the times at which it is looked for collisions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,7 +49,8 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     drives along its lane with `speed` [m/s], by default that of the sentence or the road.
 
     Raises `LayoutError` naming an object that the layout does not have or that has no lane to drive along, objects that
-    collide, and a vehicle that leaves the road. What the scenario does not name stands where it would collide.
+    collide, and a vehicle that leaves the road. What the scenario does not name starts later where it would collide,
+    or stands.
     """
     roads, ground = with_known_roads(layout).roads, Ground(layout)
     bodies = bodies_of(objects(layout), ground)
@@ -68,14 +70,25 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
     while True:
         tracks = _moved({"ego": Straight(0.0), **given, **free}, bodies, lanes, rules, ground, duration)
         collisions = _collisions(tracks, bodies, duration)
-        stopped = {next((name for name in free if name in pair), "") for pair, _ in collisions} - {""}
-        if not stopped:
+        changed = dict[str, Motion | None]()
+        for pair, time in collisions:
+            some = sorted((name for name in free if name in pair), key=lambda one: not isinstance(free[one], Walk))
+            passes = all(name in tracks and tracks[name].moves() for name in pair)
+            changed |= {name: _later(free[name], time) if passes else None for name in some[:1]}
+        if not changed:
             break
-        free = {name: motion for name, motion in free.items() if name not in stopped}
+        free = {name: motion for name, old in free.items() if (motion := changed.get(name, old)) is not None}
     for (one, other), time in collisions:
         raise LayoutError(f"{one} and {other} collide after {time:.1f} s; change the motion of one of them")
     _check_on_road(tracks, bodies, {name for name in given if not isinstance(given[name], AlongLane)}, ground)
     return Tracks(tracks.pop("ego"), {name: track for name, track in tracks.items() if track.moves()})
+
+
+def _later(motion: Motion, time: float) -> Motion | None:
+    """That of somebody who would run into another at a time [s]: it begins after it, or stands if it has not begun."""
+    if isinstance(motion, AlongLane | Walk) and motion.start < time:
+        return dataclasses.replace(motion, start=time + _WAITS)
+    return None
 
 
 def bodies_of(parts: Mapping[str, list[Primitive]], ground: Ground) -> dict[str, Body]:

@@ -1,4 +1,4 @@
-"""People on foot: a step of a walk, which waits at a kerb until the road can be crossed."""
+"""People on foot: a step of a walk, which waits at a kerb until the road can be crossed, and goes around others."""
 
 from __future__ import annotations
 
@@ -9,9 +9,13 @@ import numpy as np
 
 from lidardraft.scene.scenario import Walk
 
-_MEETS = (2.5, 0.9)  # m ahead and beside it where others are passed
-_STEP = 0.6  # m ahead that have to be free
+_MEETS, _CLEAR = 1.5, 0.5  # m ahead in which others are passed, and from the middle of a person to them
+_BESIDE, _PARALLEL = 0.43, 1e-9  # m to others beside it who are in nobody's way; the least slope
+_TOUCHES = 0.45  # m from the middle of a person that it does not come nearer to others
+_THERE = 1.5  # m to a goal that somebody else is at
+_MOVES = 0.5  # m/s from which others are let pass
 _LOOKS = 0.4  # s between the times at which who waits looks
+FORESEEN = (2.0, 6.0)  # s for which drivers expect people to walk on: anybody, and at most those on a road
 
 
 class Watch(Protocol):
@@ -20,12 +24,9 @@ class Watch(Protocol):
     def can_cross(self, places: np.ndarray, speed: float) -> bool:
         """Whether who is as fast as that [m/s] can go over a road from and to places [2, 2] now."""
 
-    def is_free(self, x: float, y: float) -> bool:
-        """Whether nobody drives or stands there."""
-
     @property
-    def people(self) -> np.ndarray:
-        """x, y [P, 2] of all on foot."""
+    def obstacles(self) -> np.ndarray:
+        """All that stands or moves: x, y, yaw, half of the length and the width [m], and the speed [m/s], [N, 6]."""
 
 
 def walked(
@@ -46,20 +47,75 @@ def walked(
     if way >= rest:
         return (*walk.to, yaw), True
     yaw += math.remainder(math.atan2(ahead[1], ahead[0]) - yaw, math.tau)
-    if any(last < rest < first for first, last in walk.crosses):
-        on, aside = _passing(watch.people - (x, y), ahead)
+    if walk.crosses:
+        on, aside = _around(watch.obstacles, place, ahead)
+        if rest < _THERE and on < 1.0:
+            return place, True
         ahead = (on * ahead[0] - aside * ahead[1], on * ahead[1] + aside * ahead[0])
-        if not watch.is_free(x + _STEP * ahead[0], y + _STEP * ahead[1]):
-            return place, False
+        ahead = _along_sides(watch.obstacles, (x, y), ahead, way)
     return (x + way * ahead[0], y + way * ahead[1], yaw), False
 
 
-def _passing(off: np.ndarray, ahead: tuple[float, float]) -> tuple[float, float]:
-    """How far ahead and left it steps, of 1 m, to pass others who are `off` it [P, 2]."""
+def foreseen(walk: Walk, place: tuple[float, float]) -> float:
+    """For how long [s] drivers expect somebody to walk on: on a road, until it has crossed it."""
+    rest = math.dist(walk.to, place)
+    over = ((rest - last) / walk.speed for first, last in walk.crosses if last < rest < first)
+    return min(max(FORESEEN[0], *over, 0.0), FORESEEN[1])
+
+
+def _along_sides(
+    obstacles: np.ndarray, place: tuple[float, float], ahead: tuple[float, float], way: float
+) -> tuple[float, float]:
+    """The direction [2] in which it comes no nearer to obstacles that it touches: along the side of one, or none."""
+    near = obstacles[np.hypot(*(obstacles[:, :2] - place).T) - np.hypot(*obstacles[:, 3:5].T) < way + _TOUCHES]
+    off = _off(near, np.array(place))
+    now = np.hypot(*off.T)
+    for _ in range(2):
+        after = np.hypot(*_off(near, np.add(place, np.multiply(way, ahead))).T)
+        touched = np.flatnonzero((after < np.minimum(_TOUCHES, now)) & (now > 0.0))
+        if not len(touched):
+            return ahead
+        nearest = touched[int(after[touched].argmin())]
+        away = off[nearest] / now[nearest]
+        x, y = (ahead - min(0.0, float(away @ ahead)) * away).tolist()
+        ahead = (x, y)
+    return 0.0, 0.0
+
+
+def _off(obstacles: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """The ways [N, 2] to a place from the sides of obstacles; 0 in them."""
+    cos, sin = np.cos(obstacles[:, 2]), np.sin(obstacles[:, 2])
+    x, y = (place - obstacles[:, :2]).T
+    u, v = x * cos + y * sin, y * cos - x * sin
+    u -= np.clip(u, -obstacles[:, 3], obstacles[:, 3])
+    v -= np.clip(v, -obstacles[:, 4], obstacles[:, 4])
+    return np.stack([u * cos - v * sin, u * sin + v * cos], axis=1)
+
+
+def _around(
+    obstacles: np.ndarray, place: tuple[float, float, float], ahead: tuple[float, float]
+) -> tuple[float, float]:
+    """How far ahead and left it steps, of 1 m, the nearest way past `obstacles`; it stands for those that move."""
+    off = obstacles[:, :2] - place[:2]
     along, left = off @ np.array(ahead), off @ np.array((-ahead[1], ahead[0]))
-    met = np.flatnonzero((along > 0.0) & (along < _MEETS[0]) & (np.abs(left) < _MEETS[1]))
-    if not len(met):
+    turned = obstacles[:, 2] - math.atan2(ahead[1], ahead[0])
+    cos, sin = np.cos(turned), np.sin(turned)
+    # from when to when a ray ahead is between the lengthwise and the crosswise sides of each
+    slope = np.stack([cos, -sin])
+    slope = np.where(np.abs(slope) < _PARALLEL, _PARALLEL, slope)
+    middle = np.stack([along * cos + left * sin, left * cos - along * sin]) / slope
+    spans = (obstacles[:, 3:5].T + _BESIDE) / np.abs(slope)
+    enters, leaves = (middle - spans).max(axis=0), (middle + spans).min(axis=0)
+    in_way = (enters < np.minimum(leaves, _MEETS)) & (enters > -_BESIDE)
+    if not in_way.any():
         return 1.0, 0.0
-    nearest = met[int(along[met].argmin())]
-    aside = -1.0 if left[nearest] >= 0.0 else 1.0
-    return (0.0, aside) if along[nearest] < _MEETS[1] else (math.sqrt(0.5), aside * math.sqrt(0.5))
+    if (obstacles[in_way, 5] > _MOVES).any():
+        return 0.0, 0.0
+    reach = np.abs(sin) * obstacles[:, 3] + np.abs(cos) * obstacles[:, 4] + _CLEAR
+    low, high = left - reach, left + reach
+    met = in_way | ((np.abs(along) < _MEETS) & (along > 0.0))
+    sides = np.concatenate([low[met], high[met]])
+    free = sides[~((low[met] < sides[:, None]) & (sides[:, None] < high[met])).any(axis=1)]
+    side = float(free[np.abs(free).argmin()])
+    on = max(0.0, float(enters[in_way].min()))
+    return on / math.hypot(on, side), side / math.hypot(on, side)
