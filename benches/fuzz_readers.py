@@ -18,8 +18,8 @@ import warnings
 from collections import Counter
 from pathlib import Path
 
+from good_files import Reader, readers
 from lidardraft.errors import LidarDraftError
-from spoiled_files import Reader, readers
 
 SECONDS, BYTES = 20, 2**31  # that a file may take, beyond the memory that there was before
 KEPT = Path("out/fuzz")

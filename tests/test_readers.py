@@ -8,12 +8,13 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from good_files import CAR, SENSOR, readers
 from lidardraft.drafting.solver.scene_spec import SceneSpec
 from lidardraft.errors import LidarDraftError
 from lidardraft.json_fields import parse_object
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import Sensor
-from spoiled_files import CAR, SENSOR, odd_paths, outcome, readers, special_files, spoilings
+from spoiled_files import odd_paths, outcome, special_files, spoilings
 
 READERS = readers()
 LARGEST = 2**20  # bytes of a file that a test writes; `python benches/spoiled_files.py` reads the larger ones too
