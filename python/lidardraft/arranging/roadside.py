@@ -55,7 +55,7 @@ _LAMP_JUNCTION = 1.0  # m to a junction
 _BUS_STOPS, _BUS_STOPS_EACH = 0.2, 0.01  # probability, and its increase for each of the district's people
 _STOP_PLACE = 0.6  # of the half length of the street, at most
 _STOP_JUNCTION = 8.0  # m to a junction
-_SHELTER_OFF, _SHELTER_WALK = 0.85, 3.2  # m from its middle to the verge, behind it or before it on a sidewalk this wide
+_SHELTER_OFF, _SHELTER_WALK = 0.85, 3.2  # m from its middle to the verge, behind or, on a sidewalk this wide, before
 _STOP_SIGN, _STOP_SIGN_AHEAD, _STOP_SIGN_CLEARANCE = (SIGN_DEPTH, 0.5, 2.8), 3.6, 2.3  # m
 
 # Street trees are planted 8 to 15 m apart (GALK).
