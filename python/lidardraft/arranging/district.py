@@ -30,7 +30,7 @@ class RoadEquipment:
 
     `median_barrier` is a barrier in the median. `rails` (a side) are guard rails along the whole road, `short_rails` (a
     side) along a part of it. `noise_walls` are a side, `deer_fences` a side without a noise wall, `gantries` a sign
-    bridge. `delineators` tells whether the road has them. `cones` are road works.
+    bridge. `delineators` is whether the road has them. `cones` are road works.
     """
 
     median_barrier: bool = False
@@ -48,13 +48,13 @@ class District:
     """The properties that streets of one kind share.
 
     Pairs are ranges [m]. `share` is that of all streets, `heavy` that of trucks and buses in the traffic, `blocks` that
-    of blocks among the buildings. Probabilities: `bend`, `junction`, `roundabout` and `lights` (of junctions),
-    `oneway`, `car_park`, `parked` (a side), `paved` (the land beside the sidewalks), `built` (a plot), `front_fences`
-    (a side), `street_trees` (a side), `strip` (of grass beside the kerb), and `adjoining` (a block to the next in
-    closed fronts). Mean numbers: `people`, `thickets` (a side) and `wild_trees`. `traffic_gap` is a mean [m], `speed`
-    the limit [m/s], `riders` a factor of the usual number of riders, `shoulder` the width of a hard shoulder [m],
-    `curvature` a range [1/m]. `short_front` is the length [m] of the blocks that close a front without room for longer
-    ones.
+    of blocks among the buildings. Probabilities of the road are `bend`, `junction`, `roundabout`, `lights` (of
+    junctions), `oneway`, `car_park`, `parked` (a side) and `strip` (of grass beside the kerb). Those beside it are
+    `paved` (the land), `built` (a plot), `front_fences` (a side), `street_trees` (a side) and `adjoining` (a block to
+    the next in closed fronts). `people`, `thickets` (a side) and `wild_trees` are mean numbers; `traffic_gap` is a mean
+    [m]. `speed` is the limit [m/s], `riders` a factor of the usual number of riders. `shoulder` is the width of a hard
+    shoulder [m], `curvature` a range [1/m]. `short_front` is the length [m] of the blocks that close a front without
+    room for longer ones.
     """
 
     share: float

@@ -1,7 +1,7 @@
 """A two-sample test of made and recorded scans: a small classifier on crops, by family of features.
 
-Gradient boosting learns to distinguish crops of made scans from crops of recorded ones (classifier two-sample tests,
-Lopez-Paz and Oquab, ICLR 2017), and is tested on crops of an unseen drive. The figure is the area under its ROC curve:
+Gradient boosting learns to distinguish crops of made scans from recorded ones (classifier two-sample tests,
+Lopez-Paz and Oquab, ICLR 2017). It is tested on crops of an unseen drive. The figure is the area under its ROC curve:
 0.5 for guesses, 1 without an error.
 The protocol and the features are our own: simple statistics of crops of range images, as in other properties of this
 package. They are its returns by range and height (content), firings that return (drop), the scatter of ranges about

@@ -69,7 +69,7 @@ def observe_cast(
         incidence = _numbers("incidence", incidence, shape, "a cosine is -1 to 1", -1.0 - _ROUNDING, 1.0 + _ROUNDING)
     incidence = np.where(material == _FOLIAGE, 1.0, np.minimum(np.abs(incidence), 1.0))
 
-    # a surface of its own for each object and material
+    # a separate surface for each object and material
     key = instance.astype(np.uint64) << 16 | label.astype(np.uint64) << 8 | material.astype(np.uint64)
     keys, first, primitive = np.unique(key[seen], return_index=True, return_inverse=True)
     is_object = keys >> 16 > 0

@@ -32,7 +32,7 @@ def on_relief(layout: Layout) -> Layout:
 
 
 def without_relief(layout: Layout) -> Layout:
-    """The layout, whose ground stays level."""
+    """The layout without its relief: its ground stays level."""
     if layout.roads is None or layout.roads.relief is None:
         return layout
     return dataclasses.replace(layout, roads=layout.roads.but(relief=None))

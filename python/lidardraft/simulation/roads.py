@@ -75,7 +75,7 @@ def with_roads(layout: Layout) -> Layout:
 
 
 def with_known_roads(layout: Layout) -> Layout:
-    """As `with_roads`, or the layout without roads if none can be guessed; a note says what became of roads that it
+    """As `with_roads`, or the layout without roads if none can be guessed; a note explains the loss of roads that it
     had."""
     try:
         return with_roads(layout)

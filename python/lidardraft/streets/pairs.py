@@ -43,7 +43,7 @@ class StreetPair:
 
     The frame is that of the ego vehicle in the middle of the sweep: `pose` is ego_from_sensor [4, 4], and the sensor
     moves ahead with `speed` [m/s]. `district` is that of the street; `index` counts the pairs of one seed. `things` are
-    all objects with instances, in their true shapes, whatever the style of `shapes`. `simulated`, if asked for, is the
+    all objects with instances, in their true shapes, for any style of `shapes`. `simulated`, if asked for, is the
     scan by the same unit of the sensor of the coarse layout in detail.
     """
 

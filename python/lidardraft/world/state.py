@@ -26,7 +26,7 @@ _FIELDS = ("seed", "origin", "time", "steps", "layouts", "things", "scenario", "
 @dataclass(frozen=True, slots=True)
 class Drive:
     """A driver on the way of number `way`: `along` it, `left` of its middle [m], `yaw` against it [rad] and place along
-    it at its `start`, and `speed` [m/s]. `beside` tells whether it has been beside the vehicle that it overtakes,
+    it at its `start`, and `speed` [m/s]. `beside` is whether it has been beside the vehicle that it overtakes,
     `returns` whether it moves to the middle, `waited` how long it has stood [s]."""
 
     way: int

@@ -1,7 +1,7 @@
 """The things of a world: their shapes as given and as built, at home and at any other place.
 
 Details, brightness and free paths follow from the seed, the ids and the original layout of a thing, which is never
-changed. So a thing looks the same in any place, whatever other things come and go.
+changed. So a thing looks the same in any place, also while other things come and go.
 """
 
 from __future__ import annotations

@@ -205,7 +205,7 @@ class _Scene:
             yield Solid.box(*place, (_VIEW_PIECE, 2 * far * math.tan(half)), -_HIGH, _HIGH)
 
     def _beyond_ends(self) -> Iterator[Solid]:
-        """The space beyond the ends of a drawn road, where it would go on."""
+        """The space beyond the ends of a drawn road: its continuation."""
         for end in self.street.ends or ():
             x, y, yaw = self.road.at(end + math.copysign(_BEYOND / 2, end), 0.0)
             yield Solid.box(x, y, yaw, (_BEYOND, 2 * self.road.verge), -_HIGH, _HIGH)

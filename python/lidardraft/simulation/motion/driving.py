@@ -1,7 +1,7 @@
-"""Traffic on the lanes of a layout: who follows whom, and where every road user is at each step.
+"""Traffic on the lanes of a layout: followers, and the place of each road user at each step.
 
-Vehicles keep the distance of the Intelligent Driver Model and never drive faster than they can stop behind the road
-user in their way (Gipps, Transportation Research B 15, 1981).
+Vehicles keep the distance of the Intelligent Driver Model. They never drive too fast to stop behind the road user in
+their way (Gipps, Transportation Research B 15, 1981).
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ STEP = 0.05  # s between the places of a track
 _WARNS = 1.0  # s before a vehicle in which people let it pass
 _SIDE = 0.2  # m that stay free beside a vehicle
 _TOUCHING = 0.5  # m by which an object before a vehicle may reach into its box at the start
-_ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what tyres give
+_ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and the limit of tyres
 _STANDS, _ROLLS = (
     0.1,
     1.5,
@@ -266,7 +266,7 @@ class Traffic:
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What people on foot see at a time [s] (`Watch`)."""
+    """The traffic as people on foot see it at a `time` [s] (`Watch`)."""
 
     traffic: Traffic
     time: float

@@ -33,7 +33,7 @@ _SOON = 1.0  # s after which a vehicle that "brakes" or "accelerates" does so
 _SLOW = 0.3  # share of its usual speed that an accelerating vehicle begins with
 _FASTER = 1.4  # times as fast as the vehicle that it overtakes
 _TURN_RIGHT, _TURN_LEFT, _SHORT = 0.2, 0.15, 6.5  # shares of vehicles that turn at a junction; m, only shorter ones
-_SHELTER = 8.0  # m to the right of a bus and ahead of it, where it can halt at a shelter
+_SHELTER = 8.0  # m to the right of a bus and ahead of it, to a shelter for its halt
 _BESIDE_LANE = (1.5, 6.0)  # m from the middle of a lane to a vehicle in the next
 _TURNS = {"turning-left": ("left",), "turning-right": ("right",), "turning": ("left", "right")}
 

@@ -27,13 +27,13 @@ _SAMPLED, _BESIDE = 1.0, 2.2  # m along ways; m between the middles of two that 
 _MERGING = 6.0  # m from the point at which two ways merge, in which the later one waits
 _BEFORE = 1.5  # m before an obstacle, for a driver without a stop line
 _LOOKS = 15.0  # m that a driver looks further than its braking distance
-_BRAKING, _ACCELERATION = 3.0, 1.5  # m/s2, as drivers have them
+_BRAKING, _ACCELERATION = 3.0, 1.5  # m/s2, as in `driving`
 _TURNING, _CAREFUL = 5.0, 6.0  # m/s in a turn, and at the line of a driver that gives way
 _MARGIN = 0.7  # s between two road users at one place
 _PATIENCE = 8.0  # s after which the driver that has waited longest goes
 _SLOW = 1.0  # m/s
 _ROOM = 0.7  # m around a person who crosses
-_CORNER, _BEYOND = 0.5, 5.0  # where people cross beside a junction: share of its radius, and m beyond it
+_CORNER, _BEYOND = 0.5, 5.0  # crossings beside a junction: share of its radius, and m beyond it
 _OVER = 0.5  # m over the line beyond which drivers no longer wait
 _ONCOMING = 0.4  # rad at most between the headings of two that pass side by side
 
@@ -113,7 +113,7 @@ class RightOfWay:
         self, drivers: Sequence[Driver], ahead: Sequence[tuple[float, float]], time: float, *, starts: bool = False
     ) -> list[float]:
         """The furthest place of each driver's front along its way now [m]. `ahead` gives each driver's free way [m] and
-        the speed at its end [m/s]. Drivers that are just starting (`starts`) can stop anywhere."""
+        the speed at its end [m/s]. Drivers that just start (`starts`) can stop anywhere."""
         users: dict[int, list[_User]] = {}
         for user, number in self._users(drivers, ahead, time, starts):
             users.setdefault(number, []).append(user)

@@ -193,7 +193,7 @@ def ground_of(points: np.ndarray) -> np.ndarray:
     x, y = np.floor((points[near, :2] + _FLAT_WITHIN) / _CELL).astype(np.intp).T
     lowest = np.full((side, side), np.inf, np.float32)
     np.minimum.at(lowest, (x, y), points[near, 2])
-    for _ in range(2):  # again without what was mirrored
+    for _ in range(2):  # again without mirror images
         usual = percentile_filter(lowest, _LOW, _AROUND)
         usual = np.where(np.isfinite(usual), usual, lowest)
         real = points[near, 2] > usual[x, y] - _RISE

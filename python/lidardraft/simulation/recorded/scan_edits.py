@@ -31,7 +31,7 @@ from lidardraft.simulation.recorded.solid_object import SolidObject
 
 _MARGIN = 0.15  # m around a box: mirrors, and boxes that annotators drew tight
 _MOST_OVERLAP = 0.3  # m of boxes, which annotators draw wide
-_CLEARANCE = 0.1  # m over the ground, where an object begins
+_CLEARANCE = 0.1  # m over the ground, from which an object begins
 _ALIKE = 8  # nearest returns of its class from which a filled return draws its intensity
 _MOST_INSIDE = 5  # returns of other things in the box of an inserted object
 _ROAD, _OTHER = BY_NAME["road"].id, BY_NAME["other"].id

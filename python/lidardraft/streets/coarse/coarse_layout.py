@@ -55,7 +55,7 @@ class TextStyle:
     """The objects that the sentence names: vehicles, and those of the `FAMILIES` in `named`, within `reach` [m] of the
     ego vehicle.
 
-    `sidewalks` and `poles` tell whether it has any.
+    `sidewalks` and `poles` are whether it has any.
     """
 
     source: ClassVar[str] = "text"
@@ -77,7 +77,7 @@ def as_text(street: CoarseStreet, style: TextStyle, pose: np.ndarray) -> ShapeTa
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ClusterStyle:
-    """`numbered` tells whether the points have instance numbers."""
+    """`numbered` is whether the points have instance numbers."""
 
     source: ClassVar[str] = "cloud"
     coverage: ClassVar[tuple[float, float] | None] = None
@@ -102,7 +102,7 @@ class PictureStyle:
     """The content of a picture, and the accuracy of its objects.
 
     It shows the objects within `reach` [m] and `view` [rad] around straight ahead. `omit` is the share of small objects
-    left out. `sidewalks` and `poles` tell whether it has any, `relief` whether its ground rises and falls. `lobes` is
+    left out. `sidewalks` and `poles` are whether it has any, `relief` whether its ground rises and falls. `lobes` is
     the number of ellipsoids in a crown. `error` is the standard deviation of sizes in shares of them and of places in
     shares of the distance, `turn` that of yaw [rad].
     """
@@ -162,7 +162,7 @@ def _errors(
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class BoxStyle:
-    """`relief` tells whether the ground rises and falls or is flat."""
+    """`relief` is whether the ground rises and falls or is flat."""
 
     source: ClassVar[str] = "boxes"
     coverage: ClassVar[tuple[float, float] | None] = None
