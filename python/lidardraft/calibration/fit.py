@@ -1,5 +1,5 @@
-"""A sensor fitted to its recordings: lasers, vehicle, receiver and intensity; and a report on how much nearer it brings
-streets to scans that it was not fitted to."""
+"""A sensor fitted to its recordings: lasers, vehicle, receiver and intensity; and a report of
+streets' distances, before and after the fit, from scans that it was not fitted to."""
 
 from __future__ import annotations
 

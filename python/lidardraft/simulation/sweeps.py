@@ -56,7 +56,7 @@ class _Sector:
 
 @dataclass(frozen=True, eq=False)
 class Sweeper:
-    """A unit of a sensor in a weather. `threads` is how many threads a scan may use; scans are the same for any.
+    """A unit of a sensor in a weather. `threads` is the most threads of a scan; scans are the same for any.
 
     Sectors that may see a body are cast together or, as always in sequences, `apart`: the last bits of ranges depend on
     that.

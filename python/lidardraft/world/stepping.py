@@ -75,7 +75,7 @@ class Stepping:
         return state.but({name: self._begun(actor, drivers.get(name), state.time) for name, actor in actors.items()})
 
     def _begun(self, actor: Actor, driver: Driver | None, time: float) -> Actor:
-        """The actor as if it had come at the speed that it has by itself."""
+        """The actor as if it had come at its usual speed."""
         speed, heading = 0.0, actor.spot[3]
         if driver is not None and actor.drive is not None:
             speed, actor = driver.speed, dataclasses.replace(actor, drive=_drive(driver, actor.drive.way))

@@ -435,7 +435,7 @@ class World:
             self._state = self._state.but({id: self._at_speed(id, self._movable(id), speed, False)})
 
     def _at_speed(self, name: str, actor: Actor, speed: float, anew: bool) -> Actor:
-        """The actor with a speed, along its lane if it is in one; `anew` with the past of that speed."""
+        """The actor with a speed, along its lane if it is in one; `anew` as if it had come at it."""
         fits = is_number(speed) and abs(speed) <= FASTEST
         check_that(fits, f"{name}: speed", speed, f"-{FASTEST:g} to {FASTEST:g} m/s")
         if isinstance(actor.motion, Walk) and speed > 0.0:

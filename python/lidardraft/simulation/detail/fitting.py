@@ -1,4 +1,4 @@
-"""A builder's object in a given box: built as near to its size as such objects are, then stretched into it."""
+"""A builder's object in a given box: built in the nearest size of its kind, then stretched into it."""
 
 from __future__ import annotations
 

@@ -119,7 +119,7 @@ def _markings(
 
 
 def _rounds(layout: Layout, strips: tuple[RoadStrip, ...]) -> list[tuple[float, float, float]]:
-    """Middle and radius of each circle around a road that is no strip, as a roundabout is."""
+    """Middle and radius of each circle around a road that is no strip, such as a roundabout."""
     known = {strip.id for strip in strips}
     others = (p for p in layout if p.label == "road" and p.id not in known and p.material is None)
     return [(p.center[0], p.center[1], max(p.size[:2]) / 2) for p in others if max(p.size[:2]) < _WIDEST_ROUND]

@@ -56,7 +56,7 @@ class Driver:
     barred: float = math.inf  # the furthest place of its front along the lane [m]
     beside: bool = False  # whether it has been beside a vehicle that it overtakes
     returns: bool = False  # to its lane, or to its `side` of it
-    side: float = 0.0  # how far left of the middle [m]
+    side: float = 0.0  # its goal left of the middle [m]
 
     def wish(self, time: float) -> float:
         """The speed that it wants at a `time` [s] if the way is free [m/s]."""
@@ -86,7 +86,7 @@ class Driver:
 def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | None:
     """The body as a driver in the lane that it stands in and heads along, or None if there is no such lane.
 
-    It turns if no lane goes straight on. Of several lanes that are one at that place it takes any."""
+    It turns if no lane goes straight on. Of several lanes that coincide at that place it takes any."""
     x, y, _, yaw = body.place
     best, least = None, (True, True, math.inf, 0)
     for lane in lanes:

@@ -137,7 +137,7 @@ class Blocks(Listed):
         self.by_name[block.name] = block
 
     def remove(self, block: Value) -> None:
-        """Forget a block."""
+        """Remove a block."""
         self.script.check_time()
         if not isinstance(block, Block) or self.by_name.get(block.name) is not block:
             raise RefusalError(f"{describe(block)} is not in {self.kind}")
