@@ -16,7 +16,7 @@ from lidardraft.scene.solids import Solid
 
 # Numbers without a source are estimates.
 BUILDING_MARGIN = 0.02  # m
-_BEGINS, _ENDS = (16.0, 30.0), 20.0  # m before the street, the begin of a row, and behind it, of the last building
+_BEGINS, _ENDS = (16.0, 30.0), 20.0  # m before the street, the start of a row, and behind it, of the last building
 
 # Detached buildings [m].
 _HALL = Extents((24.0, 50.0), (16.0, 30.0), (5.0, 8.0))

@@ -63,7 +63,7 @@ _EDGED, _CROSSED = 0.5, 0.6  # share of town roads with edge lines, of junctions
 _ARROW_AHEAD, _ARROW_SHAFT, _ARROW_HEAD = 4.0, (1.6, 5.0, 0.08), ((0.0, 0.5, 0.1), (0.5, 1.1, 0.25), (1.1, 1.6, 0.4))
 # VwV-StVO: bars of 0.5 m with gaps of 0.5 m, 3 m long and more.
 _BAR, _BAR_SPACING, _BAR_LENGTH = 0.5, 1.0, 4.0
-_ZEBRA_EDGES = (0.3, 0.5)  # m to the first bar from the right kerb, and without the begin of a bar at the left kerb
+_ZEBRA_EDGES = (0.3, 0.5)  # m to the first bar from the right kerb, and without the start of a bar at the left kerb
 _ZEBRA_MEDIAN = 0.3  # m from the middle of a bar to a median
 _BAY_END, _BAY_SIDE, _BAY_GATE = 0.1, 0.1, 3.0  # m to the ends of bays and of the area, from the middle of the gate
 

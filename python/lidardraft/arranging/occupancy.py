@@ -72,7 +72,7 @@ class Occupancy:
         margin: float = 0.15,
         private: bool = False,
     ) -> bool:
-        """Place an object, turned by `angle` against the road, if `margin` [m] around it is free; returns whether so.
+        """Place an object turned by `angle` against the road; returns False unless `margin` [m] around it is free.
 
         A `private` object keeps off the road and the sidewalks.
         """

@@ -63,7 +63,7 @@ class Cells:
         return Cells(*(values[mine] for values in vars(self).values()))
 
     def imputed(self, shown: np.ndarray) -> np.ndarray:
-        """The readings [C, Q]; those of 0, only known to be below the cut-off, are replaced by `shown`."""
+        """The readings [C, Q]; those of 0, only known to be below the cut-off, become `shown`, up to that."""
         return np.where(self.reading > 0, self.reading, np.minimum(shown, self.cutoff))
 
 

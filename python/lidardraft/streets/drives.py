@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 HALF_LENGTH = 200.0  # m, for streets of drives
 _STREAM = 2  # random numbers of a drive, apart from those of its street
-_FIRST, _LAST, _STEP = 15.0, 120.0, 2.5  # m from the start of its lane to the ego vehicle's begin, and between tries
+_FIRST, _LAST, _STEP = 15.0, 120.0, 2.5  # m from the start of its lane to that of the ego vehicle, and between tries
 
 
 def street_drive(
@@ -69,7 +69,7 @@ def street_drive(
 
 
 def _start(street: Street, rng: np.random.Generator) -> tuple[np.ndarray, float]:
-    """The begin of the ego vehicle, street_from_ego [4, 4], and the rest of its lane [m]."""
+    """The start of the ego vehicle, street_from_ego [4, 4], and the rest of its lane [m]."""
     lanes = [lane for lane in street.lanes if lane.kind == MAIN_ROAD]
     road, ground = street.occupancy.road, street.occupancy.ground
     for number in rng.permutation(len(lanes)).tolist():

@@ -40,7 +40,7 @@ _ONCOMING = 0.4  # rad at most between the headings of two that pass side by sid
 
 @dataclass(frozen=True, slots=True)
 class Zone:
-    """The conflict zone of two passages: its begin and end along both ways [m]. `gives` is 1 if the own passage gives
+    """The conflict zone of two passages: its start and end along both ways [m]. `gives` is 1 if the own passage gives
     way, -1 if the other does, 0 if the later one does."""
 
     other: int
@@ -202,7 +202,7 @@ class RightOfWay:
         return passage.phase is not None and not self.is_green(passage.phase, time)
 
     def _hold(self, user: _User, users: dict[int, list[_User]]) -> float:
-        """The furthest place of a driver along its way [m]: its line or, once beyond it, the begin of the zone of
+        """The furthest place of a driver along its way [m]: its line or, once beyond it, the start of the zone of
         another driver that is beyond its own line and there first."""
         line, brakes = user.passage.line, user.driver.speed**2 / (2 * _BRAKING)
         if user.held and not user.committed:

@@ -26,7 +26,7 @@ class Watch(Protocol):
 
     @property
     def obstacles(self) -> np.ndarray:
-        """All other bodies, f64 [N, 6]: x, y, yaw, half the length and the width [m], and speed [m/s]."""
+        """All bodies, f64 [N, 6]: x, y, yaw, half the length and the width [m], and speed [m/s]."""
 
 
 def walked(

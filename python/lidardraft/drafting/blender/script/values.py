@@ -206,7 +206,7 @@ def is_number(value: Value) -> bool:
 
 
 def checked(value: Value) -> Value:
-    """The value; raises `RefusalError` for a complex or too large a number."""
+    """The value; raises `RefusalError` for a complex number or a whole number of more than 63 bits."""
     if isinstance(value, int) and not -LARGEST <= value <= LARGEST:
         raise RefusalError("a whole number of more than 63 bits")
     if isinstance(value, complex):
