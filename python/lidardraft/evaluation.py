@@ -1,4 +1,4 @@
-"""How well generated scans of unseen streets obey their layouts, and how much they look like scans."""
+"""The quality of generated scans of unseen streets: their adherence to the layouts, and their likeness to scans."""
 
 from __future__ import annotations
 
@@ -28,21 +28,22 @@ from lidardraft.simulation.simulate import simulate
 from lidardraft.streets import StreetConfig, StreetPair, streets
 
 _Item = TypeVar("_Item")
-_FEWEST = 100  # returns of a class whose intensities are compared
-_HEEDED_LEVELS = (0.1, 0.3, 1.0, 3.0)  # of noise: at lower ones the scan itself says all
-OTHER_STREETS = 3_000_000  # a seed; neither learned from nor scored on
+_FEWEST = 100  # returns of a class for a comparison of intensities
+_HEEDED_LEVELS = (0.1, 0.3, 1.0, 3.0)  # of noise: at lower ones the scan itself suffices
+OTHER_STREETS = 3_000_000  # a seed, neither for training nor for scores
 _LAWN = Layout((Primitive(shape="plane", center=(0, 0, 0), size=(400, 400, 0), label="terrain", id="lawn", open=True),))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Scores:
-    """Those of one kind of scan of the same streets.
+    """The scores of one kind of scan of the same streets.
 
-    Adherence to the condition images (means over the streets), `other` that of the objects to the image of the next
-    street; Jensen-Shannon distances of ranges, heights, top views and classes from those of the detailed scans; the
-    shares of holes on near surfaces and of lone returns (`metrics/returns.py`); `own`, of returns that are not the
-    simulated scan's; and `intensity`, the distance of the intensities of each class, of classes that both have. Where
-    halves of the streets are open, adherence is that of the given halves, and all else is of the open ones.
+    `objects`, `overall`, `drop` and `by_class` are adherence to the condition images (means over the streets); `other`
+    is that of the objects to the image of the next street. `range`, `height`, `bev` and `classes` are Jensen-Shannon
+    distances from the detailed scans. `holes` and `lone` are the shares of holes on near surfaces and of lone returns
+    (`metrics/returns.py`). `own` is the share of returns that are not the simulated scan's. `intensity` are the
+    distances of intensities of each class in both. If halves of the streets are open, adherence is that of the given
+    halves, and the rest is of the open ones.
     """
 
     name: str
@@ -64,7 +65,7 @@ class Scores:
 def unseen_streets(
     num: int, *, sensor: Sensor, seed: int = 1_000_000, on_street: Callable[[], object] | None = None
 ) -> list[StreetPair]:
-    """One pair of each of `num` streets, of a seed that no training used; `on_street` is called after each."""
+    """One pair of each of `num` streets, of a seed outside training; `on_street` is called after each."""
     config = StreetConfig(sensor=sensor, poses_per_street=1, simulated=True)
     return list(_counted(itertools.islice(streets(seed=seed, config=config), num), on_street))
 
@@ -72,10 +73,12 @@ def unseen_streets(
 def evaluate(
     pipeline: Pipeline, pairs: list[StreetPair], *, on_scan: Callable[[], object] | None = None
 ) -> Iterator[Scores]:
-    """What the detailed scans themselves would get, scans of other streets, the condition images and the simulated
-    scans of the same layouts passed through, the pipeline's scans, and those of the same network untrained; `on_scan`
-    is called after each generated scan. Weights that complete are given a half of each street, and in place of the
-    condition image stands the given half beside a lawn."""
+    """The scores of several kinds of scans; `on_scan` is called after each generated one.
+
+    They are the detailed scans themselves, scans of other streets, the condition images, the simulated scans of the
+    same layouts, the pipeline's scans, and those of the same network untrained. Weights that complete get a half of
+    each street; then the given half beside a lawn replaces the condition image.
+    """
     opened = half_opened([pair.scan for pair in pairs]) if pipeline.denoiser.config.completes else None
     others = (pair.scan for pair in unseen_streets(len(pairs), sensor=pairs[0].scan.sensor, seed=OTHER_STREETS))
     yield score("detailed scan", pairs, (pair.scan for pair in pairs), opened)
@@ -95,7 +98,7 @@ def evaluate(
 
 
 def half_opened(scans: Sequence[RangeImage]) -> list[np.ndarray]:
-    """Half of the columns of each scan, all around one after the other scan, bool [H, W] each."""
+    """Half of the columns of each scan, bool [H, W]; from scan to scan they move once around."""
     found = []
     for number, scan in enumerate(scans):
         rows, columns = scan.sensor.shape
@@ -107,7 +110,7 @@ def half_opened(scans: Sequence[RangeImage]) -> list[np.ndarray]:
 def sample_scans(
     denoiser: Denoiser, condition_images: list[RangeImage], *, on_scan: Callable[[], object] | None = None
 ) -> list[RangeImage]:
-    """What a denoiser that does not see simulated scans makes of each condition image, from noise."""
+    """The scans that a denoiser generates from each condition image, without simulated scans."""
     pipeline = Pipeline(denoiser)
     scans = (pipeline.generate(image, image, seed=seed) for seed, image in enumerate(condition_images))
     return list(_counted(scans, on_scan))
@@ -115,8 +118,8 @@ def sample_scans(
 
 @torch.inference_mode()
 def loss_by_other_layouts(denoiser: Denoiser, scans: list[RangeImage], condition_images: list[RangeImage]) -> float:
-    """The loss of scans, each by the condition image of the next one, over that by their own: 1 is a denoiser that does
-    not heed what it is given. It shows long before scans do. Weights that complete are given half of the columns."""
+    """The loss of scans by the next one's condition image over that by their own: 1 if a denoiser ignores its
+    condition. It rises long before scans show it. Weights that complete get half of the columns."""
     device = next(denoiser.parameters()).device
     opened = half_opened(scans) if denoiser.config.completes else None
     losses = dict.fromkeys((0, 1), 0.0)
@@ -141,7 +144,7 @@ def _simulated(pair: StreetPair) -> RangeImage:
 
 
 def lawn(pair: StreetPair) -> RangeImage:
-    """What a sensor at the place of a pair reports of a lawn without end."""
+    """The scan of an endless lawn by a sensor at the place of a pair."""
     return simulate(_LAWN, pair.scan.sensor, pose=pair.pose, speed=pair.speed, seed=pair.index).image
 
 
@@ -159,7 +162,7 @@ def untrained(pipeline: Pipeline) -> Pipeline:
 
 
 def untrained_weights(denoiser: Denoiser) -> Denoiser:
-    """A network of the same form without any training; what starts at zero is random as well."""
+    """A network of the same form without any training; weights that start at zero are random as well."""
     with torch.random.fork_rng(devices=[]):
         torch.manual_seed(0)
         network = Denoiser.from_config(denoiser.config)
@@ -209,12 +212,12 @@ def score(
 
 
 def _same(image: RangeImage, other: RangeImage) -> np.ndarray:
-    """Where both have a return at the same range, to the millimetre, bool [H, W]."""
+    """The mask of returns at the same range in both, to the millimetre, bool [H, W]."""
     return other.valid & (np.abs(image.depth - other.depth) < 1e-3)
 
 
 def _intensity(detailed: list[Sweep], sweeps: list[Sweep]) -> dict[str, float]:
-    """How far the intensities of each class are from those of the detailed scans; nothing where there are none."""
+    """The distance of the intensities of each class from those of the detailed scans; empty without intensities."""
     if any(sweep.intensity is None for sweep in sweeps):
         return {}
     found = {}
@@ -232,6 +235,6 @@ def _by_class(scores: list[Adherence]) -> dict[str, float]:
 
 
 def _share(counts: list[np.ndarray]) -> float:
-    """Of all that was counted, [part, whole] each; NaN of nothing."""
+    """The share in all counts, [part, whole] each; NaN if empty."""
     part, whole = np.sum(counts, axis=0)
     return float(part / whole) if whole else float("nan")

@@ -1,7 +1,7 @@
-"""Scores between two sets of scans as others define them: the protocols of LiDM, LiDARGen and R2DM; and the tables of
-the LiDARDraft paper, which are by LiDM's.
+"""Scores between two sets of scans by published protocols: those of LiDM, LiDARGen and R2DM; and the tables of the
+LiDARDraft paper, which follow LiDM's.
 
-A score has its noise floor beside it: the same distance between halves of the recorded scans, drawn at random.
+A score has its noise floor beside it: the same distance between random halves of the recorded scans.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _HALVINGS = 10  # of the recorded scans, for a noise floor
 _EDGE = 50.0  # m from the sensor to the edges of LiDM's square
 _LIDM_NEAR, _LIDM_FAR = 1.0, 56.0  # m, of LiDM's 64-beam sensors
 _NEAR, _FAR = 0.5, 63.0  # m, of R2DM
-_CLIP = 63.0  # m: LiDARGen's range images hold no more
+_CLIP = 63.0  # m: the limit of LiDARGen's range images
 
 File = str | os.PathLike[str]
 Measure = Callable[[SphericalImage], np.ndarray]
@@ -40,7 +40,7 @@ Measure = Callable[[SphericalImage], np.ndarray]
 
 @dataclass(frozen=True, kw_only=True)
 class Metric:
-    """How it is measured on one scan and compared, in words too. `network` names the weights that measure it."""
+    """A metric: its measure of one scan, its distance, and its definition in words. `network` names its weights."""
 
     name: str
     definition: str
@@ -51,8 +51,8 @@ class Metric:
 
 @dataclass(frozen=True, kw_only=True)
 class Protocol:
-    """`near` and `far` [m] bound the points that are projected; `scans` says in words which are compared, and `drawn`
-    draws so many of the recorded and generated scans."""
+    """`near` and `far` [m] bound the projected points. `scans` describes the compared scans; `drawn` gives the numbers
+    of recorded and generated scans to draw."""
 
     name: str
     source: str
@@ -65,8 +65,8 @@ class Protocol:
 
 @dataclass(frozen=True)
 class Score:
-    """The metric card: a value, what it is, and the floor, distances of `floor_scans` recorded scans from as many
-    others. `network` names and hashes the weights; `left_out` says why there is no value."""
+    """The metric card: a value, its definition, and the floor, distances of `floor_scans` recorded scans from as many
+    others. `network` names and hashes the weights; `left_out` is the reason for a missing value."""
 
     protocol: str
     source: str
@@ -88,7 +88,7 @@ def _counted(histogram: np.ndarray) -> np.ndarray:
 
 
 def _lidm_cells(image: SphericalImage, edge: float) -> np.ndarray:
-    """The numbers of the cells of `edge` metres that hold a point in LiDM's square, each once."""
+    """The indices of the cells of `edge` metres with a point in LiDM's square, each once."""
     points = corner_points(image.depth)[image.within(_LIDM_NEAR, _LIDM_FAR)]
     x, y = points[(np.abs(points[:, :2]) < _EDGE).all(axis=1), :2].T
     half = round(_EDGE / edge)
@@ -236,7 +236,7 @@ def compare(
     `intensity_scale` is that of recorded intensities, as in `read_recording`.
 
     `networks` is the folder of the public weights; without it, metrics that need some are left out. Raises
-    `LidarDraftError` where a file is none of a scan, or has nothing to measure.
+    `LidarDraftError` if a file holds no scan, or nothing to measure.
     """
     random = np.random.default_rng(check_seed(seed))
     files, counts = [], protocol.drawn(len(recorded), len(generated))
@@ -251,7 +251,7 @@ def compare(
             measured.append((metric.distance(sides), measure))
         about = protocol.name, protocol.source, metric.name, metric.definition, protocol.scans
         scores.append(Score(*about, math.nan, *counts, floor_scans=half, network=network, left_out=left_out))
-    needed = any(score.network for score in scores) or None  # networks look at intensities
+    needed = any(score.network for score in scores) or None  # networks use intensities
     for number, file in enumerate(files):
         scale = intensity_scale if number < counts[0] else None
         points, fields = read_points(file, intensity_scale=scale, needs_intensity=needed)
@@ -268,9 +268,9 @@ def compare(
 
 
 def _sides(recorded: int, generated: int, random: np.random.Generator) -> tuple[np.ndarray, int]:
-    """The two sets, and halvings of recorded scans, as `metrics.comparisons` takes them; and the scans in a half.
+    """The two sets and halvings of recorded scans, as in `metrics.comparisons`, and the number of scans in a half.
 
-    A half holds as many as were generated, where there are enough recorded ones: distances depend on numbers.
+    A half has as many scans as were generated, if there are enough recorded ones: distances depend on numbers.
     """
     if not (recorded and generated):
         raise LidarDraftError("a set of scans is empty; a score needs at least one scan on each side")
@@ -283,7 +283,7 @@ def _sides(recorded: int, generated: int, random: np.random.Generator) -> tuple[
 
 
 def _measure(metric: Metric, networks: File | None, device: str) -> tuple[Measure | None, str, str]:
-    """What measures a metric, what its network is, and why it is left out."""
+    """The measure of a metric, the description of its network, and the reason if it is left out."""
     if metric.measure is not None:
         return metric.measure, "", ""
     from lidardraft.perception.feature_networks import NETWORKS
@@ -338,11 +338,11 @@ NAMES = (*_INPUTS, *_ABLATION, "none")
 
 
 def table_lines(ours: Mapping[str, list[Score]]) -> Iterator[str]:
-    """The lines of the tables of the LiDARDraft paper that one of `ours`, scores by LiDM's protocol by name, has a row
-    in; then those of other names. Published rows are as published.
+    """The lines of the LiDARDraft paper's tables with a row for one of `ours`, scores by LiDM's protocol by name; then
+    those of other names. Published rows are as published.
 
-    The paper's MMD is LiDM's minimum matching distance, and its FRD and FPD most probably are LiDM's FRID and FPVD;
-    FPVD needs a sparse network that is not rebuilt here.
+    The paper's MMD is LiDM's minimum matching distance. Its FRD and FPD most probably are LiDM's FRID and FPVD; FPVD
+    needs a sparse network that is not rebuilt here.
     """
     one = {**_INPUTS, "none": _UNCONDITIONAL}
     two = {name: {"LiDARDraft": row} for name, row in _ABLATION.items()}

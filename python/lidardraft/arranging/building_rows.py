@@ -14,11 +14,11 @@ from lidardraft.objects.buildings import STOREY
 from lidardraft.scene.road import SIDES
 from lidardraft.scene.solids import Solid
 
-# Numbers without a source are estimates of ours.
+# Numbers without a source are estimates.
 BUILDING_MARGIN = 0.02  # m
-_BEGINS, _ENDS = (16.0, 30.0), 20.0  # m before the street that a row begins, and behind it that the last may begin
+_BEGINS, _ENDS = (16.0, 30.0), 20.0  # m before the street, the start of a row, and behind it, of the last building
 
-# Buildings that stand alone [m].
+# Detached buildings [m].
 _HALL = Extents((24.0, 50.0), (16.0, 30.0), (5.0, 8.0))
 _HALL_OFF = (2.0, 5.0)  # m behind its car park
 _BLOCK_STOREYS, _BLOCK_LENGTH, _BLOCK_WIDTH = (3, 7), (12.0, 30.0), (10.0, 15.0)  # storeys: from, to before
@@ -29,7 +29,7 @@ _HOUSE_STOREYS, _HOUSE_LENGTH, _HOUSE_WIDTH = (1, 4), (8.0, 16.0), (7.5, 11.0)
 _KNEE_WALL = 0.2  # m from the ceiling of the top storey to the eaves
 _PITCH = (0.25, 0.5)  # height of a roof over the width of its house
 
-# Where the view is open between the rows, up to a building.
+# Open views between the rows, each up to a building.
 _OPEN, _OPEN_WIDTH, _OPEN_DEPTH = 0.8, (8.0, 18.0), (40.0, 85.0)  # mean number a side, m
 _OPEN_FROM, _SKY = 1.6, 50.0  # m over the ground: lower things stand there
 
@@ -41,19 +41,19 @@ _STEPPED = 0.3  # share of buildings that stand back from it
 _STEP_BACK = (0.2, 1.2)  # m by which they do
 _ASKEW, _TURNED = 0.06, 0.01  # rad that a row is turned against the road at most, and a house against it, deviation
 
-# Closed fronts of blocks, and what stands behind their yards.
+# Closed fronts of blocks, and buildings behind their yards.
 _DEPTH, _FRONT_LENGTH = (10.0, 13.0), (10.0, 24.0)  # m
 _LEAST_STOREYS = 3
 _SEAM = 0.05  # m between two fronts
-_NO_ROOM = 2.0  # m to the next place that is tried
+_NO_ROOM = 2.0  # m to the next place to try
 _YARD = (10.0, 18.0)  # m
 _YARD_STOREYS, _YARD_LENGTH, _YARD_WIDTH = (2, 6), (10.0, 26.0), (8.0, 12.0)
 _YARD_BUILT, _YARD_GAP = 0.6, (2.0, 14.0)  # share of the places, m between two
 
 # Gaps in a closed front.
 _GAP = (3.2, 12.0)  # m
-_GAP_BEHIND = 0.3  # m from the line of the front to what closes a gap
-_WALLED, _FENCED = 0.4, 0.2  # share that a wall closes, and mesh fences; the others are open
+_GAP_BEHIND = 0.3  # m from the line of the front to the wall or fence in a gap
+_WALLED, _FENCED = 0.4, 0.2  # shares of gaps with a wall, and with mesh fences; the others are open
 _COURT_WALL, _COURT_WALL_WIDTH, _COURT_WALL_ENDS = (1.8, 2.8), 0.3, 0.3  # m of height, across, and free at its ends
 _SITE_FENCE = (3.5, 2.0)  # m: mobile fences of building sites
 _SITE_FENCE_GAP = 0.05  # m
@@ -62,7 +62,7 @@ _SITE_FENCE_GAP = 0.05  # m
 def place_buildings(
     occupancy: Occupancy, district: District, car_park: CarPark | None, rng: np.random.Generator
 ) -> None:
-    """Two rows of buildings on both sides, with views between, and the hall that a car park belongs to."""
+    """Two rows of buildings on both sides, with views between, and the hall of a car park."""
     if car_park is not None:
         _place_hall(occupancy, car_park, rng)
     _place_views(occupancy, district, rng)
@@ -93,7 +93,7 @@ def _sample_block(rng: np.random.Generator) -> Size:
 
 
 def _facing(side: int) -> float:
-    """The angle of a building that looks to the road."""
+    """The angle of a building that faces the road."""
     return 0.0 if side > 0 else math.pi
 
 
@@ -107,7 +107,7 @@ def _place_hall(occupancy: Occupancy, car_park: CarPark, rng: np.random.Generato
 
 
 def _place_rows(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
-    """Buildings that stand alone, in rows one behind the other."""
+    """Detached buildings in rows, one behind the other."""
     road = occupancy.road
     for row in range(_ROWS):
         setback = rng.uniform(*district.setback) + row * rng.uniform(*_BEHIND)
@@ -126,7 +126,7 @@ def _place_rows(occupancy: Occupancy, district: District, side: int, rng: np.ran
 
 
 def sample_building(district: District, rng: np.random.Generator) -> tuple[str, Size, float]:
-    """Kind, extents and eaves [m] of a building that stands alone."""
+    """Kind, extents and eaves [m] of a detached building."""
     if rng.random() < district.blocks:
         return "block", _sample_block(rng), 0.0
     if rng.random() < _SHEDS:
@@ -141,9 +141,9 @@ def _block_height(storeys: int) -> float:
 
 
 def _place_closed_front(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
-    """Blocks wall to wall close to the sidewalk, gaps with courtyard walls between, and buildings behind the yards.
+    """Blocks wall to wall close to the sidewalk, with gaps and courtyard walls, and buildings behind the yards.
 
-    Where a block has no room, a shorter one may.
+    If a block has no room, a shorter one is tried.
     """
     road = occupancy.road
     setback = rng.uniform(*district.setback)
@@ -186,7 +186,7 @@ def _step_back(rng: np.random.Generator) -> float:
 
 
 def _place_gap(occupancy: Occupancy, along: float, side: int, setback: float, rng: np.random.Generator) -> float:
-    """A gap between blocks, open, walled or fenced off as a building site; where it ends [m along]."""
+    """A gap between blocks, open, walled or fenced off as a building site; returns its end [m along]."""
     width = rng.uniform(*_GAP)
     pick = rng.random()
     across = side * (occupancy.road.verge + setback + _GAP_BEHIND)

@@ -15,14 +15,14 @@ from lidardraft.scene.road import LEFT, RIGHT, PavedArea, Road
 # EAR 05 and RASt 06: bays of 2.5 x 5.0 m at right angles to an aisle of 6.0 m.
 BAY_WIDTH, BAY_LENGTH, AISLE_WIDTH = 2.5, 5.0, 6.0
 _MODULE = 2 * BAY_LENGTH + AISLE_WIDTH  # m, two rows of bays and the aisle between
-# Estimates of ours.
+# Estimates.
 ACCESS_WIDTH = 6.0  # m of the way in
-_SHORTEST = (26.0, 30.0)  # m of a car park: always, and where it is longest at least
+_SHORTEST = (26.0, 30.0)  # m of a car park at least, and the least upper limit of its length
 _LONGEST, _LONGEST_SHARE = 70.0, 0.7  # m, and of the half length of the street
-_BEGINS = (-0.75, -0.25)  # where it begins, in shares of its length from the middle of the street
+_BEGINS = (-0.75, -0.25)  # its start, in shares of its length from the middle of the street
 _TO_SIDE_ROAD = 3.0  # m
 _TO_VERGE = (0.6, 4.0)  # m
-_GATE = (0.1, 0.9)  # where the way in is, in shares of the length
+_GATE = (0.1, 0.9)  # the way in, in shares of the length
 _OCCUPIED = (0.1, 0.65)  # share of the bays
 _NOSE_IN = 0.75  # share of the cars
 _ASKEW = 0.03  # rad, deviation
@@ -42,8 +42,8 @@ _WALKER_OFF, _WALKER_MARGIN = 2.0, 0.1  # m off the middle of an aisle at most
 class CarPark:
     """A car park beside the road, on its `side`: cars stand on `paved_area`.
 
-    The way in is `access`, with its middle at `gate` [m along]; `aisles` are driven, `rows` hold bays: the middle
-    across [m], and on which side of it the aisle lies.
+    The way in is `access`, with its middle at `gate` [m along]. `aisles` [m across] are driven. `rows` hold bays: the
+    middle across [m], and the side of it on which the aisle lies.
     """
 
     side: int
@@ -55,7 +55,7 @@ class CarPark:
 
 
 def sample_car_park(road: Road, modules: int, rng: np.random.Generator) -> CarPark:
-    """A car park of so many double rows, near the middle of a straight road and clear of its side roads."""
+    """A car park of `modules` double rows, near the middle of a straight road and clear of its side roads."""
     side = LEFT if rng.random() < 0.5 else RIGHT
     length = rng.uniform(_SHORTEST[0], max(_SHORTEST[1], min(_LONGEST, _LONGEST_SHARE * road.half_length)))
     start = rng.uniform(*_BEGINS) * length
@@ -102,7 +102,7 @@ def place_in_car_park(occupancy: Occupancy, car_park: CarPark, rng: np.random.Ge
 
 
 def _place_cars(occupancy: Occupancy, car_park: CarPark, rng: np.random.Generator) -> None:
-    """Cars in the bays, nose to the aisle or from it."""
+    """Cars in the bays, with the nose or the rear to the aisle."""
     occupied = rng.uniform(*_OCCUPIED)
     start, end = car_park.paved_area.along
     for across, toward in car_park.rows:

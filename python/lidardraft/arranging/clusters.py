@@ -1,4 +1,4 @@
-"""Small things of streets, which stand together: bins put out, bicycles, bollards, planters, tables, works."""
+"""Clusters of small objects in streets: bins put out, bicycles, bollards, planters, tables, works."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from lidardraft.scene.road import SIDES
 
 @dataclass(frozen=True, slots=True)
 class Cluster:
-    """What stands together: pieces drawn from `kinds` with their extents, in a line along the street.
+    """A cluster: pieces drawn from `kinds` with their extents, in a line along the street.
 
-    `count` pieces, from and to, stand `apart` [m] from middle to middle, `off` [m] behind the kerb, or where `behind`
-    is 1 before the verge, where it is 2 behind it on private land. They are turned by `angle` [rad], give or take
-    `askew`, and `scattered` [m] across. `shares` says how often it is one of these where gardens are, and where closed
-    fronts. Pieces of a kind are of one size where they are `alike`.
+    `count` pieces (from, to) stand `apart` [m] from middle to middle. They stand `off` [m] from a line: behind the kerb
+    if `behind` is 0, before the verge if 1, behind the verge on private land if 2. They are turned by `angle` [rad],
+    with the deviations `askew` [rad], and `scattered` [m] across. `shares` are its weights in districts without and
+    with closed fronts. If `alike`, all pieces of a kind have one size.
     """
 
     kinds: tuple[tuple[str, Extents], ...]
@@ -40,7 +40,7 @@ class Cluster:
 _BINS = ("bin", sizes.WHEELED_BIN)
 _CRATE = ("crate", sizes.CRATE)
 _ACROSS = math.pi / 2
-# All numbers are estimates of ours; parked bicycles stand 0.8 m apart (FGSV: 0.8 m and more) or less.
+# All numbers are estimates; parked bicycles stand 0.8 m apart (FGSV: 0.8 m and more) or less.
 _CLUSTERS = (
     Cluster((_BINS,), (1, 5), (0.7, 1.1), (0.4, 0.7), 0, (0.16, 0.06), askew=0.4),
     Cluster((_BINS, _BINS, _CRATE), (2, 6), (0.7, 1.3), (0.4, 2.5), 2, (0.22, 0.08), askew=0.3, scattered=0.2),

@@ -1,4 +1,4 @@
-"""The kinds of district a street can lie in, and the road through one."""
+"""The kinds of district for streets, and the road through one."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from lidardraft.scene.road import LEFT, PARKING_STRIP, RIGHT, RING, SIDES, Road
 FAST, CALM = 25.0, 10.0  # m/s: over 90 km/h on motorways and country roads, under 36 km/h in 30 km/h zones
 
 _ONE_WAY = (3.5, 4.2)  # m of a narrow one-way street; RASt 06: 3.0 to 3.5 m between parked cars
-_NARROW = 0.7  # share of these, the others have room for two lanes: an estimate of ours
+_NARROW = 0.7  # share of one-way streets; the others have room for two lanes: an estimate
 _LEAST_LANE = 2.0  # m
-_LEAST_MEDIAN = 1.5  # m, a narrower one is left out: an estimate of ours
-_JUNCTION = 0.4  # of the half length that a junction is from the middle at most: an estimate of ours
-_ROUNDABOUT = 0.6  # of that for a roundabout: an estimate of ours
+_LEAST_MEDIAN = 1.5  # m, a narrower one is left out: an estimate
+_JUNCTION = 0.4  # of the half length, from the middle to a junction at most: an estimate
+_ROUNDABOUT = 0.6  # of that for a roundabout: an estimate
 _RADII = (13.0, 25.0)  # m, outer: diameters of 26 to 50 m in the German guide to roundabouts (FGSV 242)
-_CORNERS = 1.5  # m that the corners around a roundabout need: an estimate of ours
+_CORNERS = 1.5  # m that the corners around a roundabout need: an estimate
 _MOST_BEND = 1.6  # rad that half of a street turns at most, so that it does not come back to itself
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class RoadEquipment:
-    """What road authorities put along the roads of a district, as probabilities.
+    """The equipment that road authorities put along the roads of a district, as probabilities.
 
-    `median_barrier` is a barrier in the median; `rails` (a side) guard rails along the whole road, `short_rails` (a
-    side) along a part of it; `noise_walls` (a side), and `deer_fences` (a side) where there is no noise wall;
-    `gantries` a sign bridge. `delineators` stand along roads that have them. `cones` are road works.
+    `median_barrier` is a barrier in the median. `rails` (a side) are guard rails along the whole road, `short_rails` (a
+    side) along a part of it. `noise_walls` are a side, `deer_fences` a side without a noise wall, `gantries` a sign
+    bridge. `delineators` is whether the road has them. `cones` are road works.
     """
 
     median_barrier: bool = False
@@ -45,16 +45,16 @@ class RoadEquipment:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class District:
-    """What streets of one kind have in common.
+    """The properties that streets of one kind share.
 
     Pairs are ranges [m]. `share` is that of all streets, `heavy` that of trucks and buses in the traffic, `blocks` that
-    of blocks among the buildings. `bend`, `junction`, `roundabout` and `lights` (of junctions), `oneway`, `car_park`,
-    `parked` (a side), `paved` (what lies beside the sidewalks), `built` (a plot), `front_fences` (a side),
-    `street_trees` (a side), `strip` (of grass beside the kerb) and `adjoining` (a block to the next in closed fronts)
-    are probabilities; `people`, `thickets` (a side) and `wild_trees` mean numbers; `traffic_gap` is a mean [m], `speed`
-    the limit [m/s], `riders` times the usual number on two wheels, `shoulder` the width of a hard shoulder [m],
-    `curvature` a range [1/m], `short_front` the length of the blocks that close a front where longer ones have no
-    room [m].
+    of blocks among the buildings. Probabilities of the road are `bend`, `junction`, `roundabout`, `lights` (of
+    junctions), `oneway`, `car_park`, `parked` (a side) and `strip` (of grass beside the kerb). Those beside it are
+    `paved` (the land), `built` (a plot), `front_fences` (a side), `street_trees` (a side) and `adjoining` (a block to
+    the next in closed fronts). `people`, `thickets` (a side) and `wild_trees` are mean numbers; `traffic_gap` is a mean
+    [m]. `speed` is the limit [m/s], `riders` a factor of the usual number of riders. `shoulder` is the width of a hard
+    shoulder [m], `curvature` a range [1/m]. `short_front` is the length [m] of the blocks that close a front without
+    room for longer ones.
     """
 
     share: float
@@ -107,19 +107,19 @@ class District:
         return self.built > 0.5
 
 
-# Guard rails, walls, fences, sign bridges and road works: estimates of ours.
+# Guard rails, walls, fences, sign bridges and road works: estimates.
 _MOTORWAY = RoadEquipment(
     median_barrier=True, rails=0.55, noise_walls=0.4, deer_fences=0.3, gantries=0.5, delineators=True, cones=0.0
 )
 _COUNTRY_ROAD = RoadEquipment(short_rails=0.25, delineators=True, cones=0.0)
 
 # Lane widths: the German design guides RASt 06 (3.0 to 3.5 m in towns), RAL (3.25 to 3.75 m outside) and RAA (3.5 to
-# 3.75 m on motorways, median 4 m, hard shoulder 2.5 m). Sidewalks: RASt 06, 2.5 m and more where there is room.
+# 3.75 m on motorways, median 4 m, hard shoulder 2.5 m). Sidewalks: RASt 06, 2.5 m and more if there is room.
 # Heavy vehicles: the German road census of 2021 (BASt), 15 % of the traffic on motorways, 7 % on federal roads; fewer
 # in towns. People, cars and plants: such that their shares of the returns lie between those of PandaSet and the class
 # frequencies published with SemanticKITTI (cars 21 and 4 %, vegetation 13 and 27 %, people 0.2 and 0.05 %). Speeds:
 # StVO. Grades stay under the limits of RASt 06 and RAL, 4.5 to 8 %. The shares of districts, and probabilities and
-# numbers without a source, are estimates of ours.
+# numbers without a source, are estimates.
 DISTRICTS: dict[str, District] = {
     "residential": District(
         share=0.44, lanes=(1,), lane_width=(2.5, 3.25), sidewalk=(1.5, 3.0), speed=30 / 3.6, bend=0.5, junction=0.45,
@@ -174,7 +174,7 @@ DISTRICTS: dict[str, District] = {
 }  # fmt: skip
 
 _URBAN, _RESIDENTIAL, _RETAIL, _COUNTRY = (DISTRICTS[name] for name in ("urban", "residential", "retail", "country"))
-# What a sentence can say of where its road leads: districts, and others like them. All numbers are estimates.
+# The districts that a sentence can ask for: those above, and variants. All numbers are estimates.
 SETTINGS: dict[str, District] = {
     **DISTRICTS,
     "urban": replace(_URBAN, setback=(0.5, 3.0), street_trees=0.9, wild_trees=40),  # sidewalks of sentences are narrow
@@ -197,17 +197,17 @@ SETTINGS: dict[str, District] = {
     "school": replace(_RESIDENTIAL, people=6.5, blocks=0.7, setback=(6.0, 14.0)),
     "roadworks": replace(_URBAN, equipment=RoadEquipment(cones=1.0)),
 }
-STREET_DISTRICTS = {**SETTINGS, **DISTRICTS}  # those that streets can lie in, if they are asked for
+STREET_DISTRICTS = {**SETTINGS, **DISTRICTS}  # districts that streets can ask for
 
 
 def setting(name: str) -> District:
-    """One of SETTINGS; raises `LayoutError` for another name, as a file may have it."""
+    """One of SETTINGS; raises `LayoutError` for another name, such as from a file."""
     check_choice("intent: district", name, SETTINGS)
     return SETTINGS[name]
 
 
 def only_district(road: Road, kind: str | None) -> str | None:
-    """The name of the district that a road of a spec's `kind` leads through, if it can be no other."""
+    """The only district that fits a road of a spec's `kind`, or None if several fit."""
     if road.paved_areas:
         return "retail"
     if road.sidewalk == 0:

@@ -1,4 +1,4 @@
-"""What private people have between the street and their houses, and what grows there."""
+"""Private land between the street and the houses: driveways, fences, bins and plants."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from lidardraft.scene.road import SIDES, PavedArea
 
 Driveway = tuple[int, float]  # side, and along [m] of its middle
 
-# Driveways. Numbers without a source are estimates of ours, here and below.
-_DRIVEWAY = (2.8, 6.0)  # m: a bay and what opens a car's doors; RASt 06 wants 5 m before a garage
-_DRIVEWAYS, _FEW_DRIVEWAYS = 9.0, 2.5  # mean number a side where all plots are built: with front fences, and without
-_DRIVEWAY_ENDS = 0.95  # of the half length of the street that they keep to
-_DRIVEWAY_HEIGHT, _DRIVEWAY_OFF = 1.8, 0.1  # m that have to be free over one, and m from the verge
+# Driveways. Numbers without a source are estimates, here and below.
+_DRIVEWAY = (2.8, 6.0)  # m: a bay with room for a car's doors; RASt 06 wants 5 m before a garage
+_DRIVEWAYS, _FEW_DRIVEWAYS = 9.0, 2.5  # mean number a side if all plots are built: with front fences, and without
+_DRIVEWAY_ENDS = 0.95  # of the half length of the street, at most
+_DRIVEWAY_HEIGHT, _DRIVEWAY_OFF = 1.8, 0.1  # m of free height over one, and m from the verge
 _DRIVEWAY_SPACING = 1.5  # widths between the middles of two
-_CROSS_SECTION = (0.1, 1.9, 2.4, 6.0)  # m from the verge, where a ditch or bank would be
+_CROSS_SECTION = (0.1, 1.9, 2.4, 6.0)  # m from the verge, at which to look for a ditch or bank
 _STEEPEST_DRIVEWAY = 0.5  # m of rise over its length
 _WITH_CAR, _CAR_OFF, _CAR_ASKEW = 0.7, 0.5, 0.03  # share with a car, m from the verge to it, rad (deviation)
 
@@ -36,21 +36,21 @@ _WITH_CAR, _CAR_OFF, _CAR_ASKEW = 0.7, 0.5, 0.03  # share with a car, m from the
 _FENCE_OFF = (0.3, 0.9)  # m from the verge
 _FENCE_RUN, _RUN_GAP = (8.0, 28.0), (1.2, 4.0)  # m of a run, and between two
 _FENCE_LENGTH, _LEAST_FENCE, _FENCE_SEAM = 12.0, 1.2, 0.1  # m of a piece: longest, shortest, between two
-_GATE, _BEFORE_GATE = 1.7, 4.5  # m from the middle of a gate that stay open, and from where on a piece ends at it
+_GATE, _BEFORE_GATE = 1.7, 4.5  # m from the middle of a gate that stay open, and within which a piece ends at it
 
 # Between plots.
-_PLOT, _PLOT_DEPTH, _PLOT_FRONT = (9.0, 24.0), (14.0, 34.0), (0.6, 5.0)  # m along, across, and open before its line
-_PLOT_PIECES, _PLOT_RISE = (2.5, 6.0), 0.25  # m of a piece, limits, and m that the ground may rise under it
+_PLOT, _PLOT_DEPTH, _PLOT_FRONT = (9.0, 24.0), (14.0, 34.0), (0.6, 5.0)  # m along, across, and open at its front
+_PLOT_PIECES, _PLOT_RISE = (2.5, 6.0), 0.25  # m of a piece, limits, and m of rise of the ground under it at most
 
 # Behind the fences.
-_YARD_OBJECTS, _FEW_YARD_OBJECTS = 4, 0.5  # mean number where most plots are built, and elsewhere
+_YARD_OBJECTS, _FEW_YARD_OBJECTS = 4, 0.5  # mean number if most plots are built, and else
 _YARD_SPREAD, _YARD_OFF = 35.0, (0.5, 2.0)  # m along (deviation), m from the verge
 _BINS, _LETTERBOXES = 0.5, 0.25  # share; the others are bicycles
 _LETTERBOX_OFF, _BICYCLE_ANGLE, _BIN_ANGLE = 0.35, 0.1, (0.0, 3.0)  # m from the verge; rad, deviation; rad
 
 # Shrubs.
 _BED_WIDTH, _BED_OFF, _BED_ROOM = (0.8, 2.8), 0.6, 0.7  # m, m from the verge, least m for it
-_BED_DEPTH = 0.7  # of the depth of a garden that beds lie in
+_BED_DEPTH = 0.7  # of the depth of a garden, for beds
 _BED, _BED_STEP, _BED_GAP = (
     (1, 5),
     (0.95, 1.3),
@@ -69,7 +69,7 @@ _THICKET_LINE, _THICKET_ANGLE = 0.5, 0.12  # m and rad off the line, deviations
 _GARDEN_SPREAD, _FIELD_SPREAD = 14.0, 28.0  # m from the verge, mean
 _TREE_OFF, _FURTHEST_TREE, _TREE_MARGIN = 1.5, 55.0, 0.05  # m from the verge, m across, m
 _BUSHES = 1.5  # a tree
-_BUSH_ENDS = 0.8  # of the half length of the street that they keep to
+_BUSH_ENDS = 0.8  # of the half length of the street, at most
 _BUSH_WIDTH, _BUSH_OVAL, _BUSH_HEIGHT = (0.8, 3.6), (0.8, 1.45), (0.6, 1.0)  # m; length and height over width
 _BUSH_OFF, _BUSH_NEARER, _FURTHEST_BUSH = 0.6, 0.4, 45.0  # m from the verge; of the spread of trees; m across
 _PLANT_ANGLE = (0.0, 3.0)  # rad
@@ -92,7 +92,7 @@ def place_driveways(occupancy: Occupancy, district: District, rng: np.random.Gen
 
 
 def _has_room(occupancy: Occupancy, side: int, along: float, driveways: list[Driveway]) -> bool:
-    """Whether a driveway there is free, private, apart from the others and leads through no ditch."""
+    """Whether a driveway at `along` is free, private, apart from the others and crosses no ditch."""
     road = occupancy.road
     width, depth = _DRIVEWAY
     x, y, yaw = road.at(along, side * (road.verge + depth / 2 + _DRIVEWAY_OFF))
@@ -125,7 +125,7 @@ def place_front_fences(
     car_park: CarPark | None,
     rng: np.random.Generator,
 ) -> None:
-    """What closes the front gardens: fences, walls or hedges in runs, with gates between and open at driveways."""
+    """Fences, walls or hedges before the front gardens, in runs with gates between, open at driveways."""
     road = occupancy.road
     for side in SIDES:
         if rng.random() > district.front_fences or not district.front_gardens:
@@ -150,8 +150,9 @@ def _place_fence_run(
     section: tuple[float, float],
     gates: list[float],
 ) -> float:
-    """Pieces of one kind over a span [m along], `off` [m] from the middle of the road, of a width and height, with gaps
-    at the gates; where they end [m along].
+    """Pieces of one kind over a span [m along], `off` [m] from the middle of the road, with gaps at the gates.
+
+    `section` is their width and height [m]. Returns their end [m along].
     """
     along, stop = span
     width, height = section
@@ -187,7 +188,7 @@ def place_plot_lines(occupancy: Occupancy, district: District, rng: np.random.Ge
 
 
 def piece_across(occupancy: Occupancy, side: int, least: float, most: float, rise: float) -> float:
-    """How long a piece of a fence up the hillside of a side may be [m], from `least` to `most`, to rise by `rise`."""
+    """The length [m] of a piece of fence that rises by `rise` [m] on a side's hillside, from `least` to `most`."""
     slope = abs(float(occupancy.ground.relief.hillside[0 if side > 0 else 1]))
     return max(least, min(most, rise / max(slope, 1e-3)))
 

@@ -12,12 +12,13 @@ from lidardraft.scene.layout import Primitive
 from lidardraft.scene.road import KERB_HEIGHT, TERRAIN_HEIGHT, PavedArea, Road
 
 _RIM = 4.0  # m of land in the square beyond the sidewalk
-_RING_SHARES = (0.12, 0.3, 0.6)  # where the rings between the outermost circle and the square are, in shares of the way
+_RING_SHARES = (0.12, 0.3, 0.6)  # rings between the outermost circle and the square, in shares of the way
 
 
 class RoundaboutMesh:
-    """Rings [K] by spokes [J + 1] of points over the frame of a road with a roundabout, in place of the square of
-    `half` [m] each way about the junction; `offsets` are the lines of the square both ways, against its middle.
+    """A mesh of rings [K] by spokes [J + 1] in the frame of a road with a roundabout, in place of a square.
+
+    The square reaches `half` [m] each way from the junction; `offsets` are its lines both ways, from its middle.
     """
 
     def __init__(self, road: Road) -> None:
@@ -35,14 +36,14 @@ class RoundaboutMesh:
         rings = [np.zeros_like(square)]
         radii = (0.5 * road.island, road.island, road.roundabout_radius, *([outer] if road.sidewalk > 0 else []))
         rings += [self._ring(square, heading, radius) for radius in radii]
-        # the land rises or falls most next to what is paved
+        # the land rises or falls most next to the pavement
         rings += [rings[-1] + share * (square - rings[-1]) for share in _RING_SHARES]
         rings.append(square)
         points = np.stack(rings)
         self.along, self.across = points[..., 0] + road.junction, points[..., 1]
 
     def lines_along(self) -> list[float]:
-        """The lines of the square along the road."""
+        """The positions of the square's lines along the road [m]."""
         return [self._middle + d for d in self.offsets]
 
     def covers(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
@@ -77,7 +78,7 @@ class RoundaboutMesh:
         return np.concatenate([around, around[:1]])
 
     def _ring(self, square: np.ndarray, heading: np.ndarray, radius: float) -> np.ndarray:
-        """Points of a circle: where the lines of the side roads meet it, else in the directions of the square's."""
+        """Points of a circle: on the lines of the roads, else in the directions of the square's points."""
         ring = radius * np.stack([np.cos(heading), np.sin(heading)], axis=-1)
         verge = self.road.verge + 1e-6
         if radius > verge:
@@ -100,32 +101,32 @@ class RoundaboutMesh:
         ring[between] = radius * np.stack([np.cos(district + away), np.sin(district + away)], axis=-1)
 
 
-# What the ground is made of, and its classes.
+# The surfaces of the ground, and their classes.
 _SURFACES = ("road", "sidewalk", "terrain", "grass")
 _LABELS = ("road", "sidewalk", "terrain", "terrain")
-_KERBED = (1, 3)  # of these, what lies behind kerbs
+_KERBED = (1, 3)  # of these, the surfaces behind kerbs
 _SPACING = 4.5  # m between the stations of a level mesh; the chord of a 110 m bend leaves the arc by 2 cm
 _FINE = 3.0  # m between the lines on a road with waves
-_COARSER = 0.12  # of how far away they are, between the lines of a relief
-_MARGIN = 36.0  # m that the ground goes on behind the ends of the road, for what stands there
-_BEYOND = (11.0, 16.0, 23.0, 33.0, 48.0, 70.0, 100.0)  # m from the verge, where the land is sampled
-_AROUND = (2.5, 6.0)  # m beyond the square of a roundabout, where the land is sampled
-_INSIDE = 0.8  # of the way to the centre of a bend, where the land inside it ends
+_COARSER = 0.12  # of their distance from 0, between the lines of a relief
+_MARGIN = 36.0  # m of ground behind the ends of the road, for objects there
+_BEYOND = (11.0, 16.0, 23.0, 33.0, 48.0, 70.0, 100.0)  # m from the verge, at which the land is sampled
+_AROUND = (2.5, 6.0)  # m beyond the square of a roundabout, at which the land is sampled
+_INSIDE = 0.8  # of the way to the centre of a bend, at which the land inside ends
 _GRASS_DROP = 0.02  # m from a sidewalk down to the grass beside it
-_GARDEN_BEGINS = 0.15  # m from the sidewalk, where gardens beside a level road have their height
-# m, of streets: of a kerb over the road, of one that is dropped, and of gardens over the sidewalk: estimates
+_GARDEN_BEGINS = 0.15  # m from the sidewalk, at which gardens beside a level road have their height
+# m, in streets: a kerb over the road, a dropped kerb, and gardens over the sidewalk: estimates
 _KERBS, _DROPPED, _GARDENS = (0.0, KERB_HEIGHT), 0.03, (-0.04, 0.08)
-_CROSSED = 2.5  # m beside a side road, where kerbs are dropped for people who cross
-_FAR, _FAR_DROP = 500.0, 0.5  # m, the extents of the land far away, and how far under the lowest ground it lies
-_MEDIAN_GAP = 1.0  # m from the crossing road to where the median begins
-_PIECES, _PAVED = 3, 0.04  # pieces of a driveway, and m that it lies over the land
-PAINT, COAT = "road-paint", 0.005  # m that markings lie over the road
-_BENT = 4  # pieces of paint along and across a cell of the mesh, which is no plane
-# Level pieces, estimates: m that one may leave the ground at its ends, m of the shortest, and of the longest in
-# bends of this curvature [1/m].
+_CROSSED = 2.5  # m beside a side road, with kerbs dropped for people who cross
+_FAR, _FAR_DROP = 500.0, 0.5  # m, the extents of the land far away, and its depth under the lowest ground
+_MEDIAN_GAP = 1.0  # m from the crossing road to the median
+_PIECES, _PAVED = 3, 0.04  # pieces of a driveway, and its height [m] over the land
+PAINT, COAT = "road-paint", 0.005  # height of markings over the road [m]
+_BENT = 4  # pieces of paint along and across a cell of the mesh, which is not flat
+# Level pieces, estimates: m off the ground at their ends at most, m of the shortest, m of the longest in bends over
+# a curvature, and that curvature [1/m].
 _OFF_GROUND, _LEAST_PIECE, _BEND_PIECE, _BEND = 0.12, 3.0, 7.0, 0.002
 _FLAT = 1e-3  # slopes under this count as none
-_CLOSE = 1.0  # m, a station this near to another line is left out
+_CLOSE = 1.0  # m, a station this near to a fixed line is left out
 _NEAR = 1e-6  # m
 
 
@@ -133,8 +134,8 @@ class Ground:
     """The surface of one street over the road's frame (along, across): its class and height.
 
     `strip` [m] is the width of the grass between kerb and sidewalk; with `paved` the land beside the street is a
-    square or a yard. Where the height of a `plain` [m] is given, all lies level, as `road_surfaces` has it, and the
-    relief is still to be applied.
+    square or a yard. With the height of a `plain` [m] the ground is level, as in `road_surfaces`, and the relief
+    is still to be applied.
     """
 
     def __init__(
@@ -152,7 +153,7 @@ class Ground:
         (own,) = rng.spawn(1)
         kerb = KERB_HEIGHT if plain is not None or road.sidewalk == 0 else own.uniform(*_KERBS)
         garden = own.uniform(*_GARDENS)
-        # beside a sidewalk gardens are about as high as it, beside a bare road the land is a little lower
+        # gardens are about as high as a sidewalk; beside a bare road the land is a little lower
         land_level = kerb + garden if road.sidewalk > 0 else TERRAIN_HEIGHT
         self._levels = np.array([0.0, kerb, land_level, kerb - _GRASS_DROP])
         self._roundabout = None if road.roundabout_radius is None else RoundaboutMesh(road)
@@ -170,12 +171,12 @@ class Ground:
         self.materials: dict[str, str] = {}
 
     def reaches(self, along: float, across: float) -> bool:
-        """Whether the ground goes on that far."""
+        """Whether the ground reaches a point."""
         lines, columns = self._along, self._across
         return bool(lines[0] <= along <= lines[-1] and columns[0] <= across <= columns[-1])
 
     def levels(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """The heights [n] of the flat surfaces that a coarse layout has at points [n] [m]."""
+        """The heights [n] of a coarse layout's flat surfaces at points [n] [m]."""
         kinds = self.kinds(along, across)
         side = np.abs(across)
         walk = np.isin(kinds, (1, 3)) & (side > self.road.edge) & (side <= self.road.verge)
@@ -189,7 +190,7 @@ class Ground:
         return np.where(kinds == 0, 0.0, np.where(walk, KERB_HEIGHT, plain))
 
     def heights(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """The heights [n] of the ground at points [n], as the mesh has it [m]."""
+        """The heights [n] of the ground's mesh at points [n] [m]."""
         kinds = self.kinds(along, across)
         level = self._levels[kinds] if self.plain is None else self.levels(along, across)
         row = np.clip(np.searchsorted(self._along, along) - 1, 0, len(self._along) - 2)
@@ -211,7 +212,7 @@ class Ground:
         return self.relief.grade(along)
 
     def level_length(self, along: float, longest: float) -> float:
-        """How long a level piece of a fence or a rail may be there [m]: short ones follow bends and slopes."""
+        """The longest level piece of a fence or rail at `along` [m]: short ones follow bends and slopes."""
         limit = min(longest, _BEND_PIECE) if abs(self.road.curvature) > _BEND else longest
         return max(_LEAST_PIECE, min(limit, 2 * _OFF_GROUND / max(abs(self.grade(along)), _FLAT)))
 
@@ -223,7 +224,7 @@ class Ground:
         self._drop[np.ix_(rows, np.isclose(self._across, side * self.road.edge))] = self._most_dropped
 
     def paint(self, spans: np.ndarray) -> None:
-        """Add painted rectangles [n, 4], from and to along and from and to across [m], to the surfaces."""
+        """Add painted rectangles [n, 4] to the surfaces: from and to along, from and to across [m]."""
         self._painted = np.concatenate([self._painted, spans])
 
     def quads(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -235,7 +236,7 @@ class Ground:
         corner = np.concatenate([xy, (self._lattice + self.plain)[..., None]], axis=-1)
         corners = np.stack([corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]], axis=2)
         kinds = self.kinds(*middle)
-        corners[kinds == 1, :, 2] += _PAVED / 2  # what is paved lies a little over the land
+        corners[kinds == 1, :, 2] += _PAVED / 2  # pavement lies a little over the land
         return corners, kinds, middle[1]
 
     def surfaces(self) -> list[Primitive]:
@@ -286,12 +287,12 @@ class Ground:
         across = ends[:, 1, 0, None, None] + share * np.diff(ends[:, 1])[:, :, None]
         along = np.broadcast_to(ends[:, 0, [0, 0, 1, 1]][:, None], across.shape)
         height = self.heights(along.ravel(), across.ravel()).reshape(across.shape)
-        # the rim lies at the verge, where the land begins
+        # the rim lies at the verge, at which the land begins
         corners = np.concatenate([self.road.points(along, across), (height + _PAVED)[..., None]], axis=-1)
         return corners.reshape(-1, 4, 3)
 
     def kinds(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """Index into road, sidewalk, terrain and the grass between kerb and sidewalk or in the median."""
+        """Indices into road, sidewalk, terrain and grass (between kerb and sidewalk, or in the median)."""
         road = self.road
         side = np.abs(across)
         kinds = np.where(side <= road.edge, 0, np.where(side <= road.verge, 1, 2))
@@ -322,11 +323,11 @@ class Ground:
 
     @property
     def _most_dropped(self) -> float:
-        """How much lower than the others a kerb is where it is dropped [m]."""
+        """The height of a kerb over a dropped kerb [m]."""
         return max(0.0, float(self._levels[1]) - _DROPPED)
 
     def _dropped_at_crossings(self) -> np.ndarray:
-        """How much lower [m] the sidewalks are at each point of the mesh: at the corners of side roads."""
+        """The drop [m] of the sidewalks at each point of the mesh: at the corners of side roads."""
         road, drop = self.road, np.zeros_like(self._lattice)
         if road.junction is None or road.roundabout_radius is not None or road.sidewalk == 0 or self.plain is not None:
             return drop
@@ -345,7 +346,7 @@ class Ground:
         return along, _distinct(np.concatenate([across, [-rims, rims]]))
 
     def rises(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """What a relief adds [m] to level ground at points that broadcast: gardens are as high as sidewalks too."""
+        """The rise [m] of a relief over level ground at points that broadcast; gardens become as high as sidewalks."""
         step = self._levels[2] - (TERRAIN_HEIGHT if self.plain is None else self.plain)
         begins = np.minimum(self.relief.away(along, across) / _GARDEN_BEGINS, 1.0)
         heights: np.ndarray = self.relief.heights(along, across) + step * begins
@@ -388,7 +389,7 @@ class Ground:
 
 
 def graded(reach: float) -> np.ndarray:
-    """Lines [m] on either side of 0, up to `reach` or a little more, the further away the fewer."""
+    """Lines [m] on either side of 0, up to `reach` or a little more, sparser further away."""
     lines = [0.0]
     while lines[-1] < reach:
         lines.append(lines[-1] + max(_FINE, _COARSER * lines[-1]))
@@ -401,7 +402,7 @@ def _distinct(lines: np.ndarray) -> np.ndarray:
 
 
 def _within(lattice: np.ndarray, row: np.ndarray, column: np.ndarray, p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Heights [n] at the shares p, q of cells of a lattice, on the two triangles that `quads` makes of each."""
+    """Heights [n] at the shares p, q of cells of a lattice, on the two triangles of each cell in `quads`."""
     here, after = lattice[row, column], lattice[row + 1, column + 1]
     ahead, beside = lattice[row + 1, column], lattice[row, column + 1]
     return here + np.where(p >= q, p * (ahead - here) + q * (after - ahead), q * (beside - here) + p * (after - beside))
@@ -417,7 +418,7 @@ def _cells(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Corners [Q, 4, 3] and kind [Q] of the cells [n, m] over a lattice [n + 1, m + 1], and of the steps between.
 
-    What lies behind kerbs is lower by `drop` at the points of the lattice.
+    Surfaces behind kerbs are lower by `drop` at the points of the lattice.
     """
     rows, columns = (np.arange(n + 1.0) for n in kinds.shape)
     corners, cell = stepped_grid(rows, columns, levels[kinds])
@@ -431,7 +432,7 @@ def _cells(
 
 
 def cut(spans: np.ndarray, lines: np.ndarray, axis: int) -> np.ndarray:
-    """Spans [n, 4] cut where lines [m], sorted, cross them: along (axis 0) or across (1)."""
+    """Spans [n, 4] cut at sorted lines [m]: along (axis 0) or across (1)."""
     low, high = spans[:, 2 * axis], spans[:, 2 * axis + 1]
     first, last = np.searchsorted(lines, low, side="right"), np.searchsorted(lines, high, side="left")
     pieces = last - first + 1

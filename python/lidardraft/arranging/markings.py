@@ -24,7 +24,7 @@ Span = tuple[float, float, float, float]  # from and to along, from and to acros
 
 @dataclass(frozen=True, slots=True)
 class Pattern:
-    """How the lines of a road are painted: m of line and gap, widths [m] of lane lines and edge lines."""
+    """The pattern of a road's lines: m of line and gap, widths [m] of lane lines and edge lines."""
 
     dash: float
     gap: float
@@ -50,12 +50,12 @@ _MOTORWAY = Pattern(6.0, 12.0, 0.15, 0.3)
 _STOP_WIDTH = 0.5
 _MEDIAN_LINE = 0.15
 
-# Estimates of ours.
+# Estimates.
 _LINED = 0.15  # share of calm streets with lines
 _FIRST_DASH = (0.0, 9.0)  # m from the end of the street
 EDGE_OFF, _MEDIAN_OFF = 0.25, 0.35  # m from edge lines to the edge of the road, and to the median
 _CLEAR_ROUNDABOUT = 4.5  # m before a roundabout without lines
-_STOP_AHEAD = 0.75  # m from where traffic waits to the middle of the line
+_STOP_AHEAD = 0.75  # m from the waiting traffic to the middle of the line
 _STOP_LENGTH, _STOP_SHARE = 2.4, 0.48  # m, within the narrowest lane; of the half width of a side road at most
 _ZEBRAS, _ZEBRA_PLACE, _ZEBRA_JUNCTION = 0.3, 0.35, 6.0  # share, of the half length at most, m to a junction
 _EDGED, _CROSSED = 0.5, 0.6  # share of town roads with edge lines, of junctions with zebras
@@ -63,7 +63,7 @@ _EDGED, _CROSSED = 0.5, 0.6  # share of town roads with edge lines, of junctions
 _ARROW_AHEAD, _ARROW_SHAFT, _ARROW_HEAD = 4.0, (1.6, 5.0, 0.08), ((0.0, 0.5, 0.1), (0.5, 1.1, 0.25), (1.1, 1.6, 0.4))
 # VwV-StVO: bars of 0.5 m with gaps of 0.5 m, 3 m long and more.
 _BAR, _BAR_SPACING, _BAR_LENGTH = 0.5, 1.0, 4.0
-_ZEBRA_EDGES = (0.3, 0.5)  # m to the first bar from the right kerb, and in which none begins at the left one
+_ZEBRA_EDGES = (0.3, 0.5)  # m to the first bar from the right kerb, and without the start of a bar at the left kerb
 _ZEBRA_MEDIAN = 0.3  # m from the middle of a bar to a median
 _BAY_END, _BAY_SIDE, _BAY_GATE = 0.1, 0.1, 3.0  # m to the ends of bays and of the area, from the middle of the gate
 
@@ -75,13 +75,13 @@ def road_markings(
     speed: float,
     rng: np.random.Generator,
 ) -> np.ndarray:
-    """Painted rectangles [n, 4] of the road's frame: from and to along, from and to across [m], without zebras
-    but those of junctions.
+    """Painted rectangles [n, 4] in the road's frame: from and to along, from and to across [m]; of zebras only those
+    at junctions.
 
     `speed` [m/s] is the limit on the road.
     """
     spans: list[Span] = []
-    more = rng.spawn(1)[0]  # it leaves what follows in a street as it is
+    more = rng.spawn(1)[0]  # its draws leave the rest of a street as it is
     # quiet streets have no lines
     if speed > CALM or road.lanes > 1 or rng.random() < _LINED:
         for line in _lines(road, lanes, speed):
@@ -101,7 +101,7 @@ def road_markings(
 
 
 def sample_zebras(road: Road, speed: float, rng: np.random.Generator) -> tuple[float, ...]:
-    """Where a road with a limit [m/s] has zebras [m along]: there is perhaps one."""
+    """The places of zebras [m along] on a road with a limit `speed` [m/s]: one or none."""
     if road.sidewalk == 0 or speed <= CALM or rng.random() >= _ZEBRAS:
         return ()
     place = float(rng.uniform(-_ZEBRA_PLACE, _ZEBRA_PLACE) * road.half_length)
@@ -131,7 +131,7 @@ def _lines(road: Road, lanes: tuple[Path, ...], speed: float) -> list[Line]:
 
 
 def _pieces(road: Road, line: Line, first: float) -> list[Span]:
-    """A line from end to end, but for the junction; dashes begin `first` [m] from the end."""
+    """A line from end to end, except in the junction; dashes begin `first` [m] from the end."""
     low, high, end = line.across - line.width / 2, line.across + line.width / 2, road.half_length
     gap = road.verge
     if road.roundabout_radius is not None:
@@ -176,7 +176,7 @@ def _zebra(road: Road, along: float) -> list[Span]:
 
 
 def bay_lines(span: Range, rows: Iterable[float], gate: float = math.inf) -> list[Span]:
-    """The lines between the bays of rows over a `span` [m along] with their middles across [m], but at the `gate`."""
+    """The lines between bays over a `span` [m along], except at the `gate`; `rows` are the rows' middles across [m]."""
     spans = []
     start, end = span
     half = BAY_LENGTH / 2 - _BAY_END

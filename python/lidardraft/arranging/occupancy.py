@@ -1,4 +1,4 @@
-"""What stands where in a street so far, and what is still free."""
+"""The objects of a street so far, and its free space."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from lidardraft.objects.placed_object import PlacedObject
 from lidardraft.scene.road import PavedArea, Road
 from lidardraft.scene.solids import Solid, Solids
 
-_HEADROOM = 2.2  # m over the public way that stays free of private objects: an estimate of ours
-_PUBLIC_DEPTH = 2.0  # m under the level of the road that are public too, where the ground falls
+_HEADROOM = 2.2  # m over the public way without private objects: an estimate
+_PUBLIC_DEPTH = 2.0  # m under the road that are public too, for falling ground
 _PUBLIC_PIECE = 6.0  # m of the boxes that follow a bend
-_BAR = 15  # degrees of a quarter circle, from one to the next of the boxes that cover a disc
+_BAR = 15  # degrees between the boxes that cover a disc
 
 
 class _Placement(NamedTuple):
@@ -36,9 +36,9 @@ class _Placement(NamedTuple):
 
 
 class Occupancy:
-    """The road and ground of a street and what stands there: it places objects so that none goes through another.
+    """The road and ground of a street and its objects: it places objects so that none intersects another.
 
-    Places are along and across the road [m], angles against it [rad]. Kinds in `denied` find no room at all; instances
+    Places are along and across the road [m], angles against it [rad]. Kinds in `denied` are never placed; instances
     count on from `instances`.
     """
 
@@ -55,7 +55,7 @@ class Occupancy:
 
     @property
     def objects(self) -> list[PlacedObject]:
-        """What was placed, on the ground, in the order in which it was placed."""
+        """The placed objects on the ground, in the order of placement."""
         if len(self._objects) < len(self._placed):
             self._objects += self._on_ground(self._placed[len(self._objects) :])
         return self._objects
@@ -72,7 +72,7 @@ class Occupancy:
         margin: float = 0.15,
         private: bool = False,
     ) -> bool:
-        """Place one, turned by `angle` against the road, if `margin` [m] around it is free; returns whether it was.
+        """Place an object turned by `angle` against the road; returns False unless `margin` [m] around it is free.
 
         A `private` object keeps off the road and the sidewalks.
         """
@@ -104,16 +104,16 @@ class Occupancy:
         self._public.add(space)
 
     def add_driveway(self, area: PavedArea) -> None:
-        """Pave a driveway, which private objects keep off from now on."""
+        """Pave a driveway; private objects keep off it from now on."""
         self.ground.add_driveway(area)
         self._public.add(self._paved_space(area))
 
     def is_free(self, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> bool:
-        """Whether an upright box on the ground there touches nothing."""
+        """Whether an upright box on the ground at x, y, yaw touches no object."""
         return not any(self._occupied.touching(Solid.box(x, y, yaw, size[:2], 0.0, size[2])))
 
     def is_private(self, x: float, y: float, yaw: float, size: tuple[float, float, float]) -> bool:
-        """Whether an upright box on the ground there keeps off the road and the sidewalks."""
+        """Whether an upright box on the ground at x, y, yaw keeps off the road and the sidewalks."""
         return not any(self._public.touching(Solid.box(x, y, yaw, size[:2], 0.0, size[2])))
 
     def _on_ground(self, placed: list[_Placement]) -> list[PlacedObject]:

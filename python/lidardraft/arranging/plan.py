@@ -1,4 +1,4 @@
-"""A street in two steps: a frame, sampled or given, and a fill that places everything else around what is there."""
+"""A street in two steps: a frame, sampled or given, and a fill that places all other objects in it."""
 
 from __future__ import annotations
 
@@ -36,8 +36,8 @@ from lidardraft.arranging.walkers import place_people
 from lidardraft.scene.road import SIDES, Road
 from lidardraft.scene.street import StreetFrame, paths_of
 
-# Closed fronts behind front gardens: their share among closed fronts, and what is different there. Numbers without a
-# source are estimates of ours, here and below.
+# Closed fronts behind front gardens: their share among closed fronts, and their properties. Numbers without a source
+# are estimates, here and below.
 _GREEN = 0.35
 # Streets along parks and open land, country roads with sidewalks, and calm streets without any: estimates.
 _OPEN, _COUNTRY_WALKS, _NO_WALKS = 0.15, 0.3, 0.08
@@ -48,13 +48,13 @@ _TWO_AISLES = 0.35  # share of car parks with two aisles
 
 _GRASS_STRIP = (0.35, 0.5)  # share of the width of a sidewalk
 _STRIP_SIDEWALK = 2.2  # m, narrower sidewalks have none
-_CONCRETE_ROADS = 0.25  # share of motorways: about a quarter of the German ones (BASt)
+_CONCRETE_ROADS = 0.25  # share of motorways: about a quarter of German ones (BASt)
 _BARE_SOIL, _ASPHALT_WALKS = 0.2, 0.2  # share of land outside towns, and of all sidewalks
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Frame:
-    """What a street is filled into: the road with its lanes, and its ground, with what stands there already."""
+    """The frame of a street to fill: the road with its lanes, and its ground with the objects so far."""
 
     district: District
     street: StreetFrame
@@ -70,7 +70,7 @@ def plan_street(rng: np.random.Generator, half_length: float, mix: StreetMix = U
 
 
 def sample_frame(rng: np.random.Generator, half_length: float, mix: StreetMix) -> tuple[Frame, str]:
-    """The frame of a street that nothing is said of, and the name of its district."""
+    """A random frame of a street in a `mix`, and the name of its district."""
     name = mix.sample_district(rng)
     district = applied(mix, walked(greened(STREET_DISTRICTS[name], rng), rng))
     parking = tuple(side for side in SIDES if rng.random() < district.parked)
@@ -94,7 +94,7 @@ def sample_frame(rng: np.random.Generator, half_length: float, mix: StreetMix) -
 
 
 def greened(district: District, rng: np.random.Generator) -> District:
-    """The district, where some closed fronts stand behind front gardens."""
+    """The district, in which some closed fronts stand behind front gardens."""
     if district.closed_fronts and rng.random() < _GREEN:
         return replace(
             district, setback=_GREEN_SETBACK, front_fences=_GREEN_FENCES, paved=0.0, thickets=_GREEN_THICKETS
@@ -103,8 +103,8 @@ def greened(district: District, rng: np.random.Generator) -> District:
 
 
 def walked(district: District, rng: np.random.Generator) -> District:
-    """The district, whose sidewalks are now and then where no buildings are: along parks, open land and country roads;
-    and whose buildings, more seldom, are where no sidewalks are."""
+    """The district with variants: sometimes sidewalks without buildings, along parks, open land and country roads;
+    more seldom buildings without sidewalks."""
     draw = rng.random()
     if not district.junction:  # a motorway
         return district
@@ -124,7 +124,7 @@ def sample_lights(road: Road, district: District, rng: np.random.Generator) -> b
 
 
 def fill(frame: Frame, rng: np.random.Generator) -> None:
-    """Place in a frame all that stands in a street of its district, around what is there."""
+    """Place all objects of a street of its district in a frame, around its present ones."""
     occupancy, district, car_park = frame.occupancy, frame.district, frame.car_park
     if frame.street.lights:
         place_traffic_lights(occupancy, rng)

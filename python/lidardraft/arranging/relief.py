@@ -1,4 +1,4 @@
-"""What the ground has over its flat level: grade and crests of the road, camber, short waves, hillsides, ditches,
+"""The relief of the ground over its flat level: grade and crests of the road, camber, short waves, hillsides, ditches,
 rolling land.
 """
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from lidardraft.scene.road import Road
 
-# m from the verge where the land beside a road bends: shoulder, ditch or foot of a bank, top of the bank.
+# m from the verge, at the bends of the land beside a road: shoulder, ditch or foot of a bank, top of the bank.
 SECTION = (1.0, 1.9, 2.4, 3.6, 6.5)
 _CAMBER = (0.02, 0.03)  # usual cross fall of a paved road
 _BANKED = 0.05  # RAL: cross fall in bends up to 7 %
@@ -19,22 +19,22 @@ _STEEPEST = 0.06  # RASt 06 and RAL allow 4.5 to 8 %
 _DITCH = (0.3, 0.6)  # m deep: the German guide to road drainage (RAS-Ew) has 0.5 m
 _BANK = (0.4, 2.2)  # m; slopes of 1 : 1.5 and less (RAL)
 _BANKED_EACH = 12.0  # m: cross fall times radius of the bend, up to `_BANKED`: an estimate
-# Two waves of crests and sags along the road: the shortest and longest of each [m], as vertical curves of some 100 m
-# are usual (RAL), and how steep the second is against the first, an estimate.
+# Two waves of crests and sags along the road: the shortest and longest of each [m], since vertical curves of some 100 m
+# are usual (RAL), and the steepness of the second against the first, an estimate.
 _WAVELENGTHS = ((120.0, 55.0), (320.0, 140.0))
 _WAVES = (1.0, 0.45)
-# Short waves: how many, the least and longest [m], and the slope of all together on one street, deviation. ISO 8608 has
+# Short waves: their number, the least and longest [m], and the deviation of their slope on one street. ISO 8608 has
 # .003 for good roads (class B) and .009 for poor ones (D) at these lengths.
 _RIPPLES, _RIPPLE_LENGTHS, _ROUGHNESS = 6, (6.0, 25.0), (0.003, 0.009)
 # The land beside the road: estimates.
 _STEEPEST_HILL = 0.12
 _STREET_HILLS = 1.6  # times `Land.hillside`
-_HILL_BEGINS = 20.0  # m from the verge, where a hillside has half of its slope
-_ROLLING = (0.3, 1.0)  # how high its waves are, in shares of what the district has
-_ROLLING_BEGINS = 15.0  # m from what is paved, where they have their full height
+_HILL_BEGINS = 20.0  # m from the verge, at which a hillside has half of its slope
+_ROLLING = (0.3, 1.0)  # height of its waves, in shares of the district's
+_ROLLING_BEGINS = 15.0  # m from the pavement, at which they have their full height
 _ROLLING_WAVES = ((0.03, -0.06, 0.0), (0.22, 0.06, 2 * math.pi))  # rad/m along and across, phase: least and most
-_MOUND = (0.1, 1.4)  # m that the island of a roundabout rises to its middle
-_CAMBER_BEGINS = 6.0  # m from the circle of a roundabout, where a road has its full camber and waves
+_MOUND = (0.1, 1.4)  # m, the rise of a roundabout's island to its middle
+_CAMBER_BEGINS = 6.0  # m from the circle of a roundabout, at which a road has its full camber and waves
 _TOWN_BANK = 0.4  # height of a bank behind a sidewalk against one without
 _FALLING = 0.5  # share of banks that fall
 _SHOULDER_DROP = 0.03  # m from the road to its bare shoulder
@@ -43,8 +43,8 @@ _FOOT_OF_BANK = 0.35  # of its height at the last but one of `SECTION`
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Land:
-    """How land lies: `grade` and `hillside` are standard deviations of slopes along and beside the road, `rolling` the
-    height [m] of its waves, `ditch` and `bank` probabilities a side.
+    """The shape of land: `grade` and `hillside` are standard deviations of slopes along and beside the road, `rolling`
+    the height [m] of its waves, `ditch` and `bank` probabilities a side.
     """
 
     grade: float = 0.027
@@ -57,7 +57,7 @@ class Land:
 class Relief:
     """Heights over the frame (along, across) of one road, continuous everywhere.
 
-    `hillside` [2] holds the slopes that the land on the left and on the right comes to, away from the road.
+    `hillside` [2] holds the final slopes of the land on the left and on the right, away from the road.
     """
 
     def __init__(self, road: Road, land: Land, rng: np.random.Generator) -> None:
@@ -81,7 +81,7 @@ class Relief:
         heading, self._ripple_phases = own.uniform(0.0, 2 * math.pi, (2, _RIPPLES))
         self._ripples = 2 * math.pi / lengths * np.stack([np.cos(heading), np.sin(heading)])
         self._ripple_heights = own.uniform(*_ROUGHNESS) / math.sqrt(_RIPPLES / 2) * lengths / (2 * math.pi)
-        if not outside:  # behind a sidewalk, too, land falls as often as it rises
+        if not outside:  # behind a sidewalk land also falls as often as it rises
             self._sections[:, -2:] *= np.where(own.random(2) < _FALLING, -1.0, 1.0)[:, None]
 
     def grade(self, along: float) -> float:
@@ -121,20 +121,20 @@ class Relief:
         return np.asarray(camber * self._off_roundabout(along, across))
 
     def _short_waves(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """Patches, ruts and what has settled."""
+        """Patches, ruts and settlements."""
         p, q = self._ripples
         waves = np.sin(along[..., None] * p + across[..., None] * q + self._ripple_phases) @ self._ripple_heights
         return np.asarray(waves * self._off_roundabout(along, across))
 
     def _off_roundabout(self, along: np.ndarray, across: np.ndarray) -> np.ndarray | float:
-        """0 in a roundabout, which has neither camber nor waves, and 1 away from it."""
+        """0 in a roundabout, which has neither camber nor waves, rising to 1 away from it."""
         if self.road.roundabout_radius is None or self.road.junction is None:
             return 1.0
         off = np.hypot(along - self.road.junction, across) - self.road.roundabout_radius
         return np.asarray(np.clip(off / _CAMBER_BEGINS, 0.0, 1.0))
 
     def away(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """Distance [m] from all that is paved, of points that broadcast."""
+        """Distance [m] from the nearest pavement, of points that broadcast."""
         road = self.road
         away = np.abs(across) - road.verge
         if road.junction is not None:

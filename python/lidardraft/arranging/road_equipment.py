@@ -1,4 +1,4 @@
-"""What road authorities build: traffic lights, guard rails, noise walls, sign bridges, delineators, road works."""
+"""Equipment of roads: traffic lights, guard rails, noise walls, sign bridges, delineators, road works."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from lidardraft.arranging.sizes import (
 from lidardraft.scene.road import SIDES
 
 # Width across and height [m]: a steel rail is 0.75 m high and some 0.3 m deep (EN 1317, system ESP); a concrete barrier
-# 0.9 m high, 0.6 m wide. Numbers without a source are estimates of ours, here and below.
+# 0.9 m high, 0.6 m wide. Numbers without a source are estimates, here and below.
 _RAIL, _CONCRETE = (0.3, 0.75), (0.6, 0.9)
-_PIECE, _PIECE_SEAM = 12.0, 0.02  # m: steel rails come in lengths of 4 m, some of them make one piece here
+_PIECE, _PIECE_SEAM = 12.0, 0.02  # m: steel rails are 4 m long; a piece here is several
 _PIECE_JUNCTION = 2.0  # m to a junction
 _CONCRETE_MEDIANS = 0.4  # share; the others have a rail along each side
 _MEDIAN_RAIL = 0.5  # m from the edge of the median
@@ -41,7 +41,7 @@ _GANTRY_CLEARANCE = 5.5  # m; the German guides want at least 4.7 m
 _GANTRY_LENGTH, _GANTRY_HEIGHT = 1.0, 2.6  # m along the road, m over the clearance
 _GANTRY_OUT, _GANTRY_IN = 1.6, 0.3  # m from the edge of the road, from the middle of the median
 _GANTRY_PLACE = 0.7  # of the half length of the street, at most
-_HALF_MEDIAN, _HALF_GANTRIES = 3.5, 0.6  # m of a median from which a bridge may span one carriageway, how often it does
+_HALF_MEDIAN, _HALF_GANTRIES = 3.5, 0.6  # m of a median for bridges over one carriageway, and their share
 
 _DELINEATORS = 50.0  # m between them (HLB: 50 m on straight roads)
 _DELINEATOR_OFF, _DELINEATOR_JUNCTION = 0.5, 1.0  # m from the edge (HLB), m to a junction
@@ -64,7 +64,7 @@ def place_traffic_lights(occupancy: Occupancy, rng: np.random.Generator) -> None
 
 
 def place_road_equipment(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
-    """What a road of the district has along it."""
+    """The equipment along a road of the district."""
     equipment = district.equipment
     if equipment.median_barrier:
         _place_median_barrier(occupancy, rng)
@@ -82,12 +82,12 @@ def place_road_equipment(occupancy: Occupancy, district: District, rng: np.rando
 
 
 def _happens(probability: float, rng: np.random.Generator) -> bool:
-    """Whether it does; what is impossible takes no random number, so that no district depends on what others have."""
+    """Whether an event happens; an impossible one draws no random number, so that districts stay independent."""
     return probability > 0.0 and bool(rng.random() < probability)
 
 
 def _facing_road(side: int) -> float:
-    """The angle of what stands beside a carriageway and looks to it with its left (+y)."""
+    """The angle of an object beside a carriageway that faces it with its left (+y)."""
     return math.pi if side > 0 else 0.0
 
 
@@ -102,7 +102,7 @@ def _place_median_barrier(occupancy: Occupancy, rng: np.random.Generator) -> Non
 
 
 def _place_barriers(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
-    """Rails along the whole road, a noise wall, or a fence that keeps deer off."""
+    """Rails along the whole road, a noise wall, or a deer fence."""
     edge, equipment = occupancy.road.edge, district.equipment
     if _happens(equipment.rails, rng):
         across = side * (edge + rng.uniform(*_RAIL_OFF))
@@ -131,7 +131,7 @@ def _place_run(
     span: Range | None = None,
     angle: float = 0.0,
 ) -> None:
-    """Pieces of a width and height one after another along the road, over a span [m along] or the whole of it.
+    """Pieces of a `section` (width, height) [m], one after another over a `span` [m along] or the whole road.
 
     Their faces look to the left (+y) at an `angle` of 0.
     """
@@ -144,7 +144,7 @@ def _place_run(
     while along < high:
         length = min(occupancy.ground.level_length(along, _PIECE), high - along)
         size = (length * bend - _PIECE_SEAM, width, height)
-        # of a span that ends within a seam of a piece, nothing is left
+        # a last piece shorter than a seam is left out
         if size[0] > 0 and not road.in_junction(along + length / 2, length / 2 + _PIECE_JUNCTION):
             occupancy.place(kind, along + length / 2, across, size, angle=angle, margin=0.0)
         along += length

@@ -24,7 +24,7 @@ from lidardraft.arranging.sizes import (
 from lidardraft.objects.collision_boxes import CROWN_CORE
 from lidardraft.scene.road import SIDES
 
-# How often a piece of furniture is of a kind. Numbers without a source are estimates of ours, here and below.
+# Shares of the kinds of furniture. Numbers without a source are estimates, here and below.
 _FURNITURE = {
     "sign": 0.6,
     "pole": 0.26,
@@ -34,7 +34,7 @@ _FURNITURE = {
 }
 _KINDS, _SHARES = tuple(_FURNITURE), np.cumsum(tuple(_FURNITURE.values()))
 _PIECES, _PIECES_OUTSIDE = 7, 4  # mean number a street, in towns and outside
-_AT_KERB = 0.45  # m that furniture stands behind the kerb
+_AT_KERB = 0.45  # m from the kerb to furniture
 _SHOULDER = (1.2, 1.8)  # m behind the edge of a road without sidewalks
 _ASKEW = 0.08  # rad, deviation
 _JUNCTION_MARGIN, _GATE = 0.5, 4.5  # m to a junction, and from the middle of a car park's gate
@@ -43,7 +43,7 @@ _PLATES, _PLATE_CLEARANCE = (0.42, 0.6, 0.6, 0.75), (2.0, 2.5)  # m
 _PLATES_OUTSIDE, _PLATE_CLEARANCE_OUTSIDE = (0.6, 1.5), (1.5, 2.0)  # m
 _BILLBOARD_OFF = 2.4  # m behind the verge
 
-# Lamps. Lighting to EN 13201 comes to masts 3.3 to 4.5 times as far apart as they are high.
+# Lamps. For EN 13201, masts are 3.3 to 4.5 times as far apart as they are high.
 _LAMP_SPACING = (3.3, 4.5)  # heights
 _LIT, _LIT_OUTSIDE = 0.7, 0.12  # share of the sides with lamps, in towns and outside
 _LAMP_HEIGHT, _CALM_LAMP_HEIGHT = (6.0, 10.0), (4.0, 6.5)  # m
@@ -52,13 +52,13 @@ LAMP_OFF, _LAMP_OFF_OUTSIDE = 0.45, 1.6  # m from the kerb, from the edge of a r
 _LAMP_JUNCTION = 1.0  # m to a junction
 
 # Bus stops.
-_BUS_STOPS, _BUS_STOPS_EACH = 0.2, 0.01  # probability, and what is added for each of the district's people
+_BUS_STOPS, _BUS_STOPS_EACH = 0.2, 0.01  # probability, and its increase for each of the district's people
 _STOP_PLACE = 0.6  # of the half length of the street, at most
 _STOP_JUNCTION = 8.0  # m to a junction
-_SHELTER_OFF, _SHELTER_WALK = 0.85, 3.2  # m from its middle to the verge, before it where a sidewalk is this wide
+_SHELTER_OFF, _SHELTER_WALK = 0.85, 3.2  # m from its middle to the verge, behind or, on a sidewalk this wide, before
 _STOP_SIGN, _STOP_SIGN_AHEAD, _STOP_SIGN_CLEARANCE = (SIGN_DEPTH, 0.5, 2.8), 3.6, 2.3  # m
 
-# Street trees, 8 to 15 m apart as they are planted (GALK).
+# Street trees are planted 8 to 15 m apart (GALK).
 _TREE_SPACING, _FIRST_TREE = (8.0, 15.0), (0.0, 10.0)  # m
 TREE_OFF, WIDE_SIDEWALK = 0.8, 2.0  # m behind the kerb of sidewalks wider than this
 _TREE_BEHIND, _TREE_ROOM = (3.0, 4.5), 9.0  # m behind the verge of others, and m of room there
@@ -67,9 +67,9 @@ LEAST_STEM = 2.6  # m under the crown of a street tree
 _GROWN, _OFF_PLACE, _KEPT = (0.8, 1.15), 0.3, 0.92  # size against the row's, m along (deviation), share not cut down
 _LEAST_TOP = 1.5  # m from the stem to the top
 _TREE_JUNCTION, _TREE_MARGIN, _ANY_ANGLE = 2.0, 0.05, (0.0, 3.0)  # m, m, rad
-_PLANTED_MEDIAN, _MEDIAN_TREES = 2.4, 0.5  # m of a median that may have trees, and how often against sidewalks
+_PLANTED_MEDIAN, _MEDIAN_TREES = 2.4, 0.5  # m of a median that may have trees, and their frequency against sidewalks
 _MEDIAN_SPACING, _MEDIAN_JUNCTION = (9.0, 15.0), 3.0  # m
-_MEDIAN_TREE, _MEDIAN_STEM = 8.0, 4.5  # m: the crowns stay over what drives under them (4.5 m: RASt 06)
+_MEDIAN_TREE, _MEDIAN_STEM = 8.0, 4.5  # m: vehicles pass under the crowns (4.5 m: RASt 06)
 
 # The island of a roundabout.
 _ISLAND_RIM = 2.0  # m without bushes
@@ -79,7 +79,7 @@ _ISLAND_SIGN, _ISLAND_SIGN_CLEARANCE, _ISLAND_SIGN_OFF = (SIGN_DEPTH, 0.6, 1.5),
 
 # High grass outside towns: a strip along the road [m], and spots in the fields.
 _STRIPS, _STRIP_HEIGHT, _STRIP_WIDTH = 0.6, (0.12, 0.35), (0.5, 0.9)  # share of the sides
-_STRIP_PIECE, _STRIP_KEPT, _STRIP_UNEVEN = (3.0, 7.0), 0.6, (0.7, 1.2)  # m, share that is not mown, height
+_STRIP_PIECE, _STRIP_KEPT, _STRIP_UNEVEN = (3.0, 7.0), 0.6, (0.7, 1.2)  # m, share not mown, factor of the height
 _STRIP_ENDS, _STRIP_OFF = 0.7, 0.15  # of the half length of the street, m from the road
 _SPOTS, _SPOT_SPREAD, _SPOT_OFF, _SPOT_FAR = 8, 35.0, 7.0, 10.0  # mean number a side, m along, m off the verge, mean m
 _SPOT_LENGTH, _SPOT_WIDTH, _SPOT_HEIGHT, _SPOT_ANGLE = (1.5, 3.5), (1.2, 2.5), (0.2, 0.8), 0.3  # m, rad
@@ -131,7 +131,7 @@ def _place_piece(occupancy: Occupancy, car_park: CarPark | None, rng: np.random.
 
 
 def _piece_size(kind: str, town: bool, rng: np.random.Generator) -> tuple[Size, float]:
-    """Extents and clearance [m] of a piece of furniture; takes as many random numbers for any kind."""
+    """Extents and clearance [m] of a piece of furniture; draws as many random numbers for any kind."""
     plate = _PLATES[int(rng.integers(len(_PLATES)))] if town else rng.uniform(*_PLATES_OUTSIDE)
     under = rng.uniform(*(_PLATE_CLEARANCE if town else _PLATE_CLEARANCE_OUTSIDE))
     sizes = {
@@ -160,7 +160,7 @@ def _place_bus_stop(occupancy: Occupancy, rng: np.random.Generator) -> None:
 
 
 def place_street_trees(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
-    """Trees in rows, with the crowns that there is room for, on the sides and in a wide median."""
+    """Trees in rows on the sides and in a wide median, with crowns as wide as their room."""
     for side in SIDES:
         if rng.random() <= district.street_trees:
             _place_tree_row(occupancy, district, side, rng)

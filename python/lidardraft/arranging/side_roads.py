@@ -1,4 +1,4 @@
-"""What stands along side roads: buildings, fences, parked cars, lamps, trees, people."""
+"""Objects along side roads: buildings, fences, parked cars, lamps, trees, people."""
 
 from __future__ import annotations
 
@@ -22,17 +22,17 @@ from lidardraft.arranging.sizes import (
 from lidardraft.objects.cars import sample_car
 from lidardraft.scene.road import SIDES
 
-# All numbers are estimates of ours.
-_FAR = 75.0  # m from the middle of the road, up to where there is anything
-_CORNER = 17.0  # m behind the verge where the buildings of the road itself end
+# All numbers are estimates.
+_FAR = 75.0  # m from the middle of the road to the last objects
+_CORNER = 17.0  # m behind the verge, at which the buildings of the road itself end
 _ROUNDABOUT_CORNER = 8.0  # m behind the outer edge of a roundabout, likewise
 _BUILDING_SEAM = 0.05  # m
-_START = 6.0  # m behind the verge or the roundabout where the rest begins
+_START = 6.0  # m behind the verge or the roundabout to the first other objects
 
 # Fences, walls and hedges in front of gardens.
 _FENCE_OFF = (0.4, 0.8)  # m from the verge
 _FENCE_LENGTHS = (3.0, 9.0)  # m, limits of the longest piece
-_FENCE_RISE = 0.25  # m that the ground may rise under a piece
+_FENCE_RISE = 0.25  # m of rise of the ground under a piece at most
 _FENCE_LENGTH = (0.6, 1.0)  # of the longest
 _ADJOINING, _FENCE_SEAM, _FENCE_GAP = 0.6, 0.1, (1.2, 5.0)  # share of pieces that adjoin, m between them, and others
 
@@ -43,11 +43,11 @@ _LAMP_LENGTH = 0.15  # m
 
 _TREE_SPACING = (8.0, 15.0)  # m: as street trees are planted (GALK)
 _FIRST_TREE = (0.0, 8.0)  # m from the start
-_TREE_VERGE = 3.5  # m from the verge, where the sidewalk is narrow
-_TREE_CROWN = 0.7  # of the width that a crown would have with more room
+_TREE_VERGE = 3.5  # m from the verge, if the sidewalk is narrow
+_TREE_CROWN = 0.7  # of the width of a crown with more room
 _TREE_MARGIN, _TREE_ANGLE = 0.05, (0.0, 3.0)  # m, rad
 
-_PARKING_EDGE = 6.0  # m from the middle of the road to its kerb, from where there is room to park
+_PARKING_EDGE = 6.0  # m from the middle of the road to its kerb, for room to park
 _PARKED = (0.3, 0.8)  # share of the places
 _PARKING_GAP, _TO_KERB = (0.6, 2.0), 0.2  # m between two cars, and to the kerb
 _ASKEW, _PARKED_MARGIN = 0.015, 0.05  # rad, deviation; m
@@ -59,8 +59,8 @@ _OFF_WAY = 0.2  # rad against the side road, deviation
 
 @dataclass(frozen=True, slots=True)
 class SideRoadEdge:
-    """One edge of a side road, to place by: `junction` [m along], the `side` (1 or -1 across) on which the side road
-    leaves the road, and whether this edge is on its left (1) or right (-1), seen outwards.
+    """One edge of a side road, to place objects by: the `junction` [m along], the `side` (1 or -1 across) on which the
+    side road leaves, and whether this edge is on its left (1) or right (-1), seen outwards.
     """
 
     junction: float
@@ -74,12 +74,12 @@ class SideRoadEdge:
 
     @property
     def turned(self) -> float:
-        """What turns something that looks to the side road on its right [rad], so that it does here."""
+        """The turn [rad] that makes an object for the right edge face the side road at this edge."""
         return math.pi if self.left > 0 else 0.0
 
 
 def _side_road_edges(occupancy: Occupancy) -> Iterator[SideRoadEdge]:
-    """Those of a straight road: the frame of a bend is wider the further out."""
+    """The edges of a straight road's side roads; the frame of a bend widens outwards."""
     road = occupancy.road
     if road.junction is not None and not road.curvature:
         for side in SIDES:
@@ -88,7 +88,7 @@ def _side_road_edges(occupancy: Occupancy) -> Iterator[SideRoadEdge]:
 
 
 def place_side_road_buildings(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
-    """Buildings along the side roads, behind the corner; they look to them."""
+    """Buildings along the side roads, behind the corner; they face them."""
     road = occupancy.road
     corner = 0.0 if road.roundabout_radius is None else road.roundabout_radius + _ROUNDABOUT_CORNER
     for edge in _side_road_edges(occupancy):

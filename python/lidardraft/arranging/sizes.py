@@ -1,4 +1,4 @@
-"""Extents of what is placed, kind by kind: numbers or ranges, each with a source or an estimate of ours."""
+"""Extents of placed objects, kind by kind: numbers or ranges, each with a source or an estimate."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Extents:
     height: float | Range
 
     def sample(self, rng: np.random.Generator) -> Size:
-        """Extents drawn at random: as many numbers of `rng` as there are ranges, in that order."""
+        """Random extents: one draw from `rng` for each range, in order."""
         return _sampled(self.length, rng), _sampled(self.width, rng), _sampled(self.height, rng)
 
 
@@ -28,7 +28,7 @@ def _sampled(extent: float | Range, rng: np.random.Generator) -> float:
 
 
 # Vehicles: at most 2.55 m wide, 4.0 m high, 12 m long, 16.5 m with a trailer (directive 96/53/EC); trams at most
-# 2.65 m wide (BOStrab), low-floor cars of 20 to 30 m; the ranges within these limits are estimates of ours.
+# 2.65 m wide (BOStrab), low-floor cars of 20 to 30 m; the ranges within these limits are estimates.
 TRAILER_TRUCK = Extents((15.5, 16.5), 2.55, (3.7, 4.0))
 TRUCK = Extents((6.0, 11.0), 2.5, (2.8, 3.8))
 PARKED_TRUCK = Extents((5.5, 7.5), 2.1, (2.6, 3.0))
@@ -40,7 +40,7 @@ BICYCLE = Extents(1.78, 0.58, 1.06)
 CYCLIST = Extents(1.75, 0.58, (1.65, 1.8))
 
 # Furniture. Wheeled bins: EN 840, 240 litres. Hydrants stand 0.9 m over the ground (EN 14384). Cabinets are as usual
-# for telephone lines. Large posters measure 3.56 x 2.52 m. Delineators are 1 m high (HLB). Else estimates of ours.
+# for telephone lines. Large posters measure 3.56 x 2.52 m. Delineators are 1 m high (HLB). Else estimates.
 WHEELED_BIN = Extents(0.58, 0.62, 1.07)
 LITTER_BIN = Extents(0.4, 0.4, 0.9)
 BENCH = Extents(1.8, 0.6, 0.85)
@@ -63,9 +63,9 @@ CONE = Extents(0.36, 0.36, 0.75)
 TRAFFIC_LIGHT, TRAFFIC_LIGHT_CLEARANCE = Extents(0.25, 0.32, 3.3), 2.4
 SIGN_DEPTH = 0.12  # m
 LAMP_WIDTH = 0.2  # m
-# m of fences, walls and hedges across their run: estimates of ours
+# m of fences, walls and hedges across their run: estimates
 FENCE_WIDTH, MESH_FENCE_WIDTH, GARDEN_WALL_WIDTH, HEDGE_WIDTH = 0.1, 0.06, 0.3, (0.6, 1.2)
-# What encloses plots: how often, m across its run, m high. Estimates; of the walls and fences of PandaSet, 13 % of its
+# Enclosures of plots: share, m across the run, m high. Estimates; of the walls and fences of PandaSet, 13 % of its
 # returns, most are 0.3 to 2.5 m high.
 _ENCLOSURES: tuple[tuple[str, float, Range, Range], ...] = (
     ("fence", 0.18, (FENCE_WIDTH, FENCE_WIDTH), (0.7, 1.9)),
@@ -76,19 +76,19 @@ _ENCLOSURES: tuple[tuple[str, float, Range, Range], ...] = (
     ("hedge", 0.34, HEDGE_WIDTH, (0.6, 2.4)),
 )
 
-_STATURE = (1.72, 0.09)  # m of adults, mean and deviation (NCD-RisC, 2016, Europe); what follows are estimates of ours
+_STATURE = (1.72, 0.09)  # m of adults, mean and deviation (NCD-RisC, 2016, Europe); those below are estimates
 _ADULTS = 0.9  # share
 _CHILD = (1.0, 1.45)  # m
 _STATURES = (1.0, 2.0)  # m, limits
 _STRIDE = (0.35, 0.7)  # m of an adult of mean stature
-STANDING = 0.28  # m, the length of one who stands
+STANDING = 0.28  # m, the length of a standing person
 _SHOULDERS = 0.28  # of the stature
 
-# Trees: estimates of ours; crowns measure 2 to 9 m.
+# Trees: estimates; crowns measure 2 to 9 m.
 _TREE = (4.5, 13.0)  # m of height
 _CROWN = (0.42, 0.68)  # of the height
 _OVAL = (0.9, 1.1)  # length of a crown over its width
-_STEM = (0.08, 0.32)  # of the height that is bare
+_STEM = (0.08, 0.32)  # bare share of the height
 
 
 def sample_enclosure(rng: np.random.Generator) -> tuple[str, float, float]:
@@ -99,7 +99,7 @@ def sample_enclosure(rng: np.random.Generator) -> tuple[str, float, float]:
 
 
 def sample_person(rng: np.random.Generator, *, standing: bool) -> Size:
-    """Extents of a person: the length is that of the stride, `STANDING` of one who stands."""
+    """Extents of a person: the length is the stride, or `STANDING` for a standing person."""
     height = rng.normal(*_STATURE) if rng.random() < _ADULTS else rng.uniform(*_CHILD)
     height = min(max(height, _STATURES[0]), _STATURES[1])
     stride = STANDING if standing else rng.uniform(*_STRIDE) * height / _STATURE[0]

@@ -1,4 +1,4 @@
-"""What streets are made of: how often they lie in each district, and how much stands in them."""
+"""The composition of streets: the frequency of each district, and the amount of objects in it."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from lidardraft.errors import LayoutError
 class StreetMix:
     """The composition of streets; the defaults are those of docs/explanation/realism.md.
 
-    `residential` to `roadworks` are the shares of the districts, of their sum. The others are times what the districts
-    have: `parked_cars` those along kerbs, `traffic` vehicles on the road, `riders` on two wheels, `people`, `buildings`
-    plots that are built on, `fences` those in front of gardens, `plants` thickets, wild trees and street trees. What
-    has other causes stays: car parks, queues at lights, people at stops, corners of side roads. Probabilities end at 1.
+    `residential` to `roadworks` are the weights of the districts. The others are factors of the districts' own numbers:
+    `parked_cars` along kerbs, `traffic` vehicles on the road, `riders` on two wheels, `people`, `buildings` (plots
+    that are built on), `fences` in front of gardens, `plants` (thickets, wild trees and street trees). Objects with
+    other causes stay: car parks, queues at lights, people at stops, corners of side roads. Probabilities end at 1.
 
     Raises `LayoutError` for a number that is negative or not finite, or shares that are all 0.
     """
@@ -68,7 +68,7 @@ def only(name: str) -> dict[str, float]:
 
 
 def applied(mix: StreetMix, district: District) -> District:
-    """The district with as much more or less in it as the mix says."""
+    """The district with its numbers times the factors of the mix."""
     return replace(
         district,
         parked=min(district.parked * mix.parked_cars, 1.0),

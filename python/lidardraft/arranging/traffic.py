@@ -1,4 +1,4 @@
-"""Vehicles and riders: parked along the kerb, following one another, waiting at lights."""
+"""Vehicles and riders: parked along the kerb, in flows, in queues at lights."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from lidardraft.arranging.sizes import (
 from lidardraft.objects.cars import sample_car
 from lidardraft.scene.street import AISLE, MAIN_ROAD, ROUNDABOUT, SIDE_ROAD, Path
 
-# Parked vehicles. Numbers without a source are estimates of ours, here and below.
+# Parked vehicles. Numbers without a source are estimates, here and below.
 _TAKEN = (0.1, 0.75)  # share of the places along a kerb
 _FIRST = (0.0, 6.0)  # m from the end of the street to the first
-_LAST = 3.0  # m before the other end in which none begins
+_LAST = 3.0  # m before the other end, in which no vehicle begins
 _PARKING_GAP = (0.6, 2.0)  # m between two
 _TO_KERB = (0.12, 0.3)  # m
 _WRONG_WAY = 0.08  # share that faces the other way
@@ -41,7 +41,7 @@ _NO_PARKING = 5.0  # m before a junction (StVO)
 _GATE = 6.5  # m either way of the middle of a car park's gate
 
 # Trams run on straight roads of several lanes in towns.
-_TRAMS = 0.1  # share of these that have one
+_TRAMS = 0.1  # share of these with one
 _TRAM_PLACE = (0.3, 0.7)  # share of the lane's length
 
 # Mean number a street, in towns and outside: such that 0.9 riders return in a scan, as in PandaSet (11 in 12 scans).
@@ -61,7 +61,7 @@ _FLOW_SPEED = (0.4, 1.0)  # share of the limit
 _LANE_END = 6.0  # m in which no vehicle begins
 _FOLLOWERS = 0.4  # share
 # Time gaps of followers [s]: a median of 1.4 s and a spread of 0.45 in its logarithm, within the 1 to 2 s that are
-# usual on German roads (drivers are told 1.8 s, half the speedometer).
+# usual on German roads (the rule of half the speedometer is 1.8 s).
 _GAP_MEDIAN, _GAP_SPREAD = 1.4, 0.45
 _LEAST_GAP = 2.0  # m, of followers
 _FREE_GAP, _FREE_TIME = 5.0, 0.8  # m and s, of free vehicles
@@ -69,11 +69,11 @@ _OFF_MIDDLE, _MOST_OFF = 0.12, 0.25  # m off the middle of the lane: deviation a
 _WEAVE = 0.012  # rad against the lane, deviation
 _TRAFFIC_MARGIN = 0.2  # m
 
-# What is mostly free around the ego vehicle [m], and how often it need not be: such that as many scans as of KITTI, 9
-# of 25, have over 500 returns within 3.3 m.
+# The room around the ego vehicle that is mostly free [m], and the share of scenes without it: as many scans as in
+# KITTI, 9 of 25, have over 500 returns within 3.3 m.
 EGO_ROOM, HUGGED = (6.6, 6.6, 1.6), 0.7
 
-# What drives there.
+# Shares of vehicles in traffic.
 _HEAVY_INSIDE = 0.01  # share of trucks and buses in inner lanes
 _LONG_HAUL, _SHORT_HAUL = 0.55, 0.12  # share of those with trailers among these, on fast roads and others
 _TRUCKS = 0.7  # share of all trucks among these; the others are buses
@@ -82,12 +82,12 @@ _MOTORCYCLES = 0.02  # share
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class LaneUse:
-    """How lanes of one kind are used: estimates of ours.
+    """The use of lanes of one kind: estimates.
 
-    `ego_share` is how often a place in such a lane is taken for the ego vehicle, against one of the road itself, and
-    `ego_stands` how often it stands there. `free_gap` is the mean distance [m] of vehicles that follow none, None for
-    that of the district. `heavy` is the share of trucks and buses in the traffic, None for that of the district; where
-    `only_cars`, there are neither these nor riders.
+    `ego_share` is the weight of a place in such a lane for the ego vehicle, against one of the road; `ego_stands`
+    is the probability that it stands there. `free_gap` is the mean distance [m] of vehicles that follow none, None for
+    that of the district. `heavy` is the share of trucks and buses in the traffic, None for that of the district. With
+    `only_cars` there are neither these nor riders.
     """
 
     ego_share: float
@@ -178,7 +178,7 @@ def _place_queue(occupancy: Occupancy, district: District, lane: Path, rng: np.r
 
 
 def _place_flow(occupancy: Occupancy, district: District, lane: Path, rng: np.random.Generator) -> None:
-    """Free vehicles and groups of followers, at the distances that belong to their speed."""
+    """Free vehicles and groups of followers, at distances for their speed."""
     speed = lane.speed * rng.uniform(*_FLOW_SPEED)
     usual = USES[lane.kind].free_gap
     free = district.traffic_gap if usual is None else usual

@@ -11,41 +11,41 @@ from lidardraft.arranging.occupancy import Occupancy
 from lidardraft.arranging.sizes import sample_person
 from lidardraft.scene.road import SIDES
 
-# All numbers are estimates of ours.
+# All numbers are estimates.
 _MARGIN = 0.05  # m
-_AT_STOP = 1.5  # mean number of people who wait at a bus stop
-# People of the district's number for one group that stands, one who crosses, one who waits at each corner with lights
+_AT_STOP = 1.5  # mean number of people waiting at a bus stop
+# Walkers per standing group, per crossing person, and per person waiting at each corner with lights
 _GROUPS, _CROSSING, _WAITING = 10, 16, 16
 _MOST_WAITING = 1.0  # mean number at a corner, at most
 
 # On the sidewalks.
-_ENDS = 0.8  # of the half length of the street that they keep to
+_ENDS = 0.8  # of the half length of the street, at most
 _EDGE = 0.6  # m to both edges of the sidewalk
-_LEAST_ROOM = 1.2  # m from the kerb, where the sidewalk is narrow or missing
-_IN_COMPANY, _IN_THREES = 0.3, 0.1  # share of those who walk with another, and with one more
+_LEAST_ROOM = 1.2  # m from the kerb, if the sidewalk is narrow or missing
+_IN_COMPANY, _IN_THREES = 0.3, 0.1  # shares of people with a companion, and with one more
 _SIDE_BY_SIDE = 0.65  # m between them
 _OFF_WAY = 0.2  # rad against the street, deviation
 
-# Groups that stand in a ring.
+# Groups in a ring.
 _GROUP = (2, 5)  # people: from, to before
-_RING, _RING_EACH = 0.35, 0.12  # m of its radius: a constant, and a part for each
+_RING, _RING_EACH = 0.35, 0.12  # m of its radius: a constant, and a part for each person
 _OFF_RING = 0.15  # rad off even places, deviation
 _GROUP_KERB = 0.3  # m behind the kerb, at least
 _GROUP_JUNCTION = 1.0  # m to a junction
 _GROUP_MARGIN = 0.03  # m
 
 # At a bus stop.
-_STOP_KERB, _STOP_BACK = 0.5, 1.9  # m to the kerb and to the back of the sidewalk, where the shelter stands
-_STOP_ROOM = 0.9  # m from the kerb, where the sidewalk is narrow
+_STOP_KERB, _STOP_BACK = 0.5, 1.9  # m to the kerb, and to the back of the sidewalk with the shelter
+_STOP_ROOM = 0.9  # m from the kerb, if the sidewalk is narrow
 _STOP_SPREAD = 2.0  # m along, deviation
 _STOP_OFF = 0.6  # rad off looking to the road, deviation
 
-# Who crosses.
+# People who cross.
 _CROSSING_SPREAD = 25.0  # m along from the middle of a street without a junction, deviation
 _OFF_CORNER = 0.8  # m from the corner, deviation
 _OFF_CROSSING = 0.15  # rad off the straight way, deviation
 
-# Who waits at a corner with lights.
+# People who wait at a corner with lights.
 _CORNER, _CORNER_BACK, _CORNER_LEAST = 1.0, 0.3, 1.3  # m behind the kerb of the side road, before the verge, at least
 _CORNER_KERB = (0.5, 1.0)  # m behind the kerb of the road
 _OFF_WAITING = 0.3  # rad off the way across, deviation
@@ -66,14 +66,14 @@ def place_people(occupancy: Occupancy, district: District, lights: bool, rng: np
 
 
 def _spot(occupancy: Occupancy, rng: np.random.Generator) -> tuple[float, float]:
-    """Along and across [m] somewhere on a sidewalk."""
+    """A random place on a sidewalk, along and across [m]."""
     road = occupancy.road
     low, high = road.edge + _EDGE, max(road.verge - _EDGE, road.edge + _LEAST_ROOM)
     return rng.uniform(-_ENDS, _ENDS) * road.half_length, SIDES[int(rng.integers(2))] * rng.uniform(low, high)
 
 
 def _place_walkers(occupancy: Occupancy, rng: np.random.Generator) -> None:
-    """One to three side by side."""
+    """One to three people side by side."""
     along, across = _spot(occupancy, rng)
     road = occupancy.road
     angle = (0.0 if rng.random() < 0.5 else math.pi) + rng.normal(0.0, _OFF_WAY)
@@ -86,7 +86,7 @@ def _place_walkers(occupancy: Occupancy, rng: np.random.Generator) -> None:
 
 
 def _place_group(occupancy: Occupancy, spot: tuple[float, float], count: int, rng: np.random.Generator) -> None:
-    """A group that stands in a ring and looks to its middle."""
+    """A group in a ring that faces its middle."""
     if occupancy.road.in_junction(spot[0], _GROUP_JUNCTION):
         return
     first, radius = rng.uniform(0.0, 2 * math.pi), _RING + _RING_EACH * count
@@ -99,7 +99,7 @@ def _place_group(occupancy: Occupancy, spot: tuple[float, float], count: int, rn
 
 
 def _place_at_stop(occupancy: Occupancy, along: float, side: float, rng: np.random.Generator) -> None:
-    """People who wait for a bus and look to the road."""
+    """People who wait for a bus and face the road."""
     road = occupancy.road
     for _ in range(rng.poisson(_AT_STOP)):
         across = side * (road.edge + rng.uniform(_STOP_KERB, max(_STOP_ROOM, road.sidewalk - _STOP_BACK)))
@@ -109,7 +109,7 @@ def _place_at_stop(occupancy: Occupancy, along: float, side: float, rng: np.rand
 
 
 def _place_crossing(occupancy: Occupancy, rng: np.random.Generator) -> None:
-    """Somebody who crosses the road, at the corner of the junction if there is one."""
+    """A person who crosses the road, at a corner of the junction if there is one."""
     road = occupancy.road
     if road.junction is None:
         along = rng.normal(0.0, _CROSSING_SPREAD)
@@ -123,7 +123,7 @@ def _place_crossing(occupancy: Occupancy, rng: np.random.Generator) -> None:
 
 
 def _place_waiting(occupancy: Occupancy, district: District, rng: np.random.Generator) -> None:
-    """People at the corners of a junction with lights, who look across."""
+    """People at the corners of a junction with lights, facing across."""
     road = occupancy.road
     assert road.junction is not None
     for side in SIDES:

@@ -1,8 +1,8 @@
-"""The lasers of a unit: where each starts and how high it looks, how far its ranges are off, what the vehicle hides.
+"""The lasers of a unit: their origins and elevations, the offsets of their ranges, and views that the vehicle hides.
 
 All returns of a laser lie on a cone about the axis of the head: z = height + distance from the axis x tan(elevation).
-A laser whose range is a little off puts its returns before or behind the plane that its neighbours see; an offset that
-a whole block has in common bends no plane, and stays 0.
+A laser with a range offset puts its returns before or behind the plane that its neighbours see. An offset that a whole
+block has in common bends no plane, and stays 0.
 """
 
 from __future__ import annotations
@@ -18,25 +18,25 @@ from lidardraft.formats.recording import Recording
 from lidardraft.metrics.sweep import Sweep, firing_step
 from lidardraft.scene.sensor import Blocked
 
-_MOST_POINTS = 20_000  # of a laser: more say nothing new
+_MOST_POINTS = 20_000  # of a laser: more add no information
 FEWEST_POINTS = 20
 _COUNTED = 12  # scans whose firings are counted
-_SCALE = 0.005  # m off the cone, beyond which a return counts less (Cauchy): a motion, a shake of the head
+_SCALE = 0.005  # m off the cone, beyond which a return counts less (Cauchy): motion, or shakes of the head
 _ROUNDS = 12
 _DRAWN = 1e-9
 _ALIKE_HEIGHTS = 0.012  # m
 _FINEST = 1e-3  # m: no recording is less noisy
-_ALIKE = 0.5  # length of the mean direction of a laser's firings, seen from their columns
-_SURE = 0.005  # m: a height less sure than this is that of the nearest laser whose is
+_ALIKE = 0.5  # length of the mean direction of a laser's firings against their columns, at least
+_SURE = 0.005  # m: a laser with a less certain height takes that of the nearest certain one
 
 
 @dataclass(frozen=True)
 class BeamTable:
     """Lasers from the highest: `elevations` and `azimuth_offsets` [rad], `heights` over the sensor's origin [m], and
-    the numbers `rings` that the recording has for them.
+    their numbers `rings` in the recording.
 
     `columns` is the number of firings in a turn, `residual` the root mean square distance of returns from their cones
-    [m], `angle_residual` the same over their distance [rad]. Azimuth offsets are known where firings are numbered, else
+    [m], `angle_residual` the same over their distance [rad]. Azimuth offsets are known if firings are numbered, else
     0.
     """
 
@@ -49,7 +49,7 @@ class BeamTable:
     angle_residual: float
 
     def rows(self, recording: Recording) -> np.ndarray:
-        """The row of each point, i64 [N]; raises `FormatError` for a ring that the table does not have."""
+        """The row of each point, i64 [N]; raises `FormatError` for a ring that is not in the table."""
         row = np.full(int(max(self.rings.max(), recording.ring.max())) + 1, -1)
         row[self.rings] = np.arange(len(self.rings))
         rows: np.ndarray = row[recording.ring]
@@ -60,14 +60,14 @@ class BeamTable:
 
 
 def fit_beam_table(recordings: Sequence[Recording]) -> BeamTable:
-    """The lasers of recordings of one unit. Raises `FormatError` where a laser has too few returns to say."""
+    """The lasers of recordings of one unit. Raises `FormatError` if a laser has too few returns."""
     rings, laser, out, z = returns_of_lasers(recordings, _MOST_POINTS)
     counts = np.bincount(laser)
     for few in np.flatnonzero(counts < FEWEST_POINTS)[:1]:
         raise FormatError(f"ring {rings[few]} has {counts[few]} returns; a laser needs {FEWEST_POINTS} to be fitted")
     ends = np.cumsum(counts)[:-1]
     elevations, heights, unsure = cones(laser, out, z)
-    if (unsure <= _SURE).any():  # a laser whose returns all lie at one distance starts where the nearest one does
+    if (unsure <= _SURE).any():  # a laser whose returns all lie at one distance gets the height of the nearest one
         sure = np.where(unsure <= _SURE, elevations, np.inf)
         slopes = np.arctan(_medians(z / out, ends))
         nearest = np.argmin(np.abs(sure - slopes[:, None]), axis=1)
@@ -93,8 +93,8 @@ def fit_beam_table(recordings: Sequence[Recording]) -> BeamTable:
 
 
 def returns_of_lasers(recordings: Sequence[Recording], most: int) -> tuple[np.ndarray, ...]:
-    """The rings [R] of recordings, and of some `most` returns of each: the number of its ring, ascending, i64 [N],
-    its distance from the axis and its height, f64 [N]."""
+    """The rings [R] of recordings, ascending, and some `most` returns of each. Of these returns: the index of the ring,
+    i64 [N], the distance from the axis and the height [m], f64 [N]."""
     ring = np.concatenate([one.ring for one in recordings])
     counts = np.bincount(ring)
     rings = np.flatnonzero(counts)
@@ -110,8 +110,8 @@ def _medians(values: np.ndarray, ends: np.ndarray) -> np.ndarray:
 
 
 def _grouped(heights: np.ndarray) -> np.ndarray:
-    """Heights with one value for those that lie within _ALIKE_HEIGHTS: lasers of one height are cast together, which
-    takes half the time."""
+    """Heights, with one value for those within _ALIKE_HEIGHTS: lasers of one height are cast together, which takes half
+    the time."""
     grouped, order = heights.copy(), np.argsort(heights)
     start = 0
     for end in range(1, len(order) + 1):
@@ -123,12 +123,12 @@ def _grouped(heights: np.ndarray) -> np.ndarray:
 
 
 def cones(laser: np.ndarray, out: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Elevation [rad], height and its standard error [m] of each laser, f64 [R], by reweighted least squares of its
-    returns: the number of the laser, the distance from the axis and the height of each [N]."""
+    """Elevation [rad], height and its standard error [m] of each laser, f64 [R], by reweighted least squares. The
+    inputs [N] are the index of the laser, the distance from the axis and the height of each return."""
     share = np.ones_like(out)
     for _ in range(_ROUNDS):
         n, x, y, xx, xy = (np.bincount(laser, share * each) for each in (np.ones_like(out), out, z, out * out, out * z))
-        drawn = _DRAWN * n  # to 0, where all returns lie at one distance
+        drawn = _DRAWN * n  # to 0, if all returns lie at one distance
         least = (xx + drawn) * (n + drawn) - x * x
         slope, height = ((n + drawn) * xy - x * y) / least, ((xx + drawn) * y - x * xy) / least
         square = (z - slope[laser] * out - height[laser]) ** 2
@@ -142,12 +142,12 @@ def cones(laser: np.ndarray, out: np.ndarray, z: np.ndarray) -> tuple[np.ndarray
 def off_cones(
     laser: np.ndarray, out: np.ndarray, z: np.ndarray, elevations: np.ndarray, heights: np.ndarray
 ) -> np.ndarray:
-    """How far returns lie above the cones of their lasers [N], m."""
+    """The distances of returns above the cones of their lasers [N], m."""
     return (z - heights[laser]) * np.cos(elevations)[laser] - out * np.sin(elevations)[laser]
 
 
 def _azimuth_offsets(recordings: Sequence[Recording], rings: np.ndarray, columns: int) -> np.ndarray:
-    """By how much each laser looks further to the left than the mean of all, where firings are numbered [rad]."""
+    """The azimuth of each laser left of the mean of all [rad]; 0 if firings are not numbered."""
     count = int(rings.max()) + 1
     turned, returns = np.zeros(count, dtype=complex), np.zeros(count)
     for recording in recordings:
@@ -167,7 +167,7 @@ def _azimuth_offsets(recordings: Sequence[Recording], rings: np.ndarray, columns
 
 
 def _columns(recordings: Sequence[Recording]) -> int:
-    """Firings in a turn, by the step from one to the next."""
+    """The number of firings in a turn, from the step between two."""
     steps = []
     for recording in recordings:
         turned = -_azimuths(recording) % (2 * np.pi)
@@ -193,7 +193,7 @@ def _rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(np.square(values))))
 
 
-_LASERS, _FIRINGS, _STRIDE = 8, 16, 4  # of a patch, and lasers from one to the next
+_LASERS, _FIRINGS, _STRIDE = 8, 16, 4  # of a patch, and lasers between two patches
 _FILLED = 0.9  # of a patch
 _FARTHEST = 30.0  # m
 _FLAT = 0.03  # m off the plane, along the rays: the median of a patch
@@ -205,7 +205,7 @@ _MOST = 0.2  # m
 
 
 def fit_range_offsets(recorded: Sequence[Sweep], table: BeamTable) -> np.ndarray:
-    """Range offset of each laser [H], m; 0 for lasers that saw too little that is flat."""
+    """The range offset of each laser [H], m; 0 for lasers that saw too few flat surfaces."""
     origins = np.stack([np.zeros_like(table.heights), np.zeros_like(table.heights), table.heights], axis=1)
     offsets = np.zeros(len(table.heights))
     if len(offsets) < _LASERS:
@@ -225,7 +225,7 @@ def fit_range_offsets(recorded: Sequence[Sweep], table: BeamTable) -> np.ndarray
 
 
 def _patches(recorded: Sequence[Sweep]) -> tuple[np.ndarray, np.ndarray]:
-    """Points [N, _LASERS, _FIRINGS, 3] of patches that are filled and near, and their lasers [N, _LASERS]."""
+    """Points [N, _LASERS, _FIRINGS, 3] of filled, near patches, and their lasers [N, _LASERS]."""
     found, lasers = [], []
     for sweep in recorded:
         height, width = sweep.depth.shape
@@ -240,11 +240,11 @@ def _patches(recorded: Sequence[Sweep]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _off_plane(points: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far beyond the plane of its patch each laser reports [N, _LASERS], m, and which patches are flat [N]."""
+    """The range of each laser beyond the plane of its patch [N, _LASERS], m, and the mask [N] of flat patches."""
     shape, points, rays = points.shape[:3], *(each.reshape(len(each), -1, 3) for each in (points, rays))
     weight, drawn = np.ones(points.shape[:2]), 1e-9 * np.eye(3)
     for _ in range(3):
-        # planes are n p = 1: those through the sensor are seen by no ray
+        # planes are n p = 1: no ray sees those through the sensor
         weighted = points * weight[..., None]
         normal = np.linalg.solve(points.transpose(0, 2, 1) @ weighted + drawn, weighted.sum(axis=1)[..., None])
         along = (rays @ normal)[..., 0]
@@ -255,32 +255,32 @@ def _off_plane(points: np.ndarray, rays: np.ndarray) -> tuple[np.ndarray, np.nda
     return np.median(off.reshape(shape), axis=2), flat
 
 
-_DOWN = math.radians(-5.0)  # the road is near there, and returns
+_DOWN = math.radians(-5.0)  # the road is near there and returns
 _SELDOM = 0.1  # a firing that returns less often is hidden
-_ASIDE = 3  # columns to either side that are looked at with each: one dropped firing is not a vehicle
+_ASIDE = 3  # columns to either side of each in a median: one dropped firing is not a vehicle
 _WIDE = math.radians(2.0)  # holes narrower than this are not a vehicle
 
 
 def fit_blocked(sweeps: Sequence[Sweep], elevations: np.ndarray) -> Blocked:
-    """For each beam the intervals of azimuth [rad] that are hidden, of sweeps whose columns are azimuths from behind to
-    the right on; nothing where none is."""
+    """The hidden intervals of azimuth [rad] of each beam, from sweeps whose columns are azimuths from behind to the
+    right; empty if none is hidden."""
     rate = np.mean([sweep.valid for sweep in sweeps], axis=0)
     columns = rate.shape[1]
     around = np.pad(rate, ((0, 0), (_ASIDE, _ASIDE)), mode="wrap")
     windows = np.lib.stride_tricks.sliding_window_view(around, 2 * _ASIDE + 1, axis=1)
     hidden = np.median(windows, axis=2) < _SELDOM
-    hidden &= (elevations[:, None] < _DOWN) | hidden.all(axis=0)  # of all beams: the sensor does not look there
+    hidden &= (elevations[:, None] < _DOWN) | hidden.all(axis=0)  # all beams hidden: outside the field of view
     found = tuple(tuple(_intervals(row, columns)) if row.any() else () for row in hidden)
     return found if any(found) else ()
 
 
 def _intervals(hidden: np.ndarray, columns: int) -> list[tuple[float, float]]:
-    """Runs of a row's hidden columns around the full turn as azimuths; columns count to the right, azimuths to the
+    """Runs of a row's hidden columns around the full turn, as azimuths; columns count to the right, azimuths to the
     left."""
     step = 2 * math.pi / columns
     if hidden.all():
         return [(-math.pi, math.pi)]
-    first = int(np.argmin(hidden))  # a column that is open, from which no run crosses the seam
+    first = int(np.argmin(hidden))  # an open column: no run crosses the seam from there
     changes = np.diff(np.concatenate([[0], np.roll(hidden, -first).astype(np.int8), [0]]))
     starts, ends = np.flatnonzero(changes == 1) + first, np.flatnonzero(changes == -1) + first
     runs = [(start, end) for start, end in zip(starts, ends, strict=True) if (end - start) * step >= _WIDE]

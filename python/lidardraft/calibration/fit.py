@@ -1,5 +1,5 @@
-"""A sensor out of recordings of it: lasers, vehicle, receiver and intensity; and how much nearer it brings streets to
-scans that it was not fitted to."""
+"""A sensor fitted to its recordings: lasers, vehicle, receiver and intensity; and a report of
+streets' distances, before and after the fit, from scans that it was not fitted to."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 
-_MOST_COLUMNS = 1024  # of sweeps that are held against streets; more take time and say nothing new
+_MOST_COLUMNS = 1024  # of sweeps compared with streets; more take time and add no information
 STREETS = 32
-_LAST, _MANY = 0.95, 15  # so many returns in the last twentieth of all ranges say that there is a limit
-SEED = 3_000_000  # other streets than those of training, and of the reports that a fit is judged by
+_LAST, _MANY = 0.95, 15  # so many returns in the last twentieth of all ranges show a limit
+SEED = 3_000_000  # not the streets of training, nor those of the reports that judge a fit
 JUDGING_SEED = 4_000_000
 
 
 @dataclass(frozen=True)
 class Fit:
-    """The fitted `sensor` with its model, its `table`, and what is left of its intensities (of 1; NaN without any)."""
+    """The fitted `sensor` with its model, its `table`, and the residual of intensities (of 1; NaN without any)."""
 
     sensor: Sensor
     table: BeamTable
@@ -48,9 +48,9 @@ def fit_sensor(
 ) -> Fit:
     """The sensor that took `recordings`, called `name`.
 
-    What no recording tells (the divergence, the return mode, the time of a sweep) is that of `like`, or typical.
-    `columns` are by default the firings of a turn, or up to three fewer: in fours, as the packaged network needs them.
-    Raises `FormatError` where there is nothing to fit to.
+    Properties that no recording shows (divergence, return mode, time of a sweep) are those of `like`, or typical.
+    `columns` are by default the firings of a turn or up to three fewer: in fours, for the packaged network. Raises
+    `FormatError` without anything to fit to.
     """
     table = fit_beam_table(recordings)
     columns = columns or max(table.columns // 4 * 4, 4)
@@ -80,7 +80,7 @@ def fit_sensor(
 def _with_intensity(
     recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel, sigma: float
 ) -> tuple[SensorModel, float]:
-    """The model with all that decides what it reads, and what is left between the quantiles."""
+    """The model with its texture, intensity curve and speckle, and the residual between the quantiles."""
 
     readings = Readings.from_sweeps(recorded)
 
@@ -96,7 +96,7 @@ def _with_intensity(
 
 
 def sweeps_of(recordings: Sequence[Recording], table: BeamTable, columns: int) -> list[Sweep]:
-    """The scans in the order of a table's lasers and of so many columns, up to 1024."""
+    """The scans as sweeps, with rows in the order of a table's lasers and `columns`, up to 1024."""
     columns = min(columns, _MOST_COLUMNS)
     return [
         Sweep.from_points(
@@ -137,15 +137,16 @@ def _geometry(name: str, table: BeamTable, recorded: Sequence[Sweep], like: Sens
 
 
 def _max_range(depth: np.ndarray, usual: float) -> float:
-    """Where the returns end, if there are so many before that it is a limit; else the usual one."""
+    """The largest range, if enough returns lie just below it to be a limit; else at least the usual one."""
     end = float(math.ceil(float(depth.max())))
     return end if (depth > _LAST * end).sum() >= _MANY else max(usual, end)
 
 
 @dataclass(frozen=True)
 class Row:
-    """A property of the report of streets: how far scans of streets, by a sensor before and after its fit, are from
-    the judging scans, and how far these are from the scans that it was fitted to; NaN where nothing is known."""
+    """A property in the report of streets. `before` and `after` are the distances of streets, scanned by a sensor
+    before and after its fit, from the judging scans; `recorded` is that of the scans it was fitted to. NaN is
+    unknown."""
 
     name: str
     before: float
@@ -156,10 +157,10 @@ class Row:
 def judged(
     before: Sensor, after: Sensor, fitted_to: Sequence[Sweep], judging: Sequence[Sweep], num_streets: int
 ) -> list[Row]:
-    """The rows of the report that differ between two sensors, those that differ most first.
+    """The rows of the report that differ between two sensors, largest differences first.
 
-    The sensors have the lasers, and get the columns, of the sweeps; what the vehicle of `after` hides is hidden from
-    both, as the sweeps do not show it either.
+    The sensors have the lasers, and get the columns, of the sweeps. Views that the vehicle of `after` hides are hidden
+    from both, as they are missing in the sweeps.
     """
     columns = judging[0].points.shape[1]
     made = [_sweeps(replace(one, columns=columns, blocked=after.blocked), num_streets) for one in (before, after)]
@@ -174,7 +175,7 @@ def _sweeps(sensor: Sensor, num: int) -> list[Sweep]:
 
 
 def _properties(sweeps: Sequence[Sweep]) -> list[Property]:
-    """What can be measured of all of the sweeps."""
+    """The properties that all of the sweeps allow to measure."""
     found = list(lifelike.PROPERTIES)
     if all(sweep.intensity is not None for sweep in sweeps):
         found += lifelike.INTENSITY_PROPERTIES

@@ -6,7 +6,7 @@ of responses, in four steps:
 
 1. `_fit_shared`: one curve for all lasers, a gain for each range bin, a gain and an offset for each laser.
 2. `_own_curves` and `_own_focus`: a curve and range gains for each laser, near the shared ones if it has few returns.
-3. `_raised_cutoffs`: the least reading over 0 of a laser is its cut-off, or up to twice that, if it reads 0 more often.
+3. `_raised_cutoffs`: the least reading over 0 of a laser is its cut-off, or up to twice that if it reads 0 more often.
 4. Responses ten times those of nearly all returns read as the brightest recorded ones: retroreflectors.
 """
 
@@ -31,46 +31,46 @@ _MOST = 2000  # returns of a cell that count
 _LEVELS = np.linspace(0.025, 0.975, 20)  # of the quantiles
 _KNOTS = 16
 _LOWEST = -1.0  # reading of a curve, with its offset
-# Logarithms of gains to try: of a laser, of a range bin, and of a range bin of one laser beside that of all.
+# Logarithms of gains to try: of a laser, of a range bin, and of one laser's range bin beside the shared gain.
 _GAINS = np.linspace(-2.0, 2.0, 81)
 _FOCUS = np.linspace(-3.0, 1.5, 91)
 _OWN_FOCUS = np.linspace(-1.5, 1.5, 61)
 _MOST_OFFSET = 0.4
 _PRIOR = 0.005 * _FEWEST * len(_LEVELS)  # weight that draws gains towards 1 and offsets to 0
-_SHARED_RETURNS = 150.0  # at each knot, that stand for the shared curve against a laser's own
+_SHARED_RETURNS = 150.0  # at each knot, the weight of the shared curve against a laser's own
 _ROUNDS, _OWN_ROUNDS, _FOCUS_ROUNDS = 12, 3, 2
-_CUTOFF_SHARE = 0.005  # of a laser's readings over 0 are below its cut-off: outliers
+_CUTOFF_SHARE = 0.005  # share of a laser's readings over 0 below its cut-off: outliers
 _MOST_RAISED = 2.0  # times the recorded cut-off
 _NO_ZEROS = 0.002  # a laser that reads 0 less often has no cut-off
 _BRIGHTER = math.log(10.0)  # than all but 3 of 1000 returns: retroreflectors, which have no cells
-_BRIGHTEST_SHARE = 0.9999  # of the readings are below those of retroreflectors
+_BRIGHTEST_SHARE = 0.9999  # share of the readings below those of retroreflectors
 
 
 @dataclass(frozen=True)
 class Cells:
-    """Quantiles of C cells, of which there are recorded and simulated returns."""
+    """Quantiles of C cells with recorded and simulated returns."""
 
     laser: np.ndarray  # i64 [C]
-    range_bin: np.ndarray  # i64 [C], which of _DISTANCES
+    range_bin: np.ndarray  # i64 [C], index of _DISTANCES
     response: np.ndarray  # logarithms of simulated responses [C, Q]
     reading: np.ndarray  # recorded [C, Q]
     weight: np.ndarray  # [C, 1], roots of returns
     cutoff: np.ndarray  # [C, 1], of the laser
 
     def of_laser(self, laser: int) -> Cells:
-        """Those of one laser."""
+        """The cells of one laser."""
         mine = self.laser == laser
         return Cells(*(values[mine] for values in vars(self).values()))
 
     def imputed(self, shown: np.ndarray) -> np.ndarray:
-        """The readings [C, Q]; those of 0, of which only is known that they are below the cut-off, as `shown`."""
+        """The readings [C, Q]; those of 0, only known to be below the cut-off, become `shown`, up to that."""
         return np.where(self.reading > 0, self.reading, np.minimum(shown, self.cutoff))
 
 
 @dataclass(frozen=True)
 class SharedCurve:
-    """Readings by strength, the logarithm of a response with its gains: `reading` at `strength` [K]; of each laser [H]
-    `gains` (logarithms) and `offsets`, and of each range bin [D] `focus` (logarithms of gains)."""
+    """Readings by strength, the logarithm of a response with its gains: `reading` at `strength` [K]. Each laser [H] has
+    `gains` (logarithms) and `offsets`, each range bin [D] has `focus` (logarithms of gains)."""
 
     strength: np.ndarray
     reading: np.ndarray
@@ -81,11 +81,11 @@ class SharedCurve:
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """What is known of the readings of recorded sweeps, and does not change while a sensor is fitted to them.
+    """The statistics of recorded sweeps' readings, which are fixed while a sensor is fitted to them.
 
-    `cells` are quantiles and counts by group, range and laser, of classes where all sweeps are `labelled`; for each
-    laser [H], `cutoffs` is its least reading over 0, or 0 where it hardly ever reads 0, and `zeros` how often it does;
-    `most` is what the brightest read.
+    `cells` are quantiles and counts by group, range and laser; groups are classes if all sweeps are `labelled`. Each
+    laser [H] has `cutoffs`, its least reading over 0, or 0 if it hardly ever reads 0, and `zeros`, its share of zeros.
+    `most` is the brightest reading.
     """
 
     cells: dict[int, tuple[np.ndarray, int]]
@@ -96,7 +96,7 @@ class Readings:
 
     @classmethod
     def from_sweeps(cls, recorded: Sequence[Sweep]) -> Readings:
-        """Of sweeps of one unit, all with intensities."""
+        """From sweeps of one unit, all with intensities."""
         labelled = all(sweep.label is not None for sweep in recorded)
         by_laser = [_of_laser(recorded, row)[0] for row in range(len(recorded[0].points))]
         zeros = np.array([(read == 0).mean() if len(read) else 0.0 for read in by_laser])
@@ -119,14 +119,14 @@ def _cutoff(read: np.ndarray) -> float:
 
 @dataclass(frozen=True)
 class IntensityFit:
-    """The fitted curve, and the root mean square of what is left between quantiles, of 1."""
+    """The fitted curve, and the root mean square residual between quantiles, of 1."""
 
     curve: IntensityCurve
     residual: float
 
 
 def fit_intensity(recorded: Readings, simulated: Sequence[Sweep]) -> IntensityFit:
-    """The curve with which simulated sweeps, whose intensities are responses, read as the recorded ones do.
+    """The curve with which simulated sweeps, whose intensities are responses, read as the recorded ones.
 
     Returns are grouped by class if all recorded sweeps have labels, else by place and shape (`surface_groups.py`).
     """
@@ -152,7 +152,7 @@ def fit_intensity(recorded: Readings, simulated: Sequence[Sweep]) -> IntensityFi
 
 
 def _fit_shared(cells: Cells, lasers: int) -> SharedCurve:
-    """The curve of all lasers, by turns with the gains and offsets that it takes."""
+    """The shared curve, fitted in turns with its gains and offsets."""
     gains, offsets, focus = np.zeros(lasers), np.zeros(lasers), np.zeros(len(_DISTANCES))
     known = cells.reading
     for _ in range(_ROUNDS):
@@ -175,7 +175,7 @@ def _fit_shared(cells: Cells, lasers: int) -> SharedCurve:
 def _intensity_curve(
     knots: np.ndarray, readings: np.ndarray, focus: np.ndarray, cutoffs: np.ndarray, most: float
 ) -> IntensityCurve:
-    """The curves [H, K] at `knots` [K], continued to the brightest, as the sensor model has them."""
+    """The curves [H, K] at `knots` [K], continued to the brightest, as an `IntensityCurve`."""
     knots = np.append(knots, knots[-1] + _BRIGHTER)
     readings = np.column_stack([readings, np.full(len(readings), most)])
     return IntensityCurve(
@@ -202,7 +202,7 @@ def _cells(recorded: Readings, simulated: Sequence[Sweep]) -> Cells:
 
 
 def _by_cell(sweeps: Sequence[Sweep], labelled: bool) -> dict[int, tuple[np.ndarray, int]]:
-    """Quantiles of intensities, and their count, of each cell that has enough returns."""
+    """Quantiles of intensities, and their count, for each cell with enough returns."""
     keys, found = [], []
     for sweep in sweeps:
         assert sweep.intensity is not None
@@ -234,7 +234,7 @@ def _raised_cutoffs(
 
 
 def _knots(strength: np.ndarray) -> np.ndarray:
-    """Strengths [K] at which a curve is given, over nearly all that there are."""
+    """Strengths [K] of the knots of a curve, over nearly all strengths."""
     low, high = np.quantile(strength, (0.003, 0.997))
     return np.linspace(float(low), float(high), _KNOTS)
 
@@ -242,7 +242,7 @@ def _knots(strength: np.ndarray) -> np.ndarray:
 def _own_curves(
     cells: Cells, strength: np.ndarray, knots: np.ndarray, shared: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """A curve of each laser [H, K] near the `shared` one, and what it reads in the cells [C, Q]."""
+    """A curve of each laser [H, K] near the `shared` one, and its readings in the cells [C, Q]."""
     curves, shown = shared.copy(), np.empty_like(strength)
     strong = np.full(len(knots), math.sqrt(_SHARED_RETURNS * len(_LEVELS)))
     for laser in np.unique(cells.laser):
@@ -258,8 +258,8 @@ def _own_curves(
 def _own_focus(
     cells: Cells, strength: np.ndarray, reading: np.ndarray, knots: np.ndarray, curves: np.ndarray
 ) -> np.ndarray:
-    """Logarithms of the gains of each laser in each range bin [H, D] beside those of all, which `strength` has; where
-    it has no cell, as in the next bins that have."""
+    """Logarithms of the gains of each laser in each range bin [H, D], beside the shared ones, which are in `strength`;
+    bins without a cell are interpolated."""
     found, bins = np.zeros((len(curves), len(_DISTANCES))), np.arange(len(_DISTANCES))
     for laser in np.unique(cells.laser):
         mine = cells.laser == laser
@@ -294,8 +294,8 @@ def _shifts(
     count: int,
     most: float = 0.0,
 ) -> tuple[np.ndarray, np.ndarray]:
-    """For each of `count` lasers or range bins, which cells are `of`, the best of the shifts `tried` of its strengths,
-    and the offset up to `most` that goes with it."""
+    """The best of the shifts `tried` of strengths for each of `count` lasers or range bins, and its offset up to
+    `most`; `of` [C] is the laser or bin of each cell."""
     shifts, offsets = np.zeros(count), np.zeros(count)
     for number in np.unique(of):
         ours = of == number

@@ -1,4 +1,4 @@
-"""Scans that are not of the sensor that most of them are of, found before anything is fitted to them."""
+"""Scans by another sensor than most, found before anything is fitted to them."""
 
 from __future__ import annotations
 
@@ -12,12 +12,12 @@ from lidardraft.calibration.beam_table import FEWEST_POINTS, cones, off_cones, r
 from lidardraft.formats.recording import Recording
 
 _MORE_LASERS = 4 / 3  # than another scan of the same unit: the highest ones may see nothing but sky
-_LOOKED_AT = 500  # points of each laser
-_OFF_CONES = math.radians(3.0)  # root mean square; points whose lasers are known lie a tenth as far off
+_LOOKED_AT = 500  # points of each laser to check
+_OFF_CONES = math.radians(3.0)  # root mean square; with the right lasers, points lie a tenth as far off
 
 
 def odd_scans(recordings: Sequence[Recording]) -> dict[int, str]:
-    """What is odd, by the number of the scan: of several sensors, that of most scans counts, else that of the first."""
+    """The reasons of odd scans by number: the sensor of most scans is the usual one, or else that of the first."""
     lasers = [_lasers(one) for one in recordings]
     odd = {}
     for number, (_, off) in enumerate(lasers):
@@ -36,7 +36,7 @@ def odd_scans(recordings: Sequence[Recording]) -> dict[int, str]:
 
 
 def without_rare_lasers(recordings: Sequence[Recording]) -> tuple[list[Recording], list[int]]:
-    """The scans without the lasers that have too few returns in all of them to be fitted, and the rings of these."""
+    """The scans without lasers that have too few returns in all scans for a fit, and the rings of these."""
     counts = np.bincount(np.concatenate([one.ring for one in recordings]))
     rare = (counts > 0) & (counts < FEWEST_POINTS)
     if not rare.any() or rare[counts > 0].all():
@@ -59,7 +59,7 @@ def _part(recording: Recording, kept: np.ndarray) -> Recording:
 
 
 def _lasers(recording: Recording) -> tuple[dict[int, float], float]:
-    """The elevation of each ring [rad], and how far its points lie off their cones, root mean square [rad]."""
+    """The elevation of each ring [rad], and the root mean square distance of points from their cones [rad]."""
     rings, laser, out, z = returns_of_lasers([recording], _LOOKED_AT)
     elevations, heights, _ = cones(laser, out, z)
     off = off_cones(laser, out, z, elevations, heights) / np.maximum(np.hypot(out, z), 1.0)
@@ -69,7 +69,7 @@ def _lasers(recording: Recording) -> tuple[dict[int, float], float]:
 def _difference(
     recordings: Sequence[Recording], lasers: Sequence[tuple[dict[int, float], float]], number: int, other: int
 ) -> str | None:
-    """What tells scan `other` from scan `number`, in words; None where nothing does."""
+    """The difference of scan `other` from scan `number`, in words; None without one."""
     one, found, name = lasers[number][0], lasers[other][0], recordings[number].name
     if len(one) > _MORE_LASERS * len(found) or len(found) > _MORE_LASERS * len(one):
         return f"it has {len(found)} lasers, {name} has {len(one)}"

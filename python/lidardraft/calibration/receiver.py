@@ -1,6 +1,6 @@
-"""The receiver of a unit: constants with which simulated streets drop, scatter and mix returns as recorded ones do.
+"""The receiver of a unit: constants with which simulated streets drop, scatter and mix returns like recorded ones.
 
-Each constant has a figure that it moves and little else does, and is found by bisection.
+Each constant has a figure that it alone moves much, and is found by bisection.
 """
 
 from __future__ import annotations
@@ -17,18 +17,18 @@ from lidardraft.metrics import returns, surfaces
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor_model import SensorModel
 
-_FAR = returns.RANGE_EDGES[:-1] >= 20.0  # m: where echoes get weak
-_NEAR_GROUND = 12.0  # m: where the ground hardly ever fails
-_LONGEST_HOLE = 3  # firings that are missing on it at once
+_FAR = returns.RANGE_EDGES[:-1] >= 20.0  # m: from there, echoes are weak
+_NEAR_GROUND = 12.0  # m: up to there, the ground nearly always returns
+_LONGEST_HOLE = 3  # missing firings in a row on the ground
 _STEPS = 6
 _TEXTURE_STEPS = 4  # each fits an intensity curve
-_LEAST_CHANGE = 0.1  # of a figure, from one limit of its constant to the other: what moves it less is not told by it
+_LEAST_CHANGE = 0.1  # of a figure, between the limits of its constant: with less, the constant is unknown
 _ROUNDS = 2
 _AT_LIMIT = 1 / 32  # of the way from one limit to the other
 _EDGE, _EDGES_WITHIN = 1.0, 20.0  # m between near and far; and the nearer: further off echoes are weak, too
 _PATCH = 8  # firings over which texture shows
 _FAR_BENDS = (25.0, 60.0)  # m
-# Between what a constant is searched for.
+# The limits of the search for each constant.
 _LIMITS = {
     "pulse_duration": (1e-9, 5e-8),  # s
     "detection_threshold": (1e-8, 1e-3),  # 1/m2; 0.10 reaches 3 km and 10 m, less and nothing far returns
@@ -42,11 +42,11 @@ _LIMITS = {
 
 
 def fit_receiver(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel) -> tuple[SensorModel, float]:
-    """The model with its pulse, drop and noise fitted, and the `range_sigma` [m] that goes with it."""
+    """The model with fitted pulse, drop and noise, and its `range_sigma` [m]."""
     sigma = casts.scanners[0].sensor.range_sigma
-    # surfaces further apart than a pulse is long make two echoes, closer ones a return that hangs between them
+    # surfaces further apart than a pulse length make two echoes, closer ones a mixed return between them
     model = _fitted("pulse_duration", _mixed, recorded, casts, model, sigma)
-    for _ in range(_ROUNDS):  # one bends a little what the other is found by
+    for _ in range(_ROUNDS):  # each moves the other's figure a little
         model = _fitted("detection_threshold", _far_rate, recorded, casts, model, sigma)
         model = _fitted("drop_exponent", _ground_rate, recorded, casts, model, sigma)
     model = _fitted("edge_drop", edge_drops, recorded, casts, model, sigma)
@@ -58,13 +58,13 @@ def fit_receiver(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorMod
 
 
 def _sigma(near: float, casts: StreetCasts, model: SensorModel, otherwise: float) -> float:
-    """The `range_sigma` [m] with which streets bend as much near by."""
+    """The `range_sigma` [m] with which near ground in streets bends as much as `near` [m]."""
     found = bisected(lambda value: _near_bend(casts.observed(model, value)), near, _LIMITS["range_sigma"])
     return otherwise if math.isnan(found) else found
 
 
 def fit_speckle(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel, sigma: float) -> SensorModel:
-    """The model with the scatter of readings from firing to firing, whose intensity curve is known."""
+    """The model with its scatter of readings from firing to firing; its intensity curve must be known."""
     return _fitted("speckle", _reading_step, recorded, casts, model, sigma)
 
 
@@ -76,8 +76,8 @@ def fit_texture(
     *,
     otherwise: float,
 ) -> SensorModel:
-    """The model, as `with_texture` makes it, whose readings differ as much as recorded ones over several firings; that
-    of the texture `otherwise` where these say nothing."""
+    """The model, made by `with_texture`, whose readings differ over several firings as much as recorded ones; with the
+    texture `otherwise` if these do not tell."""
     return _found(
         with_texture,
         lambda one: _reading_step(casts.observed(one, sigma), apart=_PATCH),
@@ -89,8 +89,8 @@ def fit_texture(
 
 
 def at_limits(model: SensorModel, range_sigma: float) -> dict[str, float]:
-    """The constants that lie at a limit of their search, and that limit: no value brought streets to what was recorded,
-    or the best one is further out."""
+    """The constants at a limit of their search, and that limit: no value brought streets to the recordings, or the best
+    one is further out."""
     found = {}
     for name, limits in _LIMITS.items():
         value = range_sigma if name == "range_sigma" else getattr(model, name)
@@ -109,7 +109,7 @@ def _fitted(
     model: SensorModel,
     sigma: float,
 ) -> SensorModel:
-    """The model with the value of one constant with which a figure of streets is that of the recordings."""
+    """The model with the value of one constant that gives streets the recordings' `figure`."""
     return _found(
         lambda value: replace(model, **{name: value}),  # type: ignore[arg-type]
         lambda one: figure(casts.observed(one, sigma)),
@@ -127,8 +127,8 @@ def _found(
     otherwise: float,
     steps: int = _STEPS,
 ) -> SensorModel:
-    """The model with the value at which a figure is `target`, or with `otherwise` where it is not known or says
-    little."""
+    """The model with the value that gives a figure of `target`, or with `otherwise` if the figure is unknown or hardly
+    changes."""
     least = _LEAST_CHANGE * abs(target)
     found = bisected(lambda value: figure(with_value(value)), target, limits, steps=steps, least=least)
     return with_value(otherwise if math.isnan(found) else found)
@@ -142,8 +142,8 @@ def bisected(
     steps: int = _STEPS,
     least: float = 0.0,
 ) -> float:
-    """The value between two limits over 0 at which a monotone figure is `target`; a limit, where it is at none; NaN
-    where the limits do not differ by more than `least`."""
+    """The value between two limits over 0 that gives a monotone figure of `target`; a limit if none does; NaN if the
+    figures at the limits differ by no more than `least`."""
     low, high = map(math.log, limits)
     under, over = (figure(limit) - target for limit in limits)
     if not abs(over - under) > least:
@@ -168,8 +168,7 @@ def _far_rate(sweeps: Sequence[Sweep]) -> float:
 
 
 def _ground_rate(sweeps: Sequence[Sweep]) -> float:
-    """Share of firings into the ground near by that return: cars, windows and plants lose more for reasons of their
-    own."""
+    """Share of firings into the near ground that return; cars, windows and plants lose more for other reasons."""
     found = missing = 0
     for sweep in sweeps:
         group = groups_of(sweep, labelled=False)
@@ -201,7 +200,7 @@ def _mixed(sweeps: Sequence[Sweep]) -> float:
 
 
 def _near_bend(sweeps: Sequence[Sweep]) -> float:
-    """Median of how far returns of the ground near by lie off the middle of their neighbours in the row [m]."""
+    """Median distance of near ground returns from the middle of their neighbours in the row [m]."""
     found = []
     for sweep in sweeps:
         bend, inside = surfaces.bends(sweep.depth)
@@ -211,7 +210,7 @@ def _near_bend(sweeps: Sequence[Sweep]) -> float:
 
 
 def _far_bend(sweeps: Sequence[Sweep]) -> float:
-    """Lower quartile of the same for all returns further off, where few surfaces are smooth."""
+    """Lower quartile of the same distance for all far returns, among which few surfaces are smooth [m]."""
     found = []
     for sweep in sweeps:
         (bend, inside), here = surfaces.bends(sweep.depth), sweep.depth[:, 1:-1]
@@ -224,8 +223,8 @@ def _quantile(bend: np.ndarray, share: float) -> float:
 
 
 def _reading_step(sweeps: Sequence[Sweep], apart: int = 1) -> float:
-    """Mean of the smaller half of the steps of readings over 0 between firings so far apart, at one range: edges of
-    what is there make the others."""
+    """Mean of the smaller half of the steps of readings over 0 between firings `apart`, at one range; the others are
+    edges of objects."""
     found = []
     for sweep in sweeps:
         assert sweep.intensity is not None
@@ -234,5 +233,5 @@ def _reading_step(sweeps: Sequence[Sweep], apart: int = 1) -> float:
         near = (np.abs(depth[here] - depth[there]) < 0.1 * apart) & (read[here] > 0) & (read[there] > 0)
         found.append(np.abs(read[here] - read[there])[near])
     steps = np.concatenate(found)
-    # readings are in steps: their mean says more than a median that is one of them
+    # readings are quantised: a mean tells more than a median
     return float(np.sort(steps)[: len(steps) // 2].mean()) if len(steps) >= 500 else math.nan

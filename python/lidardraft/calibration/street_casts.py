@@ -1,4 +1,4 @@
-"""Streets cast once, to be observed with one sensor model after the other: what a recording is held against."""
+"""Streets cast once and observed with several sensor models, to compare with recordings."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ _BRIGHTEST = 1e4  # times a white surface: responses are read without a limit
 
 @dataclass(frozen=True, eq=False)
 class StreetCasts:
-    """Clean casts by one sensor, one of each street, with what is needed to observe them."""
+    """Clean casts by one sensor, one of each street, with the scanners and poses to observe them."""
 
     scanners: tuple[Scanner, ...]
     poses: tuple[np.ndarray, ...]
@@ -30,7 +30,7 @@ class StreetCasts:
 
     @classmethod
     def from_sensor(cls, sensor: Sensor, model: SensorModel, num: int, *, seed: int) -> StreetCasts:
-        """The casts of streets 0 to `num` of a seed."""
+        """The casts of the first `num` streets of a seed."""
         scanners, places, casts = list[Scanner](), [], []
         config = StreetConfig(sensor=sensor, poses_per_street=1)
         for number in range(num):
@@ -42,7 +42,7 @@ class StreetCasts:
         return cls(tuple(scanners), tuple(places), tuple(casts))
 
     def observed(self, model: SensorModel, range_sigma: float) -> list[Sweep]:
-        """What a sensor with this model, whose sub-rays are those of the casts, reports."""
+        """The sweeps that a sensor with this model reports; its sub-rays must be those of the casts."""
         found = []
         sensor = replace(self.scanners[0].sensor, range_sigma=range_sigma)
         rays = sub_rays(sensor, model)
@@ -65,7 +65,7 @@ class StreetCasts:
 
 
 def with_rays_that_fit(sensor: Sensor, model: SensorModel) -> SensorModel:
-    """The model, with one ray a beam where the sensor's beams are too close for several."""
+    """The model, with one ray a beam if the sensor's beams are too close for several."""
     try:
         sub_rays(sensor, model)
     except SensorError:

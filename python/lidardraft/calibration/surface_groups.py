@@ -1,4 +1,4 @@
-"""Returns that are alike in a recording and in a simulated street: of one class, or of one place and shape."""
+"""Groups of returns that are alike in a recording and in a simulated street: by class, or by place and shape."""
 
 from __future__ import annotations
 
@@ -9,11 +9,11 @@ from lidardraft.metrics.profiles import road_level
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.semantics import BY_NAME
 
-_FLAT = 0.3  # m over or under the road that is still ground, and
+_FLAT = 0.3  # m over or under the road that count as ground, and
 _SLOPE = 0.01  # more of it a metre of distance
 _LANE = 2.0  # m to either side: the ground there is the road that the sensor drives on
-_HIGH = 2.5  # m over the road: over cars and people are facades and plants
-_SMOOTH = 0.05  # m off the middle of its neighbours in the row: a return of a facade; of plants more
+_HIGH = 2.5  # m over the road: above cars and people are facades and plants
+_SMOOTH = 0.05  # m off the middle of the neighbours in the row: facades; plants have more
 LANE, GROUND, SMOOTH, ROUGH, LOW = range(5)
 
 _SETS = np.full(256, len(CLASS_SETS))
@@ -22,9 +22,9 @@ for _number, _members in enumerate(CLASS_SETS.values()):
 
 
 def groups_of(sweep: Sweep, labelled: bool) -> np.ndarray:
-    """The group of each return, i64 [H, W]; nothing is said of pixels without one.
+    """The group of each return, i64 [H, W]; pixels without a return have no meaning.
 
-    Of a sweep that is `labelled` it is a set of classes; else the lane, other ground, what is high and smooth (mostly
+    If the sweep is `labelled`, groups are sets of classes. Else they are lane, other ground, high and smooth (mostly
     facades), high and rough (mostly plants), and the rest.
     """
     if labelled:

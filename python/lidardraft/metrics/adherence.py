@@ -1,7 +1,7 @@
-"""Layout adherence: how much of a scan stands where the condition image, the cast of its layout, says.
+"""Layout adherence: the share of a scan that agrees with the condition image, the cast of its layout.
 
 The definition is our own; no published score compares a scan with the layout it was generated from. A return agrees
-with the condition where `scene.labelling.agrees` says so: within 0.5 m or 5 % of its depth, whichever is more.
+with the condition if `scene.labelling.agrees` says so: within 0.5 m or 5 % of its depth, whichever is more.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ _NO_OBJECT = [BY_NAME[name].id for name in ("none", *GROUND)]
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Adherence:
-    """Shares in [0, 1]; NaN where there is no pixel to count.
+    """Shares in [0, 1]; NaN without a pixel to count.
 
-    `objects`, `overall` and `by_class` are the shares of the scan's returns that agree with the condition image, among
-    those whose ray hits an object there (not road, sidewalk or terrain), anything, or the class of that name. `drop` is
-    the share of the condition's hits without a return.
+    `objects`, `overall` and `by_class` are the shares of the scan's returns that agree with the condition image. They
+    are among returns whose ray hits an object there (not road, sidewalk or terrain), anything, or a class by name.
+    `drop` is the share of the condition's hits without a return.
     """
 
     objects: float
@@ -33,7 +33,7 @@ class Adherence:
 
 
 def adherence(scan: RangeImage, condition_image: RangeImage) -> Adherence:
-    """How well `scan` keeps to `condition_image`, the layout as cast by the same sensor."""
+    """The adherence of `scan` to `condition_image`, the layout cast by the same sensor."""
     good = agrees(scan, condition_image)
     both = scan.valid & condition_image.valid
     objects = both & ~np.isin(condition_image.label, _NO_OBJECT)

@@ -1,8 +1,8 @@
 """Distances between sets of scans, of several comparisons at once: the two sets, and halves of one for the noise floor.
 
-`sides` i8 [C, N] says for each of C comparisons of N scans on which side a scan stands: 0 recorded, 1 generated, -1
-neither. A distance takes what was measured of each scan, one after the other (`add`), and gives one number for each
-comparison (`distances`). `bev_mmd` is LiDARGen's score of two sets alone (Zyrianov et al., ECCV 2022; constants from
+`sides` i8 [C, N] gives the side of each of N scans in each of C comparisons: 0 recorded, 1 generated, -1 neither. A
+distance takes the measurements of scans one after the other (`add`), and gives one number for each comparison
+(`distances`). `bev_mmd` is LiDARGen's score of two sets alone (Zyrianov et al., ECCV 2022; constants from
 vzyrianov/lidargen, metrics/histogram).
 """
 
@@ -26,10 +26,10 @@ _HELD = 4  # blocks of generated top views that are held at once, in 0.6 GB
 
 
 class Distance(Protocol):
-    """What the distances of this file have in common."""
+    """The interface of the distances in this file."""
 
     def add(self, measured: np.ndarray) -> None:
-        """Take what was measured of the next scan."""
+        """Add the measurement of the next scan."""
 
     def distances(self) -> np.ndarray:
         """The distance of each comparison, f64 [C]."""
@@ -43,7 +43,7 @@ class PooledDivergence:
         self._sums = np.zeros((len(sides), 2, cells), dtype=np.uint32)
 
     def add(self, measured: np.ndarray) -> None:
-        """Take the cells [M, 2] of a scan, each a number once, and its count."""
+        """Add the cells [M, 2] of a scan: the index, each once, and the count."""
         cells, counts = measured.T
         for sums, side in zip(self._sums, next(self._sides), strict=True):
             if side >= 0:
@@ -57,21 +57,21 @@ class PooledDivergence:
 
 class KernelDiscrepancy:
     """Squared maximum mean discrepancy of histograms [R, S] of sum 1: a Gaussian kernel of width 0.5, means over all
-    pairs, those of a scan with itself included. Keeps 4 bytes a bin."""
+    pairs, including a scan with itself. Keeps 4 bytes a bin."""
 
     def __init__(self, sides: np.ndarray, squared_distances: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> None:
         self._sides, self._histograms = sides, list[np.ndarray]()
         self._squared_distances = squared_distances
 
     def add(self, measured: np.ndarray) -> None:
-        """Take the counts [R, S] of a scan."""
+        """Add the counts [R, S] of a scan."""
         if not measured.any():
             raise LidarDraftError("no point lies in the top view")
         self._histograms.append((measured / measured.sum()).astype(np.float32))
 
     def distances(self) -> np.ndarray:
         """The discrepancy of each comparison, f64 [C]."""
-        # of each comparison w^T K w, where w is 1 / N of one side and -1 / M of the other; as w sums to 0, K - 1 does
+        # w^T K w for each comparison, with w = 1 / N on one side and -1 / M on the other; w sums to 0, so K - 1 will do
         weights = np.stack([(s == 0) / np.sum(s == 0) - (s == 1) / np.sum(s == 1) for s in self._sides])
         found = np.zeros(len(weights))
         for first, second in _blocks(len(self._histograms), len(self._histograms)):
@@ -84,15 +84,14 @@ class KernelDiscrepancy:
 
 
 def euclidean(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Squared Euclidean distances [N, M] of histograms [N, R, S] and [M, R, S], as R2DM takes them."""
+    """Squared Euclidean distances [N, M] of histograms [N, R, S] and [M, R, S], as in R2DM."""
     one, other = first.reshape(len(first), -1), second.reshape(len(second), -1)
     squares = (one**2).sum(axis=1)[:, None] + (other**2).sum(axis=1)
     return np.asarray(np.maximum(squares - 2 * one @ other.T, 0.0))
 
 
 def spectral(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Squared distances [N, M] in the matrix 2-norm, the largest singular value of a difference, as LiDARGen takes
-    them."""
+    """Squared distances [N, M] in the matrix 2-norm, the largest singular value of a difference, as in LiDARGen."""
     return np.stack([np.linalg.norm(histogram - second, ord=2, axis=(1, 2)) ** 2 for histogram in first])
 
 
@@ -107,14 +106,14 @@ def bev_histogram(points: np.ndarray) -> np.ndarray:
 def bev_mmd(recorded: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
     """Squared maximum mean discrepancy of the histograms of scans [N, 3], each divided by its sum.
 
-    The kernel is Gaussian in the matrix 2-norm (the largest singular value) of the difference of two histograms; the
-    means are over all pairs, those of a scan with itself included.
+    The kernel is Gaussian in the matrix 2-norm (the largest singular value) of the difference of two histograms. The
+    means are over all pairs, including a scan with itself.
     """
     return histogram_mmd(_histograms(recorded), _histograms(generated))
 
 
 def histogram_mmd(recorded: np.ndarray, generated: np.ndarray) -> float:
-    """`bev_mmd` of histograms [N, 100, 100] that `bev_histogram` has counted."""
+    """`bev_mmd` of histograms [N, 100, 100] by `bev_histogram`."""
     discrepancy = KernelDiscrepancy(np.repeat([0, 1], [len(recorded), len(generated)])[None], spectral)
     for number, histogram in enumerate([*recorded, *generated]):
         with named(f"scan {number if number < len(recorded) else number - len(recorded)}"):
@@ -130,17 +129,17 @@ def _histograms(scans: Iterable[np.ndarray]) -> np.ndarray:
 
 
 class MatchingDistance:
-    """LiDM's minimum matching distance: of each recorded top view, the chamfer distance to the nearest generated one.
+    """LiDM's minimum matching distance: for each recorded top view, the chamfer distance to the nearest generated one.
 
-    Top views are occupied cells of a 200 x 200 square of edge 1; the chamfer distance is the mean over both of the
-    squared distances from the cells of one to the nearest of the other. Keeps 5 kB a scan.
+    Top views are the occupied cells of a 200 x 200 square of edge 1. The chamfer distance is the mean, over both, of
+    the squared distances from the cells of one to the nearest of the other. Keeps 5 kB a scan.
     """
 
     def __init__(self, sides: np.ndarray) -> None:
         self._sides, self._occupied = sides, list[np.ndarray]()
 
     def add(self, measured: np.ndarray) -> None:
-        """Take the numbers [M] of the occupied cells of a scan, row by row."""
+        """Add the indices [M] of the occupied cells of a scan, row by row."""
         if not len(measured):
             raise LidarDraftError("no point lies in the top view")
         occupied = np.zeros(_CELLS**2, dtype=bool)
@@ -166,7 +165,7 @@ class MatchingDistance:
         return np.array([near[side == 0].mean() for near, side in zip(nearest, self._sides, strict=True)])
 
     def _loaded(self, numbers: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Occupancy f32 [K, 40000] of scans, and of each cell the squared distance to the nearest occupied one."""
+        """Occupancy f32 [K, 40000] of scans, and the squared distance of each cell to the nearest occupied one."""
         from scipy.ndimage import distance_transform_edt
 
         occupied = np.unpackbits(np.stack([self._occupied[number] for number in numbers]), axis=1).astype(np.float32)
@@ -175,7 +174,7 @@ class MatchingDistance:
 
 
 def _chamfer(first: tuple[np.ndarray, np.ndarray], second: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
-    """Chamfer distances [N, M]: as a cell knows its distance to each top view, they are products of matrices."""
+    """Chamfer distances [N, M]: since each cell has its distance to each top view, they are products of matrices."""
     (one, to_one), (other, to_other) = first, second
     there, back = one @ to_other.T / one.sum(axis=1)[:, None], to_one @ other.T / other.sum(axis=1)
     return (there + back).astype(np.float64) / (2 * _CELLS**2)
@@ -188,7 +187,7 @@ class FrechetDistance:
         self._sides, self._features = sides, list[np.ndarray]()
 
     def add(self, measured: np.ndarray) -> None:
-        """Take the features [D] of a scan."""
+        """Add the features [D] of a scan."""
         self._features.append(measured.astype(np.float32))
 
     def distances(self) -> np.ndarray:
@@ -200,8 +199,8 @@ class FrechetDistance:
 def _frechet(first: np.ndarray, second: np.ndarray) -> float:
     """The distance of features [N, D] and [M, D].
 
-    With A and B what is left of both without their means, over the square roots of N - 1 and M - 1, the trace of the
-    root of the product of the covariances is the sum of the singular values of A B^T: no root of a [D, D] is taken.
+    A and B are both without their means, divided by the square roots of N - 1 and M - 1. The trace of the root of the
+    product of the covariances is the sum of the singular values of A B^T: no root of a [D, D] matrix is needed.
     """
     if min(len(first), len(second)) < 2:
         raise LidarDraftError("a Frechet distance needs two scans at least on each side")

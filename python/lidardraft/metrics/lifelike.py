@@ -1,9 +1,9 @@
-"""How lifelike generated scans are: properties measured of sweeps, and the distances between generated and recorded.
+"""The lifelikeness of generated scans: properties of sweeps, and their distances between generated and recorded ones.
 
 Each property has a measure of one sweep, and a distance between two sets of sweeps. Recordings come in groups of one
-drive or place each. Recorded against recorded is the mean distance between two groups, or between the two halves of one
-where that is more: two drives can be equal by chance. For generated against recorded, generated sweeps take the place
-of one of two groups, as many as it has, so that both figures suffer alike from small numbers. The protocol is our own.
+drive or place each. Recorded against recorded is the mean distance between two groups or, if that is more, between the
+two halves of one: two drives can be equal by chance. For generated against recorded, generated sweeps replace one of
+two groups, in equal number, so that both figures suffer alike from small numbers. The protocol is our own.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from lidardraft.metrics.sweep import Sweep
 from lidardraft.semantics import BY_NAME
 
 Features = Sequence[np.ndarray]
-_FEWEST = 50.0  # firings or returns that a mean is taken of
+_FEWEST = 50.0  # firings or returns for a mean
 _FEWEST_TO_HALVE = 4  # sweeps
-_MOST_SUBSETS = 8  # disjoint sets of generated sweeps that stand in for one group
+_MOST_SUBSETS = 8  # disjoint sets of generated sweeps in place of one group
 
-# What sensors' label sets can tell apart.
+# Sets of classes that sensors' labels can distinguish.
 CLASS_SETS: dict[str, tuple[str, ...]] = {
     "road": ("road",),
     "sidewalk": ("sidewalk",),
@@ -47,7 +47,7 @@ CLASS_SETS: dict[str, tuple[str, ...]] = {
 
 @dataclass(frozen=True)
 class Property:
-    """How it is measured on a sweep, how two sets of measurements differ, and one number for a set."""
+    """A property: its measure of a sweep, the distance of two sets of measurements, and one number for a set."""
 
     name: str
     measure: Callable[[Sweep], np.ndarray]
@@ -57,7 +57,7 @@ class Property:
 
 @dataclass(frozen=True)
 class Comparison:
-    """A property as measured; NaN where there is nothing to measure. `recorded` and `generated` are its summaries."""
+    """A measured property; NaN without anything to measure. `recorded` and `generated` are its summaries."""
 
     name: str
     recorded: float
@@ -67,13 +67,13 @@ class Comparison:
 
     @property
     def ratio(self) -> float:
-        """How many times farther the generated sweeps are from the recorded ones than these from each other."""
+        """The distance of generated from recorded sweeps over that of recorded ones from each other."""
         return self.generated_vs_recorded / self.recorded_vs_recorded if self.recorded_vs_recorded > 0 else math.nan
 
 
 def compare(measured: Property, groups: Mapping[str, Features], generated: Features) -> Comparison:
-    """Measurements of a property by group of recorded sweeps, beside generated ones; groups without a count are left
-    out."""
+    """The comparison of a property's measurements, by group of recorded sweeps, with generated ones; groups without a
+    count are left out."""
     known = [list(features) for features in groups.values() if sum(np.nansum(np.abs(f)) for f in features) > 0]
     between = [measured.distance(first, second) for first, second in itertools.combinations(known, 2)]
     halves = [(g[: len(g) // 2], g[len(g) // 2 :]) for g in known if len(g) >= _FEWEST_TO_HALVE]
@@ -90,26 +90,26 @@ def compare(measured: Property, groups: Mapping[str, Features], generated: Featu
 
 
 def _subsets(generated: Features, count: int) -> list[Features]:
-    """Disjoint sets of `count` each, spread over all that was generated: a few of them have all kinds of places."""
+    """Disjoint sets of `count` sweeps each, spread over all generated ones: a few sets have all kinds of places."""
     number = max(1, min(_MOST_SUBSETS, len(generated) // max(count, 1)))
     stride = len(generated) // number
     return [generated[start * stride : start * stride + count] for start in range(number)]
 
 
 def mean_known(values: Sequence[float]) -> float:
-    """The mean of what is not NaN; NaN of nothing."""
+    """The mean of all values that are not NaN; NaN without any."""
     known = [value for value in values if not math.isnan(value)]
     return float(np.mean(known)) if known else math.nan
 
 
 def pooled_divergence(first: Features, second: Features) -> float:
-    """Jensen-Shannon distance of the summed histograms; NaN where one is empty."""
+    """Jensen-Shannon distance of the summed histograms; NaN if one is empty."""
     p, q = np.sum(first, axis=0), np.sum(second, axis=0)
     return jensen_shannon(p, q) if p.sum() > 0 and q.sum() > 0 else math.nan
 
 
 def mean_difference(first: Features, second: Features) -> float:
-    """Mean absolute difference of the pooled means (sums and counts [K, 2]) of the bins that both have."""
+    """Mean absolute difference of the pooled means (sums and counts [K, 2]) of the bins in both."""
     p, q = np.sum(first, axis=0), np.sum(second, axis=0)
     both = (p[:, 1] >= _FEWEST) & (q[:, 1] >= _FEWEST)
     return float(np.abs(p[both, 0] / p[both, 1] - q[both, 0] / q[both, 1]).mean()) if both.any() else math.nan
@@ -196,7 +196,7 @@ def class_properties() -> tuple[Property, ...]:
 
 
 def class_counts(sweep: Sweep) -> np.ndarray:
-    """Returns by set of classes, f64 [len(CLASS_SETS)]; returns of no set are not counted."""
+    """Returns by set of classes, f64 [len(CLASS_SETS)]; returns in no set are not counted."""
     assert sweep.label is not None
     return counts_by_set(np.bincount(sweep.label[sweep.valid], minlength=len(BY_NAME)).astype(np.float64))
 

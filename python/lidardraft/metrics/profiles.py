@@ -1,4 +1,4 @@
-"""Histograms of a sweep (range, height over the road, intensity), how intensity falls with range, and distances.
+"""Histograms of a sweep (range, height over the road, intensity), the fall of intensity with range, and distances.
 
 The definitions of the histograms are our own.
 """
@@ -14,7 +14,7 @@ from lidardraft.metrics.sweep import Sweep
 RANGE_BINS = np.arange(0.0, 121.0, 1.0)  # m
 HEIGHT_BINS = np.arange(-3.0, 15.05, 0.1)  # m over the road
 INTENSITY_BINS = 50
-_ROAD_NEAR, _ROAD_FAR = 3.0, 15.0  # m from the sensor: where the road is looked for
+_ROAD_NEAR, _ROAD_FAR = 3.0, 15.0  # m from the sensor, between which to look for the road
 
 
 def range_histogram(sweep: Sweep) -> np.ndarray:
@@ -23,13 +23,13 @@ def range_histogram(sweep: Sweep) -> np.ndarray:
 
 
 def height_histogram(sweep: Sweep, road: float | None = None) -> np.ndarray:
-    """Returns by height over the road in steps of 0.1 m, -3 to 15 m; `road` is its level [m], where it is known."""
+    """Returns by height over the road in steps of 0.1 m, -3 to 15 m; `road` is its level [m], if known."""
     level = road_level(sweep) if road is None else road
     return np.histogram(sweep.points[sweep.valid, 2] - level, HEIGHT_BINS)[0].astype(np.float64)
 
 
 def road_level(sweep: Sweep) -> float:
-    """Height [m] of the road under the sensor: the commonest of the returns 3 to 15 m off, all 1 m below or more."""
+    """Height [m] of the road under the sensor: the most frequent one of returns 3 to 15 m off and 1 m below or more."""
     z = sweep.points[(sweep.depth > _ROAD_NEAR) & (sweep.depth < _ROAD_FAR) & (sweep.points[..., 2] < -1.0), 2]
     if not len(z):
         raise LidarDraftError("no return 1 m or more below the sensor; the height of the road is unknown")
@@ -45,7 +45,7 @@ def intensity_histogram(sweep: Sweep, labels: tuple[int, ...] | None = None) -> 
 
 
 def intensity_by_range(sweep: Sweep, labels: tuple[int, ...] | None = None) -> np.ndarray:
-    """Sum of intensity, and returns, by range as `returns.RANGE_EDGES` has it: f64 [len(RANGE_EDGES) - 1, 2]."""
+    """Sum of intensity, and returns, by range in `returns.RANGE_EDGES`: f64 [len(RANGE_EDGES) - 1, 2]."""
     where = _where(sweep, labels)
     depth, weights = sweep.depth[where], _intensity(sweep)[where]
     sums = np.histogram(depth, RANGE_EDGES, weights=weights)[0]
@@ -81,11 +81,11 @@ def jensen_shannon(first: np.ndarray, second: np.ndarray) -> float:
         raise LidarDraftError(f"histograms have the shapes {first.shape} and {second.shape}; they must be equal")
     if not (first.sum() > 0 and second.sum() > 0):
         raise LidarDraftError("a histogram is empty; a distance needs counts on both sides")
-    from scipy.special import rel_entr  # a tenth of a second, which no --help waits for
+    from scipy.special import rel_entr  # slow to import: a tenth of a second
 
     p, q = first / first.sum(), second / second.sum()
     mean = (p + q) / 2
-    # scipy's jensenshannon is NaN where rounding makes the divergence of equal histograms negative.
+    # scipy's jensenshannon is NaN if rounding makes the divergence of equal histograms negative.
     return float(np.sqrt(max(rel_entr(p, mean).sum() + rel_entr(q, mean).sum(), 0.0) / 2))
 
 

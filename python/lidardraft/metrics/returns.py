@@ -1,6 +1,6 @@
-"""Which firings return: by laser, on surfaces by range, how the dropped ones cluster, and what returns alone.
+"""Statistics of firings that return: by laser, on surfaces by range, clusters of dropped ones, and lone returns.
 
-The definitions are our own; they ask nothing of a recording but that its firings are known.
+The definitions are our own; all that they need of a recording is known firings.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ RUN_EDGES = np.array([1, 2, 3, 4, 5, 7, 10, 15, 25, 50, 100, 200, 10_000])  # fi
 _LONGEST_HOLE = 8  # firings
 _SAME_SURFACE = 0.1  # of the range
 _NEAR = 20.0  # m
-_SMOOTH = (0.1, 0.05)  # m and share of the range, from a firing to the next but one on a near surface
-_ALONE = (0.5, 0.03)  # m and share of the range, farther than which no neighbour is
+_SMOOTH = (0.1, 0.05)  # m and share of the range, between a firing and the next but one on a near surface
+_ALONE = (0.5, 0.03)  # m and share of the range, within which a neighbour lies
 
 
 def returns_by_row(sweep: Sweep) -> np.ndarray:
@@ -27,8 +27,8 @@ def returns_by_row(sweep: Sweep) -> np.ndarray:
 def returns_by_range(sweep: Sweep) -> np.ndarray:
     """Returns and firings on surfaces, f64 [len(RANGE_EDGES) - 1, 2], by range.
 
-    A dropped firing is on a surface where it lies in a hole of at most 8 in its row, between two returns whose ranges
-    differ by at most a tenth; its range is their mean. What looks into the sky or into a mirror is not counted.
+    A dropped firing is on a surface if it lies in a hole of at most 8 in its row, between two returns whose ranges
+    differ by at most a tenth. Its range is their mean. Firings into the sky or into a mirror are not counted.
     """
     depth = sweep.depth
     counts = np.zeros((len(RANGE_EDGES) - 1, 2))
@@ -44,13 +44,13 @@ def returns_by_range(sweep: Sweep) -> np.ndarray:
 
 
 def hole_lengths(sweep: Sweep) -> np.ndarray:
-    """How many runs of dropped firings there are of each length, f64 [len(RUN_EDGES) - 1], over all rows."""
+    """The number of runs of dropped firings by length, f64 [len(RUN_EDGES) - 1], over all rows."""
     _, starts, ends = runs(~sweep.valid).T
     return np.histogram(ends - starts, RUN_EDGES)[0].astype(np.float64)
 
 
 def near_holes(sweep: Sweep) -> np.ndarray:
-    """Holes of a single firing on near surfaces, and the places where one could be, f64 [2].
+    """Holes of a single firing on near surfaces, and the places for one, f64 [2].
 
     A place lies in its row between two returns within 20 m whose ranges differ by at most 0.1 m and 5 %.
     """
@@ -64,7 +64,7 @@ def near_holes(sweep: Sweep) -> np.ndarray:
 def lone_returns(sweep: Sweep) -> np.ndarray:
     """Returns without any neighbour at their range, and all returns, f64 [2].
 
-    A neighbour is one of the eight firings around, and at its range is what differs by at most 0.5 m and 3 %.
+    A neighbour is one of the eight firings around; it is at their range if it differs by at most 0.5 m and 3 %.
     """
     depth = sweep.depth
     around = np.pad(depth, 1)

@@ -1,7 +1,7 @@
 """Range images of any cloud, projected as LiDARGen, LiDM and R2DM project KITTI's scans.
 
-64 x 1024 pixels from +3 to -25 degrees all around; of several points in a pixel the nearest stays, and a point above or
-below the field of view lies in the first or last row. The authors look back along the upper left corner of a pixel.
+64 x 1024 pixels from +3 to -25 degrees all around. Of several points in a pixel the nearest stays. A point above or
+below the field of view lies in the first or last row. The authors unproject along the upper left corner of a pixel.
 Sources: vzyrianov/lidargen, metrics/histogram; hancyran/LiDAR-Diffusion, lidm/eval; kazuto1011/r2dm.
 """
 
@@ -17,15 +17,15 @@ _UP, _DOWN = np.deg2rad(3.0), np.deg2rad(-25.0)
 
 @dataclass(frozen=True, eq=False)
 class SphericalImage:
-    """`depth` f32 [64, 1024] in metres, 0 where there is no return; `points` f32 [64, 1024, 3] and `intensity`
-    f32 [64, 1024] of the returns, where it is known."""
+    """`depth` f32 [64, 1024] in metres, 0 without a return; `points` f32 [64, 1024, 3] and, if known, `intensity` f32
+    [64, 1024] of the returns."""
 
     depth: np.ndarray
     points: np.ndarray
     intensity: np.ndarray | None = None
 
     def within(self, near: float, far: float) -> np.ndarray:
-        """Where a return is more than `near` and less than `far` metres off, bool [64, 1024]."""
+        """The mask of returns more than `near` and less than `far` metres off, bool [64, 1024]."""
         return (self.depth > near) & (self.depth < far)
 
 
@@ -50,7 +50,7 @@ def spherical_image(
 
 
 def corner_points(depth: np.ndarray) -> np.ndarray:
-    """Where points of depths [64, 1024] lie along the upper left corners of their pixels, f64 [64, 1024, 3]."""
+    """Points at depths [64, 1024] along the upper left corners of their pixels, f64 [64, 1024, 3]."""
     pitch = (_UP - (_UP - _DOWN) * np.arange(ROWS) / ROWS)[:, None]
     azimuth = np.pi * (1 - 2 * np.arange(COLUMNS) / COLUMNS)
     rays = np.broadcast_arrays(np.cos(azimuth) * np.cos(pitch), np.sin(azimuth) * np.cos(pitch), np.sin(pitch))

@@ -1,8 +1,8 @@
-"""What neighbouring returns tell of surfaces: mixed pixels at edges, steps and bends between firings, and roughness.
+"""Surfaces seen through neighbouring returns: mixed pixels at edges, steps and bends between firings, and roughness.
 
-Beams are wide: where one falls half on a near and half on a far surface, a sensor may report a mean of both (mixed
-pixels, Hebert and Krotkov, IROS 1991). Roughness is how far neighbouring returns of one class lie off a common plane:
-in windows of 3 lasers by 5 firings, the root of the smallest eigenvalue of the covariance of their points. The
+Beams are wide: if one falls half on a near and half on a far surface, a sensor may report a mean of both (mixed pixels,
+Hebert and Krotkov, IROS 1991). Roughness is the distance of neighbouring returns of one class from a common plane: in
+windows of 3 lasers by 5 firings, the root of the smallest eigenvalue of the covariance of their points. The
 definitions are our own.
 """
 
@@ -50,22 +50,22 @@ def range_steps(sweep: Sweep) -> np.ndarray:
 
 
 def range_bends(sweep: Sweep) -> np.ndarray:
-    """How far a return lies off the middle of its neighbours in a row, counted by size: f64 [len(STEP_EDGES) - 1].
+    """Distances of returns from the middle of their neighbours in a row, by size: f64 [len(STEP_EDGES) - 1].
 
-    On smooth surfaces that is the noise of the range; in foliage and at edges it is their depth.
+    On smooth surfaces this is the noise of the range; in foliage and at edges it is their depth.
     """
     bend, inside = bends(sweep.depth)
     return np.histogram(bend[inside], STEP_EDGES)[0].astype(np.float64)
 
 
 def bends(depth: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """How far each return lies off the middle of its neighbours in the row [H, W - 2]; where there are all three."""
+    """Distance of each return from the middle of its neighbours in the row [H, W - 2], and the mask of all three."""
     before, here, after = depth[:, :-2], depth[:, 1:-1], depth[:, 2:]
     return np.abs(here - (before + after) / 2), (before > 0) & (here > 0) & (after > 0)
 
 
 def _column(depth: np.ndarray, offset: int) -> np.ndarray:
-    """The image with the pixel `offset` columns to the right in each place; beyond the border is no return."""
+    """The image of the pixels `offset` columns to the right; beyond the border is no return."""
     return np.pad(depth, ((0, 0), (2, 2)))[:, 2 + offset : 2 + offset + depth.shape[1]]
 
 
@@ -100,7 +100,7 @@ def residual_histogram(sweep: Sweep, labels: tuple[int, ...]) -> np.ndarray:
 
 
 def _whole_windows(member: np.ndarray) -> np.ndarray:
-    """Where a window of members alone begins, bool [H - 2, W - 4]; windows do not cross the seam."""
+    """The mask of starts of windows with members only, bool [H - 2, W - 4]; windows do not cross the seam."""
     rows, columns = member.shape[0] - _ROWS + 1, member.shape[1] - _COLUMNS + 1
     upright = np.logical_and.reduce([member[i : rows + i] for i in range(_ROWS)])
     return np.logical_and.reduce([upright[:, j : columns + j] for j in range(_COLUMNS)])

@@ -15,10 +15,10 @@ from lidardraft.scene.range_image import RangeImage
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """Returns `points` f32 [H, W, 3] in the sensor frame, zero where there is none; row 0 is the highest laser.
+    """Returns `points` f32 [H, W, 3] in the sensor frame, zero without a return; row 0 is the highest laser.
 
-    `label` u8 [H, W] and `intensity` f32 [H, W] in [0, 1] where they are known. A RangeImage keeps what its sensor's
-    table of angles can say; this keeps the measured points, for a recorded sensor differs from its table.
+    `label` u8 [H, W] and `intensity` f32 [H, W] in [0, 1], if known. A RangeImage keeps points on its sensor's table of
+    angles only; this keeps the measured points, since a recorded sensor differs from its table.
     """
 
     points: np.ndarray
@@ -34,9 +34,9 @@ class Sweep:
 
     @classmethod
     def by_azimuth(cls, image: RangeImage) -> Sweep:
-        """The sweep of an image with each laser's firings in the columns that they look to, as `from_points` has them.
+        """The sweep of an image with each laser's firings in the columns of their azimuths, as in `from_points`.
 
-        By firing, what lies in one column would not be neighbours. The sweep of a sector is wider than its image
+        By firing, returns in one column would not be neighbours. The sweep of a sector is wider than its image
         (`Sensor.azimuth_grid`).
         """
         sweep = cls.from_image(image)
@@ -63,11 +63,11 @@ class Sweep:
         label: np.ndarray | None = None,
         intensity: np.ndarray | None = None,
     ) -> Sweep:
-        """Points [N, 3] and the `rows` [N] of their lasers, one firing a column: that next to the column's azimuth.
+        """Points [N, 3] and the `rows` [N] of their lasers, one firing a column: the nearest to the column's azimuth.
 
-        Each laser's firings are counted by the steps between its returns, so that a missing one is known even where
-        the head turns unevenly. Of a sensor with more firings than `columns` the others are left out: an image made
-        of the nearest of several firings would hide what was dropped. Raises `LidarDraftError` for a row out of range.
+        Each laser's firings are counted by the steps between its returns, so that missing ones are known even if the
+        head turns unevenly. If a sensor has more firings than `columns`, the others are left out: an image of the
+        nearest of several firings would hide dropped ones. Raises `LidarDraftError` for a row out of range.
         """
         if len(rows) and (rows.min() < 0 or rows.max() >= height):
             raise LidarDraftError(f"rows are {rows.min()} to {rows.max()}; they must be 0 to {height - 1}")
@@ -95,14 +95,14 @@ class Sweep:
 
     @cached_property
     def depth(self) -> np.ndarray:
-        """Distance f32 [H, W]; 0 where there is no return."""
+        """Distance f32 [H, W]; 0 without a return."""
         x, y, z = np.moveaxis(self.points, 2, 0)
         depth: np.ndarray = np.sqrt(x * x + y * y + z * z)  # a tenth of the time of `np.linalg.norm`
         return depth
 
     @property
     def valid(self) -> np.ndarray:
-        """bool [H, W]: where there is a return."""
+        """The mask of returns, bool [H, W]."""
         return self.depth > 0
 
     def part(self, start: int, stop: int) -> Sweep:
@@ -112,7 +112,7 @@ class Sweep:
 
 
 def firing_step(turned: np.ndarray, rows: np.ndarray) -> float:
-    """The angle [rad] between two firings of a laser: the mean step between returns of one row, gaps left out."""
+    """The angle [rad] between two firings of a laser: the mean step between returns of one row, without gaps."""
     order = np.lexsort((turned, rows))
     steps = np.diff(turned[order])[np.diff(rows[order]) == 0]
     steps = steps[steps > 1e-4]
@@ -122,7 +122,7 @@ def firing_step(turned: np.ndarray, rows: np.ndarray) -> float:
 
 
 def _nearest_firings(turned: np.ndarray, index: np.ndarray, step: float, columns: int) -> np.ndarray:
-    """For each column the `index` of the firing next to its middle, -1 where that did not return."""
+    """For each column the `index` of the firing next to its middle, -1 if that did not return."""
     firing = np.concatenate([[0], np.cumsum(np.maximum(1, np.rint(np.diff(turned) / step)))])
     around = 2 * math.pi + turned[0] - turned[-1]
     seam = max(1.0, float(np.rint(around / step)))

@@ -1,12 +1,11 @@
-"""Can a small classifier tell made scans from recorded ones? A two-sample test on crops, by family of features.
+"""A two-sample test of made and recorded scans: a small classifier on crops, by family of features.
 
-Gradient boosting learns to tell crops of made scans from crops of recorded ones (classifier two-sample tests, Lopez-Paz
-and Oquab, ICLR 2017), and is asked about crops of a drive that it has not seen. The figure is the area under its ROC
-curve: 0.5 where it guesses, 1 where it is never wrong.
-
-The protocol and the features are our own: simple statistics of range images, as other properties of this package
-compare them one by one, of a crop: its returns by range and height (content), which firings return (drop), how ranges
-scatter about smooth surfaces (noise), how far they step and bend (shape), and what they read (intensity).
+Gradient boosting learns to distinguish crops of made scans from recorded ones (classifier two-sample tests,
+Lopez-Paz and Oquab, ICLR 2017). It is tested on crops of an unseen drive. The figure is the area under its ROC curve:
+0.5 for guesses, 1 without an error.
+The protocol and the features are our own: simple statistics of crops of range images, as in other properties of this
+package. They are its returns by range and height (content), firings that return (drop), the scatter of ranges about
+smooth surfaces (noise), their steps and bends (shape), and their readings (intensity).
 """
 
 from __future__ import annotations
@@ -25,8 +24,8 @@ from lidardraft.metrics.sweep import Sweep
 FAMILIES = ("content", "drop", "noise", "shape", "intensity")
 CROP_COLUMNS = 128
 FARTHEST = 79.0  # m: KITTI's files end at 80
-# KITTI's files have millimetres and hundredths. Finer values are rounded to these: the format of a file is not what is
-# asked about.
+# KITTI's files have millimetres and hundredths. Finer values are rounded to these: the test is not about formats of
+# files.
 _MILLIMETRES = 3  # decimals
 _LEVELS = 100  # of intensity
 _RANGES = (0.0, 5.0, 8.0, 12.0, 18.0, 26.0, 38.0, 55.0, 80.0)  # m
@@ -37,18 +36,18 @@ _NEAR, _FAR = 12.0, 25.0  # m
 _SMOOTH = 0.1  # m off the middle of the neighbours
 _STEP, _CLEAR = 1.0, 0.3  # m between near and far at an edge, and from both
 _GROUND = 0.3  # m over the road
-_FEWEST = 30  # returns that a quantile is taken of
+_FEWEST = 30  # returns for a quantile
 _BRIGHT = 0.9
 
 Features = dict[str, float]
 ALL = "all"  # families together
-_FEWEST_CROPS = 20  # crops that have a feature
+_FEWEST_CROPS = 20  # crops with a feature
 
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """Lasers of a crop: depth and height over the road [m], intensity if known, and whether each firing is open to
-    the world; depth is 0 where nothing returned or the vehicle is in the way."""
+    """Lasers of a crop: depth and height over the road [m], intensity if known, and the mask of firings that the
+    vehicle leaves open. Depth is 0 without a return or behind the vehicle."""
 
     depth: np.ndarray
     height: np.ndarray
@@ -64,13 +63,13 @@ class _Part:
         return _Part(self.depth[rows, columns], self.height[rows, columns], self.shown[rows, columns], read)
 
     def rows(self, start: float, stop: float) -> _Part:
-        """The lasers between two shares of all, from the top."""
+        """The lasers between two shares, from the top."""
         count = len(self.depth)
         return self.cut(slice(round(start * count), round(stop * count)), slice(None))
 
 
 def crop_features(sweep: Sweep, shown: np.ndarray | None = None) -> list[Features]:
-    """The features, "family.name" and value, of each crop of all lasers by 128 columns; NaN where there is too little.
+    """The features, "family.name" and value, of each crop of all lasers by 128 columns; NaN with too few returns.
 
     `shown` [H, W] are the pixels that the vehicle leaves open, by default all. Raises `LidarDraftError` for a sweep
     that is narrower than a crop or has no road.
@@ -194,8 +193,8 @@ def _correlation(first: np.ndarray, second: np.ndarray) -> float:
 
 @dataclass(frozen=True, slots=True)
 class FeatureGap:
-    """What one feature tells alone: the share of pairs of a made and a recorded crop in which the made one has more,
-    and the medians of both."""
+    """One feature alone: the share of pairs of a made and a recorded crop in which the made one has more, and the
+    medians of both."""
 
     made_is_more: float
     recorded: float
@@ -204,7 +203,7 @@ class FeatureGap:
 
 @dataclass(frozen=True, slots=True)
 class TwoSample:
-    """`auc` by family, "all" first: the mean over the drives that were left out. `features` tells most first."""
+    """`auc` by family, "all" first: the mean over the drives left out. The most telling of `features` are first."""
 
     auc: dict[str, float]
     features: dict[str, FeatureGap]
@@ -213,12 +212,12 @@ class TwoSample:
 def two_sample(
     recorded: Mapping[str, Sequence[Sweep]], made: Sequence[Sweep], shown: np.ndarray | None = None
 ) -> TwoSample:
-    """Recorded sweeps by drive against made ones; each drive is left out once, with as large a share of the made ones.
+    """The test of recorded sweeps by drive against made ones; each drive is left out once, with its share of these.
 
-    Of D drives the k-th is left out with the made sweeps k, k + D, ...; those that are alike belong D apart. `shown`
-    [H, W] are the pixels that the recording vehicle leaves open (`shown_pixels`). Intensity counts where all sweeps
-    have it. Range images become sweeps by `Sweep.from_image`. Raises `LidarDraftError` for less than two drives, or
-    less made sweeps than drives.
+    Of D drives the k-th is left out with the made sweeps k, k + D, ...; similar ones belong D apart. `shown` [H, W] is
+    the mask of pixels that the recording vehicle leaves open (`shown_pixels`). Intensity counts if all sweeps have it.
+    Range images become sweeps by `Sweep.from_image`. Raises `LidarDraftError` for less than two drives, or less made
+    sweeps than drives.
     """
     if len(recorded) < 2 or len(made) < len(recorded):
         raise LidarDraftError(
@@ -243,10 +242,10 @@ def two_sample(
 
 
 def shown_pixels(sweeps: Sequence[Sweep]) -> np.ndarray:
-    """Pixels [H, W] that a vehicle leaves open, as recorded `sweeps` tell.
+    """The mask [H, W] of pixels that a vehicle leaves open, from recorded `sweeps`.
 
-    Hidden is a firing that looks down and returns in less than a tenth of them; of the lower three eighths of the
-    lasers, which meet the ground near by whatever stands there, also one that returns in less than nine tenths: the
+    A firing that looks down is hidden if it returns in less than a tenth of them. The lower three eighths of the lasers
+    meet the near ground in any scene: their firings are hidden if they return in less than nine tenths, as at the
     fringe of the vehicle.
     """
     rate = np.mean([sweep.valid for sweep in sweeps], axis=0)
@@ -264,7 +263,7 @@ def _mean_auc(recorded: Sequence[np.ndarray], made: Sequence[np.ndarray]) -> flo
 
 
 def _auc_without(number: int, recorded: Sequence[np.ndarray], made: Sequence[np.ndarray]) -> float:
-    """The AUC on drive `number` and its share of the made crops, of a classifier that has learned from the others."""
+    """The AUC on drive `number` and its share of the made crops, of a classifier trained on the others."""
     from sklearn.ensemble import HistGradientBoostingClassifier
     from sklearn.metrics import roc_auc_score
 
@@ -288,7 +287,7 @@ def _auc_without(number: int, recorded: Sequence[np.ndarray], made: Sequence[np.
 
 
 def _varied(table: np.ndarray) -> np.ndarray:
-    """Features that have two values or more; scikit-learn asks for that."""
+    """The mask of features with two values or more, as scikit-learn requires."""
     known = np.isfinite(table)
     least, most = np.where(known, table, np.inf).min(axis=0), np.where(known, table, -np.inf).max(axis=0)
     varied: np.ndarray = least < most

@@ -1,7 +1,7 @@
-"""What a sensor reports of a cast that another renderer made: drop, noise and intensity, with its labels as they are.
+"""A sensor's scan of a cast by another renderer: drop, noise and intensity are added, labels stay as they are.
 
-A cast is one ray a beam, so no return here lies between two surfaces (docs/how-to/other-renderers.md). If it comes
-without incidence, that is the angle between each ray and the surface that its neighbours lie on.
+A cast has one ray a beam, so no return here lies between two surfaces (docs/how-to/other-renderers.md). Without given
+incidence, it is the angle between each ray and the surface through its neighbours.
 """
 
 from __future__ import annotations
@@ -42,17 +42,16 @@ def observe_cast(
     model: SensorModel | None = None,
     weather: Weather | None = None,
 ) -> RangeImage:
-    """What `sensor` reports of a cast of its rays, with intensity and incidence.
+    """The scan that `sensor` reports of a cast of its rays, with intensity and incidence.
 
-    `depth` [H, W] is along the ray [m], 0 where nothing was hit; `label` [H, W] holds ids of `CLASSES`, `instance`
-    [H, W] numbers of objects. `incidence` [H, W] is the cosine between ray and surface normal, by default that of the
-    depth image's own normals. `materials` are those of each class, except for the classes that are named here
-    (`{"car": "dark-paint"}`), or indices of `MATERIALS` [H, W], -1 for that of the class. Leaves face every way, so
-    that foliage has incidence 1. `seed`, `model` and `weather` are those of `observe`; rain, snow and fog have label 0.
+    `depth` [H, W] is along the ray [m], 0 without a hit; `label` [H, W] holds ids of `CLASSES`, `instance` [H, W]
+    numbers of objects. `incidence` [H, W] is the cosine between ray and surface normal, by default from the depth
+    image's own normals. `materials` are names by class (`{"car": "dark-paint"}`), the default for the rest; or
+    indices of `MATERIALS` [H, W], -1 for the default of the class. Leaves face every way: foliage has incidence 1.
+    `seed`, `model` and `weather` are those of `observe`; rain, snow and fog have label 0.
 
-    Every return keeps its label and instance. What is out of the sensor's range or hidden by its vehicle is dropped.
-    Raises `SensorError` naming the first value that cannot be and where it is, `LayoutError` on a material or a class
-    that is unknown.
+    Every return keeps its label and instance. Hits out of the sensor's range or hidden by its vehicle are dropped.
+    Raises `SensorError` naming the first invalid value and its pixel, `LayoutError` on an unknown material or class.
     """
     shape, weather = sensor.shape, weather or Weather()
     depth = _numbers("depth", depth, shape, "it must be 0 or more, and 0 where there is no return")
@@ -70,7 +69,7 @@ def observe_cast(
         incidence = _numbers("incidence", incidence, shape, "a cosine is -1 to 1", -1.0 - _ROUNDING, 1.0 + _ROUNDING)
     incidence = np.where(material == _FOLIAGE, 1.0, np.minimum(np.abs(incidence), 1.0))
 
-    # a surface of its own for each object and material
+    # a separate surface for each object and material
     key = instance.astype(np.uint64) << 16 | label.astype(np.uint64) << 8 | material.astype(np.uint64)
     keys, first, primitive = np.unique(key[seen], return_index=True, return_inverse=True)
     is_object = keys >> 16 > 0
@@ -101,10 +100,10 @@ def observe_points(
     model: SensorModel | None = None,
     weather: Weather | None = None,
 ) -> RangeImage:
-    """As `observe_cast`, of points [N, 3] in the sensor frame [m], with one value a point [N] for each image.
+    """As `observe_cast`, for points [N, 3] in the sensor frame [m], with one value a point [N] for each image.
 
-    Each point goes to the pixel that it lies in, of several the nearest. Many points without a pixel of their own are a
-    `UserWarning`: then the points are those of another sensor. Raises `LayoutError` on points that cannot be too.
+    Each point goes to the pixel that it lies in; of several, the nearest counts. Many points without a pixel of their
+    own mean that they are those of another sensor: a `UserWarning`. Raises `LayoutError` on invalid points too.
     """
     points = np.asarray(points)
     count = len(points) if points.ndim else 0
@@ -190,12 +189,12 @@ def _check_all(name: str, image: np.ndarray, fits: np.ndarray, rule: str) -> Non
 
 
 def incidence_from_depth(depth: np.ndarray, label: np.ndarray, instance: np.ndarray, sensor: Sensor) -> np.ndarray:
-    """The cosine of incidence of each return of a clean cast, f32 [H, W]; 0 where there is none.
+    """The cosine of incidence of each return of a clean cast, f32 [H, W]; 0 without a return.
 
-    `depth` f32 [H, W] is along the ray [m], `label` u8 and `instance` u32 [H, W] tell surfaces apart. A pixel's normal
-    is that of the plane through it and a neighbour in its row and one in its column: on the same surface, and of two
-    the one that continues more smoothly, so that edges are not mistaken for slanted surfaces. What is one pixel wide
-    faces the sensor as much as it can, but for ground, which is level.
+    `depth` f32 [H, W] is along the ray [m]; `label` u8 and `instance` u32 [H, W] separate surfaces. A pixel's normal
+    is that of the plane through it, one neighbour in its row and one in its column. Both are on the same surface; of
+    two, the one that continues more smoothly counts, so that edges do not look like slanted surfaces. Surfaces one
+    pixel wide face the sensor as much as they can, except ground, which is level.
     """
     surface = label.astype(np.int64) << 32 | instance
     rows, columns, inside = sensor.azimuth_grid()
@@ -223,16 +222,16 @@ def incidence_from_depth(depth: np.ndarray, label: np.ndarray, instance: np.ndar
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Grid:
-    """Points f64 [H, W, 3], inverse depths [H, W] and surfaces [H, W], -1 where there is no return."""
+    """Points f64 [H, W, 3], inverse depths [H, W] and surfaces [H, W], -1 without a return."""
 
     points: np.ndarray
     inverse: np.ndarray
     surface: np.ndarray
 
     def tangent(self, *, axis: int, places: np.ndarray, wraps: bool) -> np.ndarray:
-        """From each pixel to the better of its two neighbours along an axis, f64 [H, W, 3]; 0 where there is none.
+        """From each pixel to the better of its two neighbours along an axis, f64 [H, W, 3]; 0 without one.
 
-        On a plane the inverse depth is nearly linear in the angle, of which `places` has one for each pixel.
+        On a plane the inverse depth is nearly linear in the angle; `places` has the angle of each pixel.
         """
         least = np.full(self.inverse.shape, np.inf)
         tangent = np.zeros(self.points.shape)
@@ -253,7 +252,7 @@ class _Grid:
         return tangent
 
     def _same(self, by: int, axis: int, wraps: bool) -> np.ndarray:
-        """Whether the neighbour `by` pixels on is of the same surface, bool [H, W]; beyond an edge there is none."""
+        """Whether the neighbour `by` pixels on is of the same surface, bool [H, W]; False beyond an edge."""
         same: np.ndarray = (self.surface == _shifted(self.surface, by, axis)) & (self.surface >= 0)
         if not wraps:
             edge = [slice(None), slice(None)]

@@ -1,4 +1,4 @@
-"""A layout that lies level, on its relief: **the** place where the ground rises and falls under what stands on it."""
+"""A level layout on its relief: **the** place where the ground rises and falls under the objects on it."""
 
 from __future__ import annotations
 
@@ -18,28 +18,28 @@ from lidardraft.simulation.detail.fitting import changed
 from lidardraft.simulation.motion.motions import Ground
 
 _FEET = 0.01  # m over the bottom of an object: parts that low stand on the ground
-_BARRIERS, _PIECE = ("wall", "fence", "vegetation"), 4.0  # classes whose long boxes follow the ground in pieces, and m
+_BARRIERS, _PIECE = ("wall", "fence", "vegetation"), 4.0  # classes whose long boxes follow the ground in pieces, m
 
 
 def on_relief(layout: Layout) -> Layout:
-    """The layout on the relief of its roads: its ground rises and falls, and what stands on it keeps its height over
-    it and its place in plan. One without a relief, or that is on it already, stays as it is.
+    """The layout on the relief of its roads: the ground rises and falls, and objects keep their height over it and
+    their place in plan. A layout without a relief, or already on it, stays as it is.
 
-    Long walls, fences and hedges that were asked for follow the ground in pieces. The roads know the ground. `simulate`
-    is given the level layout: of one that is on its relief already it does not know where lines and kerbs are.
+    Long walls, fences and hedges that were asked for follow the ground in pieces. The roads get the heights of the
+    ground. Give `simulate` the level layout: on its relief, the places of lines and kerbs are unknown.
     """
     return both_on_relief(layout, lambda level: level)[0]
 
 
 def without_relief(layout: Layout) -> Layout:
-    """The layout, whose ground stays level."""
+    """The layout without its relief: its ground stays level."""
     if layout.roads is None or layout.roads.relief is None:
         return layout
     return dataclasses.replace(layout, roads=layout.roads.but(relief=None))
 
 
 def both_on_relief(layout: Layout, detailed: Callable[[Layout], Layout]) -> tuple[Layout, Layout]:
-    """`on_relief` of a layout, with the lines and kerbs that its details have, and of these details."""
+    """`on_relief` of a layout and of its details; the layout gets the lines and kerbs of these."""
     relief = None if layout.roads is None else layout.roads.relief
     if layout.roads is None or relief is None:
         return layout, detailed(layout)
@@ -60,9 +60,9 @@ def both_on_relief(layout: Layout, detailed: Callable[[Layout], Layout]) -> tupl
 
 
 def _raised(layout: Layout, relief: Relief) -> Iterator[Primitive]:
-    """What stands on the ground, each object raised as a whole as the ground under its feet is, and the level ground.
+    """The objects, each raised as a whole by the ground under its feet, and the level ground.
 
-    Buildings stand as low as the lowest ground under their corners, but for their plinths.
+    Buildings stand at most a plinth above the lowest ground under their corners.
     """
     parts = list(_pieces(layout))
     names: dict[str, int] = {}
@@ -87,7 +87,7 @@ def _raised(layout: Layout, relief: Relief) -> Iterator[Primitive]:
 
 
 def _pieces(layout: Layout) -> Iterator[tuple[Primitive, bool]]:
-    """The parts of a layout, long barriers in pieces, and whether a part stands on the ground by itself."""
+    """The parts of a layout, with long barriers in pieces, and whether each part follows the ground by itself."""
     for part in layout:
         follows = part.label in _BARRIERS and part.shape == "box" and part.extinction is None
         if not follows or part.id.startswith(AROUND) or max(part.size[:2]) <= _PIECE:
@@ -105,7 +105,7 @@ def _pieces(layout: Layout) -> Iterator[tuple[Primitive, bool]]:
 
 
 def _laid(part: Primitive, relief: Relief) -> Primitive:
-    """A surface of level ground as it rises and falls."""
+    """A surface of level ground, laid on the relief."""
     mesh = relief.laid(primitive_mesh(part))
     fields = {"label": part.label, "id": part.id, "instance": part.instance, **part.more()}
     return Primitive.from_mesh(mesh.vertices, mesh.faces, **fields)

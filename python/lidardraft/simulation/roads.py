@@ -1,4 +1,4 @@
-"""The roads of a layout: as it has them, or as its boxes, its shapes or its picture tell. **The** guesses of roads."""
+"""The roads of a layout: its own, or guesses from its boxes, shapes or picture. **The** guesses of roads."""
 
 from __future__ import annotations
 
@@ -24,37 +24,37 @@ from lidardraft.scene.road_surfaces import drawn, road_surfaces
 from lidardraft.scene.street import StreetFrame
 
 _LANE = 3.5  # m, usual
-_LANE_WIDTHS = (2.5, 6.0)  # m, of one that a drawn road can have
-_SIDEWALK = 2.5  # m, of roads of which nobody says that they have none
-_BEYOND_BOXES = 0.05  # m over the plane of boxes, of the land beside their road
+_LANE_WIDTHS = (2.5, 6.0)  # m, of a lane of a drawn road
+_SIDEWALK = 2.5  # m, of roads not said to have none
+_BEYOND_BOXES = 0.05  # m of the land beside their road over the plane of boxes
 _HALF_LENGTHS = (40.0, 110.0)  # m
 _MOST_OFF = 0.75  # m that a drawn road may leave the arc that is taken for it, as far as `_CHECKED` [m] from the ego
 _CHECKED = 60.0
-_SLOW_TURN = 0.35  # rad against the ego vehicle; what is turned by more does not drive along its road
+_SLOW_TURN = 0.35  # rad against the ego vehicle; vehicles turned by more do not drive along its road
 _VEHICLE_HALF = 1.0  # m
 _WIDEST_PICTURE = math.radians(170.0)
-_SHORTEST, _LONGEST, _NARROWEST, _WIDEST = 10.0, 2e4, 2.5, 45.0  # m of what is taken for a road
+_SHORTEST, _LONGEST, _NARROWEST, _WIDEST = 10.0, 2e4, 2.5, 45.0  # m of shapes that count as roads
 _SLENDER = 1.5  # times as long as wide, at least
 _ADJOINING = 0.5  # m between roads that are one surface
 _FLAT, _EVEN = 1e-3, 0.02  # m that the surface may rise; m that a strip's width may change
-_LINED = (2.9, 4.0)  # m, widths of lanes that are looked for
+_LINED = (2.9, 4.0)  # m, widths of lanes to look for
 _PARKING = (1.7, 3.5)  # m, widths of strips for parked cars, or hard shoulders
-_AMID = 0.2  # m from the middle of a one-way road that the ego vehicle is at most
+_AMID = 0.2  # m from the middle of a one-way road of the ego vehicle, at most
 _CARS = 2.2  # m, the strip of parked cars on a one-way road
-_EXACT = 0.05  # m that lanes may leave of the width of a road, or exceed it by
-_WIDEST_LANE = 3.6  # m: width of the lanes of a road that nothing tells the lanes of, at most
-_SAME = 0.01  # m that what shows a road may be off its place
+_EXACT = 0.05  # m by which lanes may differ from the width of a road
+_WIDEST_LANE = 3.6  # m: greatest lane width of a road with unknown lanes
+_SAME = 0.01  # m that a primitive of a road may be off its place
 
 
 class NoStreetError(LayoutError):
-    """Why a layout gets no street."""
+    """The reason why a layout gets no street."""
 
 
 def with_roads(layout: Layout) -> Layout:
-    """The layout with its roads: those that it has, or else, with a note, what its shapes tell of them.
+    """The layout with its roads: its own or else, with a note, guesses from its shapes.
 
-    Where roads that it has disagree with the primitives that show them, the primitives count, and a note says so.
-    Raises `NoStreetError` where there is no road under the ego vehicle.
+    If its own roads disagree with the primitives that show them, the primitives count, and a note says so. Raises
+    `NoStreetError` without a road under the ego vehicle.
     """
     roads, changed = layout.roads, ""
     if roads is not None:
@@ -75,8 +75,8 @@ def with_roads(layout: Layout) -> Layout:
 
 
 def with_known_roads(layout: Layout) -> Layout:
-    """As `with_roads`, or the layout without roads where it has none that could be told; a note says what became of
-    those that it had."""
+    """As `with_roads`, or the layout without roads if none can be guessed; a note explains the loss of roads that it
+    had."""
     try:
         return with_roads(layout)
     except NoStreetError as error:
@@ -85,7 +85,7 @@ def with_known_roads(layout: Layout) -> Layout:
 
 
 def _changed(layout: Layout, roads: RoadNetwork) -> str:
-    """The id of a primitive that showed a road and is not there any more; none where all are."""
+    """The id of a primitive of a road that is gone or changed; "" if there is none."""
     shown, street = roads.drawn, roads.street
     if shown is None and street is not None:
         shown = drawn(placed(road_surfaces(street.road), street.place))
@@ -98,8 +98,8 @@ def _changed(layout: Layout, roads: RoadNetwork) -> str:
 
 
 def _guess(layout: Layout) -> tuple[StreetFrame, str, str]:
-    """What the shapes of a layout tell of the road under the ego vehicle, the id of what shows it, if anything does,
-    and what told it."""
+    """The guess of the road under the ego vehicle, the id of the primitive that shows it, if any, and the source of
+    the guess."""
     layout = dataclasses.replace(layout, primitives=tuple(p for p in layout if not p.id.startswith(AROUND)))
     if layout.coverage is not None:
         if layout.coverage[1] - layout.coverage[0] > _WIDEST_PICTURE:
@@ -118,7 +118,7 @@ def _guess(layout: Layout) -> tuple[StreetFrame, str, str]:
 
 
 def district_of(layout: Layout, road: Road) -> District:
-    """Where a road of a layout leads: as its surroundings or its sentence say, or as it looks."""
+    """The district of a road: that of the layout's surroundings or sentence, or a guess from the road."""
     intent = layout.intent
     return setting(intent.around or intent.district or only_district(road, intent.road) or "urban")
 
@@ -168,7 +168,7 @@ def _drawn(strip: RoadStrip, layout: Layout) -> StreetFrame:
 
 
 def _other_pavement(layout: Layout, own: RoadStrip) -> Iterator[Pavement]:
-    """What is paved beside the own road, in pieces that follow bends."""
+    """The pavement beside the own road, in pieces that follow bends."""
     strips = {strip.id: strip for strip in road_strips(layout) if strip.id != own.id}
     for primitive in layout:
         if primitive.label not in ("road", "sidewalk") or primitive.id == own.id:
@@ -183,7 +183,7 @@ def _other_pavement(layout: Layout, own: RoadStrip) -> Iterator[Pavement]:
 
 
 def _arc(strip: RoadStrip, along: float) -> tuple[Place, float]:
-    """The place and the curvature of a strip's middle line there."""
+    """The place of a strip's middle line at `along` [m], and its curvature [1/m]."""
     span = min(_CHECKED / 2, strip.line.length / 4)
     middle = min(max(along, 2 * span), strip.line.length - 2 * span)
     steps = np.clip(middle + np.array([-2, -1, 1, 2]) * span, 0.0, strip.line.length)
@@ -206,7 +206,7 @@ def _check_arc(strip: RoadStrip, road: Road, place: Place, along: float) -> None
 
 
 def _sidewalk(strip: RoadStrip, layout: Layout, along: float) -> float:
-    """The width of the sidewalks beside a strip near the ego vehicle [m], 0 where there are none."""
+    """The width of the sidewalks beside a strip near the ego vehicle [m], 0 without any."""
     ground = LayoutGround(layout)
     for off in (3.0, 2.0, 1.2):
         for side in (-1, 1):
@@ -217,8 +217,8 @@ def _sidewalk(strip: RoadStrip, layout: Layout, along: float) -> float:
 
 
 class RoadStrip(NamedTuple):
-    """A road that is drawn: the `id` of its primitive, its height `top` and `half` its width [m], and its middle line,
-    which runs in the ego's direction, if it does so at all."""
+    """A drawn road: the `id` of its primitive, its height `top` and `half` its width [m], and its middle line, which
+    runs in the ego's direction, if it does so at all."""
 
     id: str
     top: float
@@ -227,7 +227,7 @@ class RoadStrip(NamedTuple):
 
 
 def road_strips(layout: Layout) -> Iterator[RoadStrip]:
-    """The roads of a layout whose frame can be told; what lies along a longer road, as a car park does, is none."""
+    """The roads of a layout with a known frame, without those along a longer road, such as car parks."""
     found = []
     for primitive in layout:
         if primitive.label == "road" and primitive.material is None:
@@ -249,7 +249,7 @@ def _lies_along(strip: RoadStrip, road: RoadStrip) -> bool:
 
 
 def strip_rows(primitive: Primitive, width: int) -> np.ndarray | None:
-    """The vertices [S, width, 3] of a mesh that is a strip of `width` points at each of its stations, else None."""
+    """The vertices [S, width, 3] of a mesh that is a strip with `width` points at each station, else None."""
     assert primitive.mesh is not None
     vertices, faces = primitive.mesh.vertices, primitive.mesh.faces
     rows = len(vertices) // width
@@ -306,8 +306,8 @@ def _mesh_edges(primitive: Primitive) -> tuple[np.ndarray, np.ndarray] | None:
 
 
 class StripLanes(NamedTuple):
-    """What the place of the ego vehicle tells of the lanes of a drawn road: how many of one direction, their width, and
-    that of the strips of parked cars beside them [m]."""
+    """The lanes of a drawn road, guessed from the place of the ego vehicle: their number in one direction, their
+    width, and that of the parking strips beside them [m]."""
 
     number: int
     width: float
@@ -316,13 +316,13 @@ class StripLanes(NamedTuple):
 
 
 def lanes_of(strip: RoadStrip) -> StripLanes:
-    """What the place of the ego vehicle, amid a lane, tells of the lanes of its road."""
+    """The lanes of a road, guessed from the place of the ego vehicle in the middle of its lane."""
     along, across = strip.line.along_across(np.zeros((1, 2)))
     off = -float(across[0])
     if 0.0 < float(along[0]) < strip.line.length and abs(off) < strip.half:
         if abs(off) < _AMID:
             return _one_way(strip.half)
-        # lanes and how many widths of them the ego is off the middle: on the right, or anywhere on a one-way road
+        # lanes, and the ego's distance from the middle in lane widths: on the right, or anywhere on a one-way road
         two_way = [(n, n - k - 0.5) for n in range(1, 7) for k in range(n)] if off > 0.0 else []
         one_way = [(n, (n - 1) / 2 - k) for n in range(2, 5) for k in range(n) if n - 1 != 2 * k]
         for ways, both in ((two_way, True), (one_way, False)):
@@ -336,7 +336,7 @@ def lanes_of(strip: RoadStrip) -> StripLanes:
 
 
 def _one_way(half: float) -> StripLanes:
-    """The lanes of a road whose middle the ego vehicle drives along: one, or three."""
+    """The lanes of a road with the ego vehicle in its middle: one, or three."""
     for count in (1, 3):
         for parking in (0.0, _CARS):
             width = 2 * (half - parking) / count

@@ -1,4 +1,4 @@
-"""Layouts become lifelike scans by physics alone: no weights, and labels that are exact."""
+"""Lifelike scans of layouts by physics alone: no weights, and exact labels."""
 
 from __future__ import annotations
 
@@ -25,17 +25,16 @@ _NO_GROUND = "the layout has no ground (road, sidewalk or terrain): nothing retu
 
 
 class Simulator:
-    """A layout, or that of a sentence with the street around it (`surround`), made ready to be scanned by one sensor
-    from many poses.
+    """A layout, or that of a sentence with the street around it (`surround`), ready to be scanned by one sensor from
+    many poses.
 
-    What is scanned is `scene`: `layout` in detail; or `layout` itself without `detail`. `model` is by default that of
-    the sensor: its preset, or typical values (`Sensor.assumed_model`). `weather` is by default what the sentence says,
-    or clear and dry. `seed` decides the layout of a sentence and the details. `relief` is whether the ground rises and
-    falls as that of surroundings is to (`on_relief`), or lies level. `threads` is how many threads a scan may use, by
-    default as many as there are cores; scans are the same for any number, and several Python threads may scan at once.
-
-    Raises `SensorError` where the beams of the sensor are too close for the model, `LayoutError` on an invalid seed; a
-    layout without ground is a `UserWarning`, and one of the `notes` of its scans.
+    The scanned `scene` is `layout` in detail, or `layout` itself without `detail`. `model` is by default that of the
+    sensor: its preset, or typical values (`Sensor.assumed_model`). `weather` is by default that of the sentence, or
+    clear and dry. `seed` decides the layout of a sentence and the details. With `relief`, the ground rises and falls as
+    the roads say (`on_relief`); without, it is level. `threads` is the most threads of a scan, by default one a core.
+    Scans are the same for any number, and several Python threads may scan at once. Raises `SensorError` if the beams of
+    the sensor are too close for the model, `LayoutError` if the seed is invalid. A layout without ground is a
+    `UserWarning`, and one of the `notes` of its scans.
     """
 
     def __init__(
@@ -56,11 +55,11 @@ class Simulator:
         self._bodies = Bodies.of(self.scene, self._sweeper.weather.wetness)
 
     def scan(self, pose: np.ndarray | None = None, *, speed: float = 0.0, seed: int = 0) -> Scan:
-        """What the sensor reports from world_from_sensor `pose` [4, 4], by default on its mount over the origin.
+        """The scan from world_from_sensor `pose` [4, 4], by default on the sensor's mount over the origin.
 
-        It moves along its x axis with `speed` [m/s] while it sweeps, and stands at `pose` in the middle of the sweep.
+        The sensor moves along its x axis with `speed` [m/s] while it sweeps; `pose` is that in the middle of the sweep.
         `seed` decides noise, ray drop and how far rays get into foliage. Labels and instances are those of the surface
-        that each return came from; 0 is that of rain, snow and fog.
+        of each return; 0 is that of rain, snow and fog.
 
         Raises `LayoutError` on a pose that is not rigid, `SensorError` on a speed that is not finite.
         """
@@ -89,9 +88,9 @@ def simulate(
 ) -> Scan:
     """The scan of a layout as it is, or of a sentence with a street around it.
 
-    So `simulate("a car", sensor)` is `simulate(surround(layout_from_text("a car")), sensor)`; without `surround` the
-    road is bare. It is `Simulator(layout, sensor, ...).scan(pose, ...)`.
-    Same arguments, same scan, for any number of threads; another seed gives another one.
+    `simulate("a car", sensor)` is `simulate(surround(layout_from_text("a car")), sensor)`; without `surround` the road
+    is bare. It is `Simulator(layout, sensor, ...).scan(pose, ...)`.
+    The same arguments give the same scan, for any number of threads; another seed gives another one.
     """
     simulator = Simulator(
         layout, sensor, seed=seed, model=model, weather=weather, detail=detail, relief=relief, threads=threads
@@ -100,15 +99,15 @@ def simulate(
 
 
 def prepared(layout: Layout | str, seed: int, detail: bool, relief: bool) -> tuple[Layout, Layout, tuple[str, ...]]:
-    """The layout, or that of a sentence in its street, on its relief, what is scanned of it, and what of its scans is
-    assumed."""
+    """The layout, or that of a sentence in its street, on its relief; its scene to scan; and the notes on assumptions
+    of its scans."""
     layout, assumed = level_layout(layout, seed, relief)
     return *both_on_relief(layout, partial(detailed, seed=seed) if detail else Layout.noted), assumed
 
 
 def level_layout(layout: Layout | str, seed: int, relief: bool) -> tuple[Layout, tuple[str, ...]]:
-    """The layout, or that of a sentence in its street, as it lies level, with its `relief` or without, and what of its
-    scans is assumed."""
+    """The layout, or that of a sentence in its street, still level, with its `relief` or without; and the notes on
+    assumptions of its scans."""
     seed = check_seed(seed)
     check_type("layout", layout, Layout, str)
     check_type("relief", relief, bool)
@@ -120,7 +119,7 @@ def level_layout(layout: Layout | str, seed: int, relief: bool) -> tuple[Layout,
 
 
 def _from_text(sentence: str, seed: int) -> Layout:
-    from lidardraft.drafting.text.layout import layout_from_text  # what has a layout need not wait for the grammar
+    from lidardraft.drafting.text.layout import layout_from_text  # given layouts need not wait for the grammar
     from lidardraft.simulation.around.surround import surround
 
     return surround(layout_from_text(sentence, seed=seed), seed=seed)

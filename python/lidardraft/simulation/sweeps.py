@@ -1,7 +1,7 @@
-"""Sweeps of a sensor over what stands and what moves: **the** engine of scans of one moment, of frames and of worlds.
+"""Sweeps of a sensor over standing and moving bodies: **the** engine of single scans, of sequences and of worlds.
 
-A body that moves while it is swept is cast in its own frame, in which it rests and the sensor moves once more: each
-column sees it exactly where it is at that moment. What stands is cast at once, and the nearer return counts.
+A moving body is cast in its own frame, in which it rests and the sensor moves instead: each column sees it exactly in
+its place at that moment. Standing bodies are cast together, and the nearer return counts.
 """
 
 from __future__ import annotations
@@ -25,16 +25,16 @@ from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather
 
-Spot = tuple[float, float, float, float]  # x, y, z [m] and yaw [rad] of what stands upright
-FLASH = 1e-3  # s over which rates are taken where a sweep takes no time
-_SECTORS = 32  # of a sweep, of which a body is cast in those that it may be seen in
+Spot = tuple[float, float, float, float]  # x, y, z [m] and yaw [rad] of an upright body
+FLASH = 1e-3  # s over which rates are taken if a sweep takes no time
+_SECTORS = 32  # of a sweep: a body is cast in those that may see it
 _MARGIN = 0.5  # m around a body: lasers do not start in the middle of the sensor
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Mover:
-    """A body that moves in a sweep: the index of its first primitive in the surfaces, where it stands where it was
-    compiled, the radius of a circle around it [m], and its places in the world, f64 [W, 4], one for each column."""
+    """A body that moves in a sweep: the index of its first primitive in the surfaces, its place when it was compiled,
+    the radius of a circle around it [m], and its places in the world, f64 [W, 4], one for each column."""
 
     bodies: Bodies
     first: int
@@ -45,8 +45,8 @@ class Mover:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Sector:
-    """Some columns of a sweep, from `first` to before `end`, and where they look [rad]: the `middle`, and how far to
-    either side at most."""
+    """Some columns of a sweep, from `first` to before `end`, and their azimuths [rad]: the `middle`, and the largest
+    distance from it, `half`."""
 
     first: int
     end: int
@@ -56,10 +56,10 @@ class _Sector:
 
 @dataclass(frozen=True, eq=False)
 class Sweeper:
-    """A unit of a sensor in a weather. `threads` is how many threads a scan may use; scans are the same for any.
+    """A unit of a sensor in a weather. `threads` is the most threads of a scan; scans are the same for any.
 
-    Sectors in which a body may be seen are cast together, or, as sequences have always had it, `apart`: the last bits
-    of ranges depend on that.
+    Sectors that may see a body are cast together or, as always in sequences, `apart`: the last bits of ranges depend on
+    that.
     """
 
     sensor: Sensor
@@ -102,7 +102,7 @@ class Sweeper:
         return {(0, self.rays.columns): self.rays}
 
     def _between(self, first: int, end: int) -> Sensor:
-        """The sensor of these columns."""
+        """The sensor of the columns from `first` to before `end`."""
         if (first, end) not in self._columns:
             step = self.rays.azimuth_span / self.rays.columns
             start, span = self.rays.azimuth_start - first * step, (end - first) * step
@@ -125,7 +125,7 @@ class Sweeper:
         return clean
 
     def observe(self, clean: RangeImage, surfaces: Surfaces, poses: np.ndarray, seed: int) -> RangeImage:
-        """What the sensor reports of what `cast` returned from these `poses`."""
+        """The image that the sensor reports of a `clean` one that `cast` returned from these `poses`."""
         return observe(
             clean,
             surfaces,
@@ -138,8 +138,8 @@ class Sweeper:
         )
 
     def _seen(self, mover: Mover, pose: np.ndarray, looks: float, turned: float, strayed: float) -> Iterator[slice]:
-        """The columns in which a body may be seen from a sensor that is at `pose` in the middle of the sweep, turns by
-        `turned` [rad] from how it `looks` there, and is up to `strayed` [m] away from there."""
+        """The columns that may see a body. The sensor is at `pose` in the middle of the sweep; it turns by up to
+        `turned` [rad] from its heading `looks` there, and moves up to `strayed` [m] away."""
         place = mover.places[len(mover.places) // 2]
         off = place[:2] - pose[:2, 3]
         reach, distance = mover.radius + strayed + np.hypot(*(mover.places - place)[:, :2].T).max(), math.hypot(*off)
@@ -158,7 +158,7 @@ class Sweeper:
                 yield slice(sectors[0].first, sectors[-1].end)
 
     def _add(self, clean: RangeImage, mover: Mover, poses: np.ndarray, seed: int, columns: slice) -> None:
-        """Add a body to the cast of what stands, where it is nearer."""
+        """Add a body to the cast of the standing bodies in the pixels in which it is nearer."""
         seen = _in_frame(mover.home, mover.places[columns], poses[columns])
         cast = mover.bodies.scan(self._between(columns.start, columns.stop), seen, seed, self.threads)
         assert cast.primitive is not None
@@ -171,12 +171,12 @@ class Sweeper:
 
 
 def radius_of(size: tuple[float, float, float]) -> float:
-    """That of the circle around a body of a length, width and height [m] that a mover needs."""
+    """The radius [m] of the circle that a mover needs around a body of a `size` (length, width, height) [m]."""
     return math.hypot(*size) / 2 + _MARGIN
 
 
 def _in_frame(home: Spot, places: np.ndarray, poses: np.ndarray) -> np.ndarray:
-    """The poses [N, 4, 4] as a body that is at `places` [N, 4] sees them, for whom it is at home."""
+    """The poses [N, 4, 4] in the frame in which a body at `places` [N, 4] is at `home`."""
     cos, sin = np.cos(places[:, 3]), np.sin(places[:, 3])
     back = np.zeros((len(places), 4, 4))
     back[:, 0, 0], back[:, 0, 1], back[:, 1, 0], back[:, 1, 1], back[:, 2, 2], back[:, 3, 3] = cos, sin, -sin, cos, 1, 1

@@ -19,9 +19,9 @@ from lidardraft.streets.street import Street, StreetConfig, make_street
 if TYPE_CHECKING:
     from lidardraft.simulation.motion.sequence import SequenceSimulator
 
-HALF_LENGTH = 200.0  # m, of the streets of drives
-_STREAM = 2  # random numbers of a drive, apart from those that made its street
-_FIRST, _LAST, _STEP = 15.0, 120.0, 2.5  # m from the start of its lane where the ego vehicle may begin, and between
+HALF_LENGTH = 200.0  # m, for streets of drives
+_STREAM = 2  # random numbers of a drive, apart from those of its street
+_FIRST, _LAST, _STEP = 15.0, 120.0, 2.5  # m from the start of its lane to that of the ego vehicle, and between tries
 
 
 def street_drive(
@@ -33,13 +33,13 @@ def street_drive(
     hz: float = 10.0,
     threads: int | None = None,
 ) -> SequenceSimulator:
-    """Drive `number` of a seed: `frames` scans, `hz` a second, of the ego vehicle on its way along a street of its own,
-    among traffic and people.
+    """Drive `number` of a seed: `frames` scans, `hz` a second, of the ego vehicle along its own street, among traffic
+    and people.
 
-    `config` says what streets are made of, by default streets of 400 m; it has no use for `poses_per_street`. The
-    layout of a scan holds simple shapes on the ground as it rises and falls; the detailed street is scanned.
-    Same arguments, same scans. Raises `LayoutError` for a number that is negative or no integer, and if the ego vehicle
-    comes to the end of its street before the last frame.
+    `config` is the composition of streets, by default streets of 400 m; `poses_per_street` has no effect. The layout of
+    a scan holds simple shapes on the ground with its relief; the detailed street is scanned. The same arguments give
+    the same scans. Raises `LayoutError` for a number that is negative or no integer, and if the ego vehicle reaches the
+    end of its street before the last frame.
     """
     from lidardraft.simulation.motion.sequence import SequenceSimulator  # pictures come with it
 
@@ -69,7 +69,7 @@ def street_drive(
 
 
 def _start(street: Street, rng: np.random.Generator) -> tuple[np.ndarray, float]:
-    """Where the ego vehicle begins, street_from_ego [4, 4], and how much of its lane is left [m]."""
+    """The start of the ego vehicle, street_from_ego [4, 4], and the rest of its lane [m]."""
     lanes = [lane for lane in street.lanes if lane.kind == MAIN_ROAD]
     road, ground = street.occupancy.road, street.occupancy.ground
     for number in rng.permutation(len(lanes)).tolist():
@@ -84,7 +84,7 @@ def _start(street: Street, rng: np.random.Generator) -> tuple[np.ndarray, float]
 
 
 def _seen_from(pose: np.ndarray, scene: Layout) -> Layout:
-    """The scene in the frame that stands upright at `pose`."""
+    """The scene in the upright frame at `pose`."""
     x, y, z = pose[:3, 3].tolist()
     there = placed(scene, place_around((x, y, float(np.arctan2(pose[1, 0], pose[0, 0])))))
     lowered = (replace(part, center=(*part.center[:2], part.center[2] - z)) for part in there)

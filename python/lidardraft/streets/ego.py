@@ -1,4 +1,4 @@
-"""Where the ego vehicle is, how fast, and how its sensor stands over the road there."""
+"""The ego vehicle: its place and speed, and the pose of its sensor over the road."""
 
 from __future__ import annotations
 
@@ -14,38 +14,38 @@ from lidardraft.errors import LayoutError
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.street import MAIN_ROAD, Path
 
-EGO_SPACE = (4.5, 2.2, 1.6)  # m that stay free around the ego vehicle
+EGO_SPACE = (4.5, 2.2, 1.6)  # m of free space for the ego vehicle
 _WHEELBASE, _TRACK = 2.7, 1.6  # m, as is usual for cars
 
-# Where it is: estimates.
-_NEAR = 0.45  # of the half length of the street that it is from the middle at most
-_SPREAD, _WIDENED = 14.0, 0.1  # m from the middle (deviation), and what is added when a place is not free
-_ACROSS = 0.6  # how much m across count, against m along
-_ANYWHERE = 0.02  # probability that a place is taken however far it is
+# Its place: estimates.
+_NEAR = 0.45  # of the half length of the street, from the middle at most
+_SPREAD, _WIDENED = 14.0, 0.1  # m from the middle (deviation), and its increase after each try
+_ACROSS = 0.6  # weight of m across, against m along
+_ANYWHERE = 0.02  # probability of a place at any distance
 _OFF_MIDDLE, _MOST_OFF = 0.15, 0.4  # m off the middle of the lane: deviation and limit
 _OFF_LANE = 0.02  # rad against the lane, deviation
 _ATTEMPTS = 1000
 
-# How fast it is, in shares of the limit: estimates.
-_SELDOM = 0.15  # how often it stands or crawls on a fast road, against others: there it does so in a jam only
-_CRAWLS, _CRAWLING = 0.2, (0.1, 0.5)  # how often, and how fast
+# Its speed, in shares of the limit: estimates.
+_SELDOM = 0.15  # frequency of standing or crawling on a fast road (jams only), against others
+_CRAWLS, _CRAWLING = 0.2, (0.1, 0.5)  # probability, and speed
 _FLOWING, _SLOWEST, _FASTEST = (0.9, 0.12), 0.4, 1.1  # mean and deviation, limits
 
-# How a car leans: 3 to 7 degrees of roll per g sideways (Gillespie, Fundamentals of Vehicle Dynamics); 2 degrees of
+# The lean of a car: 3 to 7 degrees of roll per g sideways (Gillespie, Fundamentals of Vehicle Dynamics); 2 degrees of
 # pitch per g of braking is an estimate. Comfortable braking and cornering stay within 0.3 g.
 _ROLL, _PITCH = math.radians(5.0) / 9.81, math.radians(2.0) / 9.81
 _BRAKING, _CORNERING = 1.2, 3.0  # m/s2: deviation and limit
 _ROAD_NOISE = 0.003  # rad, deviation: an estimate
 
-# How its sensor is mounted: a little askew, and loads and tyres change its height. Deviations, estimates.
+# The mount of its sensor: a little askew, at a height that loads and tyres change. Deviations, estimates.
 _MOUNT_ANGLE, _MOUNT_HEIGHT = 0.003, 0.03  # rad, m
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Ego:
-    """The ego vehicle: x, y, z [m] of the road under it, yaw [rad], `speed` [m/s] and the lane it is in.
+    """The ego vehicle: x, y, z [m] of the road under it, yaw [rad], `speed` [m/s] and its lane.
 
-    `pose` is world_from_layout [4, 4]: the layout's frame is fixed to the road's surface under the wheels. `lean` holds
+    `pose` is world_from_layout [4, 4]: the layout's frame is fixed to the road's surface under the wheels. `lean` is
     the roll and pitch [rad] of the car's body against it.
     """
 
@@ -103,7 +103,7 @@ def _ego(
 
 
 def _speed(lane: Path, rng: np.random.Generator) -> float:
-    """Standing, slow or up to a little over the limit [m/s]."""
+    """The speed: 0, slow, or up to a little over the limit [m/s]."""
     often = _SELDOM if lane.speed > FAST else 1.0
     if rng.random() < often * USES[lane.kind].ego_stands:
         return 0.0
@@ -113,14 +113,14 @@ def _speed(lane: Path, rng: np.random.Generator) -> float:
 
 
 def _bend(occupancy: Occupancy, lane: Path) -> float:
-    """Curvature [1/m] of the way the ego vehicle takes, positive to the left."""
+    """Curvature [1/m] of the ego vehicle's way, positive to the left."""
     if lane.bend or lane.kind != MAIN_ROAD:
         return lane.bend
     return math.copysign(occupancy.road.curvature, occupancy.road.curvature * math.cos(lane.angle))
 
 
 def _on_slope(place: tuple[float, float, float], yaw: float, rise: float, bank: float) -> np.ndarray:
-    """The rigid pose at a place, turned by `yaw` and tilted so that the ground's slopes ahead and left are its x, y."""
+    """The rigid pose at a place, turned by `yaw`; its x and y axes follow the ground's slopes ahead and left."""
     forward = np.array([math.cos(yaw), math.sin(yaw), rise])
     left = np.array([-math.sin(yaw), math.cos(yaw), bank])
     forward /= np.linalg.norm(forward)

@@ -1,4 +1,4 @@
-"""Pairs of a lifelike scan and the condition image of the same place, without end."""
+"""Endless pairs of a lifelike scan and the condition image of the same place."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ from lidardraft.streets.ego import Ego, mount, sample_ego
 from lidardraft.streets.street import Street, StreetConfig, make_street
 from lidardraft.streets.worker_processes import worker_processes
 
-# the images of a pair, which worker processes hand over as they are
+# the images of a pair, which worker processes send unchanged
 _SCAN = ("depth", "label", "instance", "intensity")
 _CONDITION_IMAGE = ("depth", "label", "instance")
 _SIMULATED = _SCAN
-_SCAN_STREAM = 1  # random numbers of a scan, apart from those that made its street
+_SCAN_STREAM = 1  # random numbers of a scan, apart from those of its street
 _Rest = tuple[ShapeTable, np.ndarray, Style, str, float, int, ShapeTable]
 
 
@@ -38,13 +38,13 @@ _Rest = tuple[ShapeTable, np.ndarray, Style, str, float, int, ShapeTable]
 class StreetPair:
     """A lifelike scan of a street, and the condition image of the same place.
 
-    `scan` has depth, label, instance and intensity. `condition_image` is the cast of the coarse layout `shapes`, as
-    `shapes.scan(sensor, pair.poses())` casts it; `style` says what coarse layout that is.
+    `scan` has depth, label, instance and intensity. `condition_image` is the cast of the coarse layout `shapes`, as by
+    `shapes.scan(sensor, pair.poses())`; `style` is the style of that layout.
 
-    All is in the frame of the ego vehicle in the middle of the sweep: `pose` is ego_from_sensor [4, 4], and the sensor
-    moves ahead with `speed` [m/s]. `district` is where the street lies, `index` counts the pairs of one seed.
-    `things` are the objects that are counted, all of them and as they are, whatever `shapes` makes of them.
-    `simulated`, where it was asked for, is what the same unit of the sensor reports of the coarse layout in detail.
+    The frame is that of the ego vehicle in the middle of the sweep: `pose` is ego_from_sensor [4, 4], and the sensor
+    moves ahead with `speed` [m/s]. `district` is that of the street; `index` counts the pairs of one seed. `things` are
+    all objects with instances, in their true shapes, for any style of `shapes`. `simulated`, if asked for, is the
+    scan by the same unit of the sensor of the coarse layout in detail.
     """
 
     scan: RangeImage
@@ -59,7 +59,7 @@ class StreetPair:
     simulated: RangeImage | None = None
 
     def poses(self) -> np.ndarray:
-        """The pose of each column [W, 4, 4]; both images are as uncorrected as what such a sensor sends."""
+        """The pose of each column [W, 4, 4]; both images are without motion correction, as the sensor sends them."""
         return self.scan.sensor.poses_in_motion(self.pose, (self.speed, 0.0, 0.0))
 
     def boxes(self) -> list[Box]:
@@ -81,16 +81,15 @@ def streets(
     shard: tuple[int, int] = (0, 1),
     workers: int = 1,
 ) -> Generator[StreetPair, None, None]:
-    """Pairs without end, from number `start`; pair k depends on the seed, the config and k alone.
+    """Endless pairs from number `start`; pair k depends on the seed, the config and k alone.
 
-    `shard` (i, n) leaves out the streets of all but the i-th of n consumers, whose pairs are disjoint and together all.
-    `workers` processes make the pairs; 1 is this process. The pairs and their order are the same for any number.
-    A script that asks for more than 1 needs `if __name__ == "__main__":` around it, or each process would run it again.
-
-    Worker processes end with this one, however it ends.
+    `shard` (i, n) keeps the streets of the i-th of n consumers only; their pairs are disjoint and complete. `workers`
+    processes make the pairs; 1 is this process. The pairs and their order are the same for any number. A script that
+    asks for more than 1 needs `if __name__ == "__main__":` around it, or each process would run it again. Worker
+    processes end with this one, however it ends.
 
     Raises `LayoutError` for a number that is negative or no integer, or a shard that does not exist, and
-    `LidarDraftError` where a worker process was killed.
+    `LidarDraftError` if a worker process was killed.
     """
     seed, start, workers = check_seed(seed), check_number("start", start), check_number("workers", workers, least=1)
     mine, shards = check_number("shard", shard[0]), shard[1]
@@ -107,7 +106,7 @@ def streets(
 
 @dataclass(frozen=True, slots=True)
 class _StreetRun:
-    """The pairs of one street, from the pose numbered `first` on."""
+    """The pairs of one street, from pose `first` on."""
 
     seed: int
     config: StreetConfig
@@ -126,7 +125,7 @@ class _StreetRun:
 
 @lru_cache(maxsize=1)
 def scanned_street(seed: int, config: StreetConfig, number: int, threads: int | None) -> tuple[Street, Scanner]:
-    """A street, and what looks at it; the last one is kept for the next pair of its run."""
+    """A street and its scanner; the last ones are cached for the next pair of their run."""
     street = make_street(seed=seed, config=config, number=number)
     # another unit of the sensor for each street
     model = replace(config.sensor.assumed_model, unit=number)
@@ -141,7 +140,7 @@ def _in_processes(runs: Iterator[_StreetRun], config: StreetConfig, workers: int
     with worker_processes(workers, math.prod(sensor.shape) * pixel_bytes) as processes:
         turns = itertools.cycle(processes)
 
-        # all pairs of a street are made by the process that has built it, and come one by one
+        # the process that has built a street makes all its pairs, one by one
         def submit() -> deque[Future[tuple[list[np.ndarray], _Rest]]]:
             run, process = next(runs), next(turns)
             return deque(process.submit(_pair_in_worker, run, index) for index in run.indices())
@@ -161,7 +160,7 @@ def _in_processes(runs: Iterator[_StreetRun], config: StreetConfig, workers: int
 
 
 def _pair_in_worker(run: _StreetRun, index: int) -> tuple[list[np.ndarray], _Rest]:
-    """The images of a pair, and the rest of it."""
+    """The images of a pair, and its other fields."""
     pair = _pair(*scanned_street(run.seed, run.config, run.number, 1), run.config, index)
     images = [getattr(pair.scan, name) for name in _SCAN]
     images += [getattr(pair.condition_image, name) for name in _CONDITION_IMAGE]
@@ -171,15 +170,15 @@ def _pair_in_worker(run: _StreetRun, index: int) -> tuple[list[np.ndarray], _Res
 
 
 def sample_viewpoint(street: Street, sensor: Sensor, index: int) -> tuple[Ego, np.ndarray, np.random.Generator]:
-    """Where scan number `index` of a street is taken: the ego vehicle, the sensor in its frame [4, 4] (`mount`), and
-    the generator for what follows."""
+    """The viewpoint of scan `index` of a street: the ego vehicle, the sensor in its frame [4, 4] (`mount`), and the
+    generator for further random numbers."""
     rng = np.random.default_rng([street.seed, index, _SCAN_STREAM])
     ego = sample_ego(street.occupancy, street.lanes, rng)
     return ego, mount(sensor, ego, rng), rng
 
 
 def scan_street(street: Street, scanner: Scanner, index: int) -> tuple[Ego, VisibleObjects, np.random.Generator]:
-    """Scan number `index` of a street: where it is taken, what it sees, and the generator for what follows."""
+    """Scan `index` of a street: the ego vehicle, the visible objects, and the generator for further random numbers."""
     ego, pose, rng = sample_viewpoint(street, scanner.sensor, index)
     poses = ego.pose @ scanner.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
     scan = scanner.observe(scanner.cast(poses, seed=index), poses, rng)
@@ -212,5 +211,5 @@ def _pair(street: Street, scanner: Scanner, config: StreetConfig, index: int) ->
 
 
 def as_sent(scan: RangeImage) -> RangeImage:
-    """A scan without its primitives, which say nothing to who does not have the scene, and take time on the way."""
+    """A scan without its primitives, which mean nothing without the scene and take time to send."""
     return RangeImage.unchecked(scan.sensor, **{name: getattr(scan, name) for name in _SCAN})

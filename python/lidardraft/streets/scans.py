@@ -14,11 +14,11 @@ if TYPE_CHECKING:
 
 
 def street_scan(index: int, *, seed: int = 0, config: StreetConfig | None = None, threads: int | None = None) -> Scan:
-    """The scan of pair `index` of `streets(seed=seed, config=config)`, with everything that stands there as its layout.
+    """The scan of pair `index` of `streets(seed=seed, config=config)`, with all its objects as its layout.
 
     `config.poses_per_street` scans in a row are of one street, which is built once. The layout holds simple shapes on
-    the ground as it rises and falls; what is scanned is the street in detail. Same arguments, same scan, for any number
-    of threads. Raises `LayoutError` for a number that is negative or no integer.
+    the ground with its relief; the detailed street is scanned. The same arguments give the same scan, for any number of
+    threads. Raises `LayoutError` for a number that is negative or no integer.
     """
     from lidardraft.scan import Scan  # pictures come with it, which pairs do not need
 

@@ -24,17 +24,17 @@ from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
 from lidardraft.streets.coarse.coarse_street import CoarseStreet, place_of
 
 _CLEAR = Weather()
-_PARALLEL = 0.01  # rad against the road that lanes along it may have
+_PARALLEL = 0.01  # rad against the road of lanes along it, at most
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class StreetConfig:
-    """How streets are made and scanned.
+    """The settings of streets and their scans.
 
-    `sensor` scans them in `weather`, from `poses_per_street` places each. A street goes on `half_length` [m] either way
-    of its middle; `mix` says what streets are made of. With `simulated` a pair has the simulated scan of its coarse
-    layout too, which takes as long again. Raises `LayoutError` for less than one place, or a half length that is not 40
-    to 200 m.
+    `sensor` scans them in `weather`, from `poses_per_street` places each. A street reaches `half_length` [m] either way
+    from its middle; `mix` is the composition of streets. With `simulated` a pair also has the simulated scan of its
+    coarse layout, which takes as long again. Raises `LayoutError` for less than one place, or a half length that is not
+    40 to 200 m.
     """
 
     sensor: Sensor = PRESETS["hdl64e"]
@@ -53,11 +53,11 @@ class StreetConfig:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Street:
-    """One street, in the frame of its road: all is at its place of `Road.at`.
+    """One street, in the frame of its road: all objects are in their places of `Road.at`.
 
-    `scene` is the detailed layout, `coarse` what all of its coarse layouts have in common. `occupancy` holds the road,
-    the ground and the objects in their order, `frame` what its lanes follow from, `lanes` where traffic is placed, and
-    `district` is a name of `DISTRICTS`.
+    `scene` is the detailed layout, `coarse` the common part of its coarse layouts. `occupancy` holds the road, the
+    ground and the objects in order. The lanes follow from `frame`; `lanes` are those for traffic. `district` is a name
+    of `DISTRICTS`.
     """
 
     seed: int
@@ -71,13 +71,13 @@ class Street:
 
     @property
     def layout(self) -> Layout:
-        """Everything as it is, as simple shapes on flat ground."""
+        """All objects as simple shapes on flat ground."""
         style, pose = BoxStyle(), np.eye(4)
         return self.with_roads(as_boxes(self.coarse, style, pose).layout({"source": style.source}), pose, relief=False)
 
     def with_roads(self, layout: Layout, pose: np.ndarray, *, relief: bool) -> Layout:
-        """A layout of the street, in the frame of the ego vehicle at street_from_ego `pose` [4, 4], with its roads,
-        which with `relief` rise and fall over the plane that stands there."""
+        """A layout of the street, in the frame of the ego vehicle at street_from_ego `pose` [4, 4], with its roads;
+        with `relief`, these rise and fall over the plane of the pose."""
         place, ground = place_of(pose), self.occupancy.ground
         street = replace(self.frame, place=place_around(place))
 

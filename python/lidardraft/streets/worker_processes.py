@@ -1,4 +1,4 @@
-"""Processes that make pairs and scans: they end with the process that started them, however that ends."""
+"""Processes that make pairs and scans: they end with their parent process, however it ends."""
 
 from __future__ import annotations
 
@@ -22,15 +22,15 @@ from lidardraft.errors import LidarDraftError
 
 T = TypeVar("T")
 Item = TypeVar("Item")
-_AHEAD = 2  # items that a process has before it
-_Layout = list[tuple[tuple[int, ...], np.dtype[Any]]]  # shapes and types of arrays that lie one behind the other
+_AHEAD = 2  # items in the queue of a process
+_Layout = list[tuple[tuple[int, ...], np.dtype[Any]]]  # shapes and types of consecutive arrays
 
 
 class WorkerProcess:
     """A process that runs one task after the other.
 
-    The arrays of a result come through memory that both processes have: a pipe takes three to six times as long. It
-    has room for `array_bytes` of one result, and is free again as soon as that is copied out of it.
+    The arrays of a result come through shared memory: a pipe takes three to six times as long. It has room for
+    `array_bytes` of one result, and is free again as soon as that is copied.
     """
 
     def __init__(self, context: SpawnContext, array_bytes: int) -> None:
@@ -40,14 +40,14 @@ class WorkerProcess:
         self._pool.submit(int)  # a pool starts its process with its first task
 
     def submit(self, task: Callable[..., tuple[list[np.ndarray], T]], *args: Any) -> Future[tuple[list[np.ndarray], T]]:
-        """The result of `task(*args)`, a function of a module, once it is there: arrays, and what else it returns."""
+        """The future result of `task(*args)`, a function of a module: arrays, and its other return value."""
         result: Future[tuple[list[np.ndarray], T]] = Future()
 
         def receive(sent: Future[tuple[_Layout, T]]) -> None:
             try:
                 layout, rest = sent.result()
                 result.set_result((self._copied(layout), rest))
-            except BaseException as error:  # is raised where the result is asked for
+            except BaseException as error:  # is raised when the result is asked for
                 result.set_exception(error)
             finally:
                 self._free.release()
@@ -56,7 +56,7 @@ class WorkerProcess:
         return result
 
     def shutdown(self) -> None:
-        """Ends the process after the task that it is at."""
+        """Ends the process after its current task."""
         self._pool.shutdown(cancel_futures=True)
 
     def _copied(self, layout: _Layout) -> list[np.ndarray]:
@@ -71,7 +71,7 @@ class WorkerProcess:
 def worker_processes(count: int, array_bytes: int) -> Iterator[list[WorkerProcess]]:
     """`count` processes, with room for the arrays of one result each; all have ended when the block is left.
 
-    Raises `LidarDraftError` in place of the block's error where one of the processes was killed.
+    Raises `LidarDraftError` in place of the block's error if one of the processes was killed.
     """
     context = multiprocessing.get_context("spawn")  # a fork would copy the threads' locks
     workers = list[WorkerProcess]()
@@ -89,10 +89,10 @@ def worker_processes(count: int, array_bytes: int) -> Iterator[list[WorkerProces
 
 
 def in_processes(make: Callable[[Item], T], items: Iterable[Item], count: int, ahead: int = _AHEAD) -> Iterator[T]:
-    """`make(item)` of each item as it is done, by `count` processes, which get `make` once, and `ahead` items at a
-    time: with few that take long, a second one would wait behind the first while another process has nothing to do.
+    """`make(item)` of each item as it is done, by `count` processes. These get `make` once, and `ahead` items at a
+    time: with few long items, a second one would wait behind the first while another process is idle.
 
-    Raises as `make` does, and `LidarDraftError` where a process was killed.
+    Raises the errors of `make`, and `LidarDraftError` if a process was killed.
     """
     with worker_processes(count, 0) as processes:
         for begun in [process.submit(_begin, make) for process in processes]:
@@ -115,7 +115,7 @@ _make_item: Callable[[Any], Any]  # of this worker process
 def _begin(make: Callable[[Any], Any]) -> tuple[list[np.ndarray], None]:
     global _make_item
     _make_item = make
-    warnings.simplefilter("ignore", UserWarning)  # who started this process has heard them
+    warnings.simplefilter("ignore", UserWarning)  # the parent process has shown them
     return [], None
 
 
@@ -125,16 +125,16 @@ def _make(item: Any) -> tuple[list[np.ndarray], Any]:
 
 @contextmanager
 def _signals_held() -> Iterator[None]:
-    """Ctrl-C, and SIGTERM as batch systems send it, go to a group of processes. Those started in this block never see
-    them: their parent ends them. It hears of them itself once the block is left: a process that is being started is
-    not to be left halfway."""
+    """Hold Ctrl-C and the SIGTERM of batch systems, which go to a group of processes. Processes started in this block
+    never see them: their parent ends them. It receives them itself after the block, so that no start of a process is
+    left halfway."""
     if sys.platform == "win32":
         yield
         return
     from multiprocessing import resource_tracker  # which Windows does not have
 
-    resource_tracker.ensure_running()  # when it starts later, by itself, it lets signals through again
-    # A mask is of one thread: what comes to another one, as numpy has them, is handled in the main one all the same.
+    resource_tracker.ensure_running()  # a later start by itself would let signals through again
+    # A mask is for one thread: signals to others, such as numpy's, are still handled in the main one.
     arrived: list[int] = []
     numbers = (signal.SIGINT, signal.SIGTERM)
     in_main_thread = threading.current_thread() is threading.main_thread()
@@ -154,7 +154,7 @@ def _signals_held() -> Iterator[None]:
 
 
 _memory: np.ndarray  # of this worker process
-_free: Semaphore  # whether the result before is out of it
+_free: Semaphore  # whether the previous result is copied
 
 
 def _start(shared: Any, free: Semaphore) -> None:
@@ -167,7 +167,7 @@ def _run(task: Callable[..., tuple[list[np.ndarray], T]], args: tuple[object, ..
     try:
         arrays, rest = task(*args)
     finally:
-        _free.acquire()  # until the parent has what comes of it, be it an error
+        _free.acquire()  # until the parent has the previous result or error
     start = 0
     for array in arrays:
         _memory[start : start + array.nbytes] = array.reshape(-1).view(np.uint8)
@@ -176,7 +176,7 @@ def _run(task: Callable[..., tuple[list[np.ndarray], T]], args: tuple[object, ..
 
 
 def _follow_parent() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it could not be held
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # in case it could not be held
     parent = multiprocessing.parent_process()
     assert parent is not None
 

@@ -18,8 +18,8 @@ SCHEMA = "lidardraft.rig/1"
 
 @dataclass(frozen=True, slots=True)
 class Mount:
-    """A sensor, and the `spot` x, y, z [m] and yaw [rad] where it stands on its vehicle, in whose frame x points ahead
-    and z = 0 is the road. Raises `LayoutError` on other numbers."""
+    """A sensor and its `spot` on the vehicle: x, y, z [m] and yaw [rad], with x ahead and z = 0 on the road. Raises
+    `LayoutError` on other numbers."""
 
     sensor: Sensor
     spot: Spot
@@ -54,7 +54,7 @@ class Rig:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Rig:
-        """Raises `FormatError` where the file is no rig, and else as its sensors do; the errors name it."""
+        """Raises `FormatError` if the file is no rig, and the errors of its sensors; all errors name the file."""
         text = read_text(path)
         with named(path):
             mounts = {}

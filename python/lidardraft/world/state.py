@@ -1,4 +1,4 @@
-"""What a world is at one moment: a frozen value, and its file."""
+"""The state of a world at one moment: a frozen value, and its file."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ _FIELDS = ("seed", "origin", "time", "steps", "layouts", "things", "scenario", "
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """Where a driver is on the way of that number: how far along it, how far left of its middle, its yaw against it
-    and its place along it when it came there, its speed [m, rad, m/s], whether it has been beside whom it overtakes,
-    whether it is on its way to the middle, and for how long it stands [s]."""
+    """A driver on the way of number `way`: `along` it, `left` of its middle [m], `yaw` against it [rad] and place along
+    it at its `start`, and `speed` [m/s]. `beside` is whether it has been beside the vehicle that it overtakes,
+    `returns` whether it moves to the middle, `waited` how long it has stood [s]."""
 
     way: int
     along: float
@@ -43,10 +43,10 @@ class Drive:
 @dataclass(frozen=True, slots=True)
 class Actor:
     """One thing at one moment: the number of the layout that it came with, the `spot` x, y, z [m] and yaw [rad] of its
-    middle, and what it does next.
+    middle, and its next motion.
 
-    `past` has rows of time, x, y, z, yaw up to now; it is empty where it has not moved in the last sweep. None as
-    `motion` stands. `drive` is that of who drives along a lane, `goal` x, y and yaw at the end of the next step.
+    `past` has rows of time, x, y, z, yaw up to now; it is empty if the thing has not moved in the last sweep. With the
+    `motion` None it stands. `drive` is that of a driver in a lane, `goal` its x, y and yaw at the end of the next step.
     """
 
     batch: int
@@ -57,12 +57,12 @@ class Actor:
     goal: Place | None = None
 
     def track(self) -> Track:
-        """Its past; where it has none, it has always been there."""
+        """Its past; without one, it has always been in its spot."""
         rows = np.array(self.past or ((0.0, *self.spot),))
         return Track(rows[:, 0], rows[:, 1:])
 
     def rate(self) -> Spot:
-        """Its velocity [m/s] and turn [rad/s] now."""
+        """Its current velocity [m/s] and yaw rate [rad/s]."""
         if not self.past:
             return 0.0, 0.0, 0.0, 0.0
         (begin, *before), (end, *now) = self.past[-2:]
@@ -72,7 +72,7 @@ class Actor:
 
 @dataclass(frozen=True, slots=True)
 class Collision:
-    """Two things that began to overlap at a time [s], by their names."""
+    """The names of two things that began to overlap at a time [s]."""
 
     time: float
     one: str
@@ -81,10 +81,10 @@ class Collision:
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class WorldState:
-    """All that the scans of a `World` depend on, but for its sensor and weather.
+    """All that the scans of a `World` depend on, except its sensor and weather.
 
-    `layouts` are the layout and all that was added, as given: `actors` says what is left of them, and where. `steps`
-    counts the calls of `World.step`, for the noise of scans; `origin` [m] is that of the compiled scene.
+    `layouts` are the layout and all additions, as given; `actors` are the things left of them, with their places.
+    `steps` counts the calls of `World.step`, for the noise of scans; `origin` [m] is that of the compiled scene.
     """
 
     seed: int
@@ -96,7 +96,7 @@ class WorldState:
     collisions: tuple[Collision, ...] = ()
 
     def but(self, actors: Mapping[str, Actor | None], **fields: Any) -> WorldState:
-        """The state in which some actors are others; None is gone. Layouts of which nothing is left go with them."""
+        """The state with some actors replaced, or removed if None. Layouts without any actor left are removed too."""
         now = {name: actor for name, actor in {**self.actors, **actors}.items() if actor is not None}
         layouts = fields.pop("layouts", self.layouts)
         if None in actors.values():
@@ -105,7 +105,7 @@ class WorldState:
         return replace(self, actors=now, layouts=layouts, **fields)
 
     def to_json(self) -> str:
-        """The state as JSON text: layouts, a scenario of all motions, and where things are."""
+        """The state as JSON text: layouts, a scenario of all motions, and the places of things."""
         motions = {name: actor.motion for name, actor in self.actors.items() if actor.motion is not None}
         things = {name: write_as(replace(actor, motion=None)) for name, actor in self.actors.items()}
         document = {
@@ -123,7 +123,7 @@ class WorldState:
 
     @classmethod
     def from_json(cls, text: str) -> WorldState:
-        """Raises `FormatError` where the text is not the JSON of a state, `LayoutError` on an invalid value."""
+        """Raises `FormatError` if the text is not the JSON of a state, `LayoutError` on an invalid value."""
         document = parse_document(text, SCHEMA, _FIELDS, ())
         motions = Scenario.from_json(json.dumps(document["scenario"])).actors
         layouts = {
@@ -152,7 +152,7 @@ class WorldState:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> WorldState:
-        """As `from_json`, of a file; the errors name it."""
+        """As `from_json`, from a file; the errors name it."""
         text = read_text(path)
         with named(path):
             return cls.from_json(text)

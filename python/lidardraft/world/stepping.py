@@ -1,4 +1,4 @@
-"""How the things of a world go on: a step takes one state to the next, and is a function of that state alone."""
+"""Steps of a world's things: a step takes one state to the next, and is a function of that state alone."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ from lidardraft.simulation.sweeps import Spot
 from lidardraft.world.state import Actor, Collision, Drive, WorldState
 from lidardraft.world.things import Thing
 
-_FORESEEN = 60.0  # s of a walk whose way is looked at
-_KEPT = ("along", "left", "yaw", "start", "speed", "beside", "returns", "waited")  # what a state keeps of a driver
+_FORESEEN = 60.0  # s of a walk whose way is checked
+_KEPT = ("along", "left", "yaw", "start", "speed", "beside", "returns", "waited")  # a driver's fields in a state
 ThingOf = Callable[[str, Actor], Thing]
 
 
 class Stepping:
-    """The roads of a world's layout, the ground that is left of it, and how long the past is that its scans need [s].
+    """The roads of a world's layout, its remaining ground, and the length of the past that its scans need [s].
 
-    What it keeps between steps are functions of the state: of things that stand, where they are in lanes.
+    Its caches between steps are functions of the state: the extents of standing things in lanes.
     """
 
     def __init__(self, base: Layout, ground: Sequence[Primitive], thing_of: ThingOf, span: float) -> None:
@@ -44,7 +44,7 @@ class Stepping:
         self._standing: _Standing | None = None
 
     def on_ground(self, name: str, spot: Spot, x: float, y: float, yaw: float) -> Spot:
-        """The spot as high over the ground at x, y as it is now; raises `LayoutError` off the map."""
+        """The spot at x, y, yaw, as high over the ground as now; raises `LayoutError` off the map."""
         if self._ground is None:
             return x, y, spot[2], yaw
         (there, here), label = self._ground.at(np.array([(x, y), spot[:2]]))
@@ -53,11 +53,11 @@ class Stepping:
         return x, y, spot[2] + float(there - here), yaw
 
     def height(self, x: float, y: float) -> float:
-        """Of the ground [m]; 0 where there is none."""
+        """The height of the ground [m]; 0 without ground."""
         return 0.0 if self._ground is None else float(self._ground.at(np.array([(x, y)]))[0][0])
 
     def launched(self, state: WorldState, names: Iterable[str]) -> WorldState:
-        """The state in which things of these names move as they do by themselves, and did so before."""
+        """The state in which the things of these names move by themselves, and have done so before."""
         bodies = {
             name: thing.body_at(actor.spot)
             for name, actor in state.actors.items()
@@ -75,7 +75,7 @@ class Stepping:
         return state.but({name: self._begun(actor, drivers.get(name), state.time) for name, actor in actors.items()})
 
     def _begun(self, actor: Actor, driver: Driver | None, time: float) -> Actor:
-        """Who has come with the speed that it has by itself."""
+        """The actor as if it had come at its usual speed."""
         speed, heading = 0.0, actor.spot[3]
         if driver is not None and actor.drive is not None:
             speed, actor = driver.speed, dataclasses.replace(actor, drive=_drive(driver, actor.drive.way))
@@ -86,14 +86,14 @@ class Stepping:
         return self.with_past(actor, time, speed * math.cos(heading), speed * math.sin(heading))
 
     def with_past(self, actor: Actor, time: float, x: float, y: float) -> Actor:
-        """The actor as if it had come with that velocity [m/s]."""
+        """The actor with the past of a velocity x, y [m/s]."""
         if not (x or y):
             return dataclasses.replace(actor, past=())
         before = (actor.spot[0] - x * self.span, actor.spot[1] - y * self.span, *actor.spot[2:])
         return dataclasses.replace(actor, past=((time - self.span, *before), (time, *actor.spot)))
 
     def commanded(self, name: str, actor: Actor, motion: Motion | None) -> Actor:
-        """The actor with another motion; raises `LayoutError` where it is to drive along a lane, and is in none."""
+        """The actor with another motion; raises `LayoutError` if it is to drive along a lane and is in none."""
         if isinstance(motion, AlongLane):
             after = self.along(name, actor, motion, self.ways)
             if after is None:
@@ -105,7 +105,7 @@ class Stepping:
     def along(
         self, name: str, actor: Actor, motion: AlongLane, among: Sequence[Lane], *, to_middle: bool = False
     ) -> Actor | None:
-        """The actor driving along one of the ways `among`, also to its middle; None where it is in none."""
+        """The actor driving along one of the ways `among`, or `to_middle` of it; None if it is in none of them."""
         body = self._thing_of(name, actor).body_at(actor.spot)
         driver = driver_of(body, motion, among)
         if driver is None:
@@ -117,14 +117,14 @@ class Stepping:
         return dataclasses.replace(actor, motion=motion, drive=_drive(driver, way), goal=None)
 
     def check(self, state: WorldState) -> None:
-        """Raises `LayoutError` where a state has drivers on other ways than there are."""
+        """Raises `LayoutError` if a state has drivers on unknown ways."""
         for name, actor in state.actors.items():
             fits = isinstance(actor.motion, AlongLane) == (actor.drive is not None)
             if not fits or (actor.drive is not None and not 0 <= actor.drive.way < len(self.ways)):
                 raise LayoutError(f"the state has {name!r} on no lane of its layout that it could drive along")
 
     def stepped(self, state: WorldState, seconds: float, count: int, policy: str) -> WorldState:
-        """The state `seconds` later, in `count` steps; those with a goal are there in the last."""
+        """The state `seconds` later, in `count` steps; things reach their goals in the last."""
         start = state.time
         for number in range(1, count + 1):
             state = self._step(state, start + seconds * number / count, count + 1 - number, policy)
@@ -161,7 +161,7 @@ class Stepping:
         return state.but(news, time=time, collisions=state.collisions + events)
 
     def _movers(self, state: WorldState) -> tuple[dict[str, Driver], list[str]]:
-        """Those who drive, each knowing where it is barred by what stands, and the names of others that move."""
+        """The drivers, each with its bar by standing things, and the names of other moving things."""
         moving = [name for name, actor in state.actors.items() if actor.motion is not None or actor.goal is not None]
         now = set(moving)
         standing = [(name, actor) for name, actor in state.actors.items() if name not in now]
@@ -181,7 +181,7 @@ class Stepping:
         return drivers, others
 
     def _raised(self, actors: Mapping[str, Actor], changes: dict[str, Actor]) -> dict[str, Actor]:
-        """Those who have moved as high over the ground as they were."""
+        """The moved actors at their old heights over the ground."""
         if self._ground is None or not changes:
             return changes
         spots = [spot[:2] for name, after in changes.items() for spot in (actors[name].spot, after.spot)]
@@ -194,7 +194,7 @@ class Stepping:
         return raised
 
     def _remembered(self, before: Actor, after: Actor, begin: float, end: float) -> Actor:
-        """With its past up to now, as far back as scans need it."""
+        """The actor with its past up to now, as far back as scans need it."""
         past = (*(before.past or ((begin, *before.spot),)), (end, *after.spot))
         first = max((k for k, row in enumerate(past) if row[0] <= end - self.span), default=0)
         past = past[first:]
@@ -202,7 +202,7 @@ class Stepping:
         return dataclasses.replace(after, past=past if moves else ())
 
     def met(self, before: WorldState, after: WorldState, names: Iterable[str], policy: str) -> WorldState:
-        """The state `after` things of these names were placed, with the collisions of that, unless they are refused."""
+        """The state `after` placing the things of these names, with its collisions; raises if these are refused."""
         self._movers(before)
         _, events = self._run_into(before, {name: after.actors[name] for name in names}, after.time, policy)
         return dataclasses.replace(after, collisions=after.collisions + events)
@@ -210,7 +210,7 @@ class Stepping:
     def _run_into(
         self, state: WorldState, changes: dict[str, Actor], time: float, policy: str
     ) -> tuple[dict[str, Actor], tuple[Collision, ...]]:
-        """The changes, and who runs into whom by them; with the policy "stop" they are not moved, and stand."""
+        """The changes and their collisions; with the policy "stop", colliding things stand in their old places."""
         assert self._standing is not None
         actors = state.actors
         moved = [name for name, after in changes.items() if name not in actors or after.spot != actors[name].spot]
@@ -245,8 +245,8 @@ class Stepping:
 
 
 class _Standing:
-    """Things that stand: the solids of all, with the names of their owners and the circles around them, and where they
-    are in lanes."""
+    """Standing things: their solids with the names of their owners, the circles around these, and their extents in
+    lanes."""
 
     def __init__(self, actors: Sequence[tuple[str, Actor]], thing_of: ThingOf) -> None:
         self._actors, self.names = actors, {name for name, _ in actors}
@@ -257,13 +257,13 @@ class _Standing:
         self._extents: dict[int, np.ndarray] = {}
 
     def is_of(self, actors: Sequence[tuple[str, Actor]]) -> bool:
-        """Whether it is of these."""
+        """Whether these actors are the standing ones."""
         return len(actors) == len(self._actors) and all(
             one is other and name == named for (name, one), (named, other) in zip(actors, self._actors, strict=True)
         )
 
     def extents(self, lane: Lane) -> np.ndarray:
-        """Those of all solids in a lane."""
+        """The extents of all solids in a lane (`extents_in`)."""
         if id(lane) not in self._extents:
             self._extents[id(lane)] = extents_in(lane, [solid for _, solid in self.solids])
         return self._extents[id(lane)]
@@ -287,7 +287,7 @@ def _row(actor: Actor, rate: Sequence[float]) -> tuple[float, ...]:
 
 
 def _gone(actor: Actor, begin: float, end: float, left: int, watch: Seen) -> Actor:
-    """Who follows no lane at the end of a step, of `left` steps to its goal; heights are added later."""
+    """An actor without a lane after a step, the first of `left` steps to its goal; heights are added later."""
     (x, y, z, yaw), motion = actor.spot, actor.motion
     if actor.goal is not None:
         u, v, heading = actor.goal

@@ -1,7 +1,7 @@
-"""The things of a world: what was given of each and what it is built as, at home, and both at any other place.
+"""The things of a world: their shapes as given and as built, at home and at any other place.
 
-Details, brightness and free paths follow from the seed, the ids and the layout that a thing came with, which is never
-changed: a thing looks the same wherever it is, and whatever else comes and goes.
+Details, brightness and free paths follow from the seed, the ids and the original layout of a thing, which is never
+changed. So a thing looks the same in any place, also while other things come and go.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from lidardraft.simulation.sweeps import Spot
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Thing:
-    """All of one name: its `parts` as given, and its `bodies`, detailed and compiled; `home` is the spot of the middle
-    of its box there, `body` what may be run into."""
+    """All shapes of one name: its `parts` as given, and its `bodies`, detailed and compiled. `home` is the original
+    spot of the middle of its box; others collide with its `body`."""
 
     parts: tuple[Primitive, ...]
     bodies: Bodies
@@ -39,11 +39,11 @@ class Thing:
 
     @property
     def home(self) -> Spot:
-        """Where its middle was when it came."""
+        """The original spot of its middle."""
         return self.body.place
 
     def parts_at(self, spot: Spot) -> tuple[Primitive, ...]:
-        """Its parts where its middle is at a spot."""
+        """Its parts with its middle at a spot."""
         if spot == self.home:
             return self.parts
         up, turn = spot[2] - self.home[2], spot[3] - self.home[3]
@@ -54,7 +54,7 @@ class Thing:
         return tuple(moved)
 
     def body_at(self, spot: Spot) -> Body:
-        """What may be run into there."""
+        """Its body at a spot."""
         if spot == self.home:
             return self.body
         up, turn = spot[2] - self.home[2], spot[3] - self.home[3]
@@ -68,13 +68,13 @@ class Thing:
         return dataclasses.replace(self.body, place=spot, solids=tuple(solids))
 
     def bodies_at(self, spot: Spot) -> Bodies:
-        """What is cast there."""
+        """Its compiled bodies at a spot."""
         if spot == self.home:
             return self.bodies
         return self.bodies.moved(upright(spot[:3], spot[3]) @ inverse(upright(self.home[:3], self.home[3])))
 
     def boxes_at(self, spot: Spot, velocity: tuple[float, float, float]) -> list[Box]:
-        """One box for each instance of a thing."""
+        """One box for each instance."""
         parts: dict[int, list[Primitive]] = {}
         for part in self.parts_at(spot):
             if part.instance and BY_NAME[part.label].is_thing:
@@ -99,8 +99,8 @@ Origin = tuple[float, float, float]
 def built(
     layout: Layout, seed: int, wetness: float, base: Layout | None = None, origin: Origin | None = None
 ) -> dict[str, Thing]:
-    """The things of a layout on its relief, by their names; of one that is added to a `base`, on the roads of that. All
-    are compiled around `origin` [m], by default the middle of them."""
+    """The things of a layout on its relief, by name; a layout that is added to a `base` uses the roads of that. All are
+    compiled around `origin` [m], by default their middle."""
     layout, scene = both_on_relief(layout, partial(detail, seed=seed, around=base))
     whole = Bodies.of(scene, wetness)
     given, own = dict[str, list[Primitive]](), dict[str, list[int]]()
@@ -122,6 +122,6 @@ def built(
 
 
 def _bare(name: str, parts: Sequence[Primitive]) -> Body:
-    """Ground, which nobody runs into."""
+    """The body of ground, without solids to collide with."""
     box = box_around(parts)
     return Body(name, frozenset(), (*box.center, box.yaw), box.size, ())

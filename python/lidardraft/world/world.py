@@ -54,14 +54,14 @@ from lidardraft.world.stepping import Stepping
 from lidardraft.world.things import EGO_THING, Thing, built
 
 _POLICIES = ("allow", "refuse", "stop")
-_MOST_THINGS = 5000  # of which a step and a scan take a second together where all of them drive
+_MOST_THINGS = 5000  # if all of them drive, a step and a scan take a second together
 _MOST_INSTANCES = 2**16 - 1
 _LONGEST = 60.0  # s, of a step
-_AWAY = 0.5  # m that way-points may be from where an object is
+_AWAY = 0.5  # m from an object to its way-points at most
 
 
 class Handle:
-    """One object of a world, or its ego vehicle, as it is now."""
+    """One object of a world, or its ego vehicle, in the current state."""
 
     __slots__ = ("_world", "id")
 
@@ -70,10 +70,10 @@ class Handle:
 
     @property
     def pose(self) -> Place:
-        """x, y [m] and yaw [rad] of the middle of its box; of the ego vehicle, where it stands on the road.
+        """x, y [m] and yaw [rad] of the middle of its box; for the ego vehicle, of its place on the road.
 
-        Set it to where it is to be at the end of the next step: it goes there evenly, and stands there until it is told
-        otherwise. `World.move` places at once.
+        Set it to the goal for the end of the next step: the object goes there evenly, then stands until its next
+        command. `World.move` places at once.
         """
         x, y, _, yaw = self._world._actor(self.id).spot
         return x, y, yaw
@@ -89,13 +89,13 @@ class Handle:
 
     @property
     def velocity(self) -> tuple[float, float, float]:
-        """In the world [m/s]."""
+        """Its velocity x, y, z in the world [m/s]."""
         return self._world._actor(self.id).rate()[:3]
 
     @property
     def speed(self) -> float:
-        """Ahead [m/s]. Set it, and it is that at once, along the lane or the walk that it is on, or straight on; who
-        drives along a lane still stops behind others."""
+        """Its speed ahead [m/s]. A new value holds at once, along its lane or walk, or straight on; a driver in a lane
+        still stops behind others."""
         actor = self._world._actor(self.id)
         if actor.drive is not None:
             return actor.drive.speed
@@ -109,8 +109,8 @@ class Handle:
 
     @property
     def motion(self) -> Motion | None:
-        """How it moves until it is told otherwise, None where it stands; times in it are those of the world. Set it to
-        drive as in a scenario, also into others (`Straight`, `Waypoints`)."""
+        """Its motion until the next command, None if it stands; times are those of the world. Set it to move as in a
+        scenario; `Straight` and `Waypoints` also run into others."""
         return self._world._actor(self.id).motion
 
     @motion.setter
@@ -125,19 +125,19 @@ class Handle:
 class World:
     """A layout, the street of a sentence, or boxes, scanned while things in it move, come and go.
 
-    Vehicles in a lane, people and the ego vehicle move by themselves, as in sequences, until they are told otherwise.
-    Things are told from each other by the part of their ids before the dot; the ego vehicle is "ego".
+    Vehicles in a lane, people and the ego vehicle move by themselves, as in sequences, until a command. The part of an
+    id before the dot names a thing; the ego vehicle is "ego".
 
-    A scan at the time t covers the sweep that ends at t, in which everything is where it has been then. `boxes` are
-    those at t. The time, pose, boxes and velocities of the `Scan` itself are those of the middle of its sweep, in which
-    its points lie, as in sequences: frame k of a `SequenceSimulator` is the scan after k + 1 steps of 1 / hz, and a
-    box is half a `sweep_time` of its velocity behind that of `boxes`.
+    A scan at the time t covers the sweep that ends at t, with everything in its place at each moment. `boxes` are those
+    at t. The time, pose, boxes and velocities of the `Scan` itself are those of the middle of its sweep, as in
+    sequences. So frame k of a `SequenceSimulator` is the scan after k + 1 steps of 1 / hz. A box of the scan is half a
+    `sweep_time` of its velocity behind that of `boxes`.
 
-    With a `Rig`, several sensors on the ego vehicle scan one moment: `scan(channel)`, `scans()`. All but sensor, model
-    and weather is in `state()`: from the same state the same bytes follow, in scans and steps. A `WorldState` in place
-    of the layout goes on from there. What runs into each other is listed in `collisions`; with "stop" it stands there,
-    and with "refuse" the call raises `LayoutError`. `model`, `weather`, `relief` and `threads` are those of
-    `Simulator`. A call that raises changes nothing; one thread may use it at a time.
+    With a `Rig`, several sensors on the ego vehicle scan one moment: `scan(channel)`, `scans()`. `state()` has all but
+    sensor, model and weather: the same state gives the same bytes in scans and steps. A `WorldState` in place of the
+    layout goes on from there. `collisions` lists things that run into each other. With "stop" they stand there; with
+    "refuse" the call raises `LayoutError`. `model`, `weather`, `relief` and `threads` are those of `Simulator`. A call
+    that raises changes nothing; one thread may use a world at a time.
     """
 
     def __init__(
@@ -179,7 +179,7 @@ class World:
             self._begin(base, check_seed(seed))
 
     def _begin(self, base: Layout, seed: int) -> None:
-        """Give everything its place, and let it move."""
+        """Give all things their places, and let them move."""
         names = set(map(object_of, base))
         if EGO_NAME in names:
             raise LayoutError("an object of the layout is called 'ego', as the ego vehicle is; rename it")
@@ -198,8 +198,7 @@ class World:
         return self._given[1] or weather_of(base.intent.weather) or Weather()
 
     def _adopt(self, state: WorldState) -> None:
-        """Take a state, and build those of its layouts that are new; raises `LayoutError` where it contradicts
-        itself."""
+        """Take a state, and build the new ones of its layouts; raises `LayoutError` if it contradicts itself."""
         base = state.layouts[0]
         weather = self._weather_over(base)
         made_for = state.seed, state.origin, weather
@@ -260,23 +259,23 @@ class World:
 
     @property
     def time(self) -> float:
-        """How long it has been stepped [s]."""
+        """The simulated time since the start [s]."""
         return self._state.time
 
     @property
     def ids(self) -> tuple[str, ...]:
-        """The ids of all objects, but for the ego vehicle and the ground."""
+        """The ids of all objects except the ego vehicle and the ground."""
         actors = self._state.actors
         return tuple(n for n in actors if n != EGO_NAME and not self._thing(n, actors[n]).is_ground)
 
     @property
     def collisions(self) -> tuple[Collision, ...]:
-        """All events of two things that began to overlap."""
+        """All collisions so far."""
         return self._state.collisions
 
     @property
     def ego(self) -> Handle:
-        """The vehicle that the sensor is on."""
+        """The vehicle with the sensor."""
         return Handle(self, EGO_NAME)
 
     def __getitem__(self, id: str) -> Handle:
@@ -287,11 +286,11 @@ class World:
         return id in self._state.actors
 
     def state(self) -> WorldState:
-        """All that is now, as a value."""
+        """The current state, as a value."""
         return self._state
 
     def restore(self, state: WorldState) -> None:
-        """Go on from a state, of this world or of another; raises `LayoutError` where it contradicts itself."""
+        """Go on from a state, of this world or of another; raises `LayoutError` if it contradicts itself."""
         check_type("state", state, WorldState)
         with self._alone():
             self._adopt(state)
@@ -305,11 +304,11 @@ class World:
         speed: float | None = None,
         id: str | None = None,
     ) -> str:
-        """Put an object in: a kind, as in "van" or "cyclist", or the shapes of one, as of a model; its id.
+        """Add an object: a kind, such as "van" or "cyclist", or its shapes, such as a model's; returns its id.
 
-        The middle of it stands `at` x, y [m] on the ground, or shapes where they are; it is turned by `yaw` [rad]. With
-        a `speed` [m/s] it moves as `Handle.speed` says, else by itself. Raises `LayoutError` for an unknown kind,
-        several objects without an `id` for all, a taken id, a place off the map and too many things.
+        Its middle stands `at` x, y [m] on the ground, by default at the place of the shapes; it is turned by `yaw`
+        [rad]. With a `speed` [m/s] it moves as in `Handle.speed`, else by itself. Raises `LayoutError` for an unknown
+        kind, several objects without an `id` for all, a taken id, a place off the map and too many things.
         """
         with self._alone():
             state = self._state
@@ -330,7 +329,7 @@ class World:
             return name
 
     def _parts_of(self, what: str | Primitive | Sequence[Primitive] | Layout, id: str | None) -> tuple[str, Any]:
-        """The name of what is added, and its shapes where they are, or of a kind in the origin."""
+        """The name of the new object and its shapes, in their place or, for a kind, at the origin."""
         if isinstance(what, str):
             names = {name for _, things in self._built.values() for name in things}
             name = id or next(one for k in itertools.count(1) if (one := f"{what}_{k}") not in names)
@@ -350,7 +349,7 @@ class World:
         return object_of(parts[0]), parts
 
     def _placed(self, name: str, parts: list[Primitive], at: Any, yaw: float) -> list[Primitive]:
-        """The parts turned, and with their middle `at` a place on the ground, if there is one."""
+        """The turned parts, with their middle `at` a place on the ground, if given."""
         (yaw,), box = _numbers(f"{name}: yaw", (yaw,), 1), box_around(parts)
         x, y = box.center[:2] if at is None else _numbers(f"{name}: at", at, 2)
         bottom = box.center[2] - box.size[2] / 2
@@ -360,7 +359,7 @@ class World:
         return [moved_part(part, middle, by, here[3]) for part in parts] if any((*by, yaw)) else parts
 
     def _counted(self, parts: Sequence[Primitive]) -> tuple[Primitive, ...]:
-        """The parts with instances that nothing has, one for each that they had among themselves."""
+        """The parts with unused instances, a new one for each of their own."""
         used = {part.instance for _, things in self._built.values() for one in things.values() for part in one.parts}
         free = (number for number in range(1, _MOST_INSTANCES + 1) if number not in used)
         numbers: dict[tuple[str, int], int] = {}
@@ -375,7 +374,7 @@ class World:
         return tuple(counted)
 
     def move(self, id: str, to: tuple[float, float], *, yaw: float | None = None, speed: float = 0.0) -> None:
-        """Place an object at x, y [m] at once; there it stands, or has that `speed` [m/s], as `Handle.speed` says."""
+        """Place an object at x, y [m] at once; it stands there, or moves with a `speed` [m/s] as in `Handle.speed`."""
         with self._alone():
             actor, (x, y) = self._movable(id), _numbers("to", to, 2)
             turned = actor.spot[3] if yaw is None else _numbers("yaw", (yaw,), 1)[0]
@@ -384,7 +383,7 @@ class World:
             self._state = self._stepping.met(self._state, self._state.but({id: after}), [id], self._policy)
 
     def remove(self, pattern: str) -> None:
-        """Take out all objects whose ids match, as in "around/tree_*"; raises `LayoutError` where none does."""
+        """Remove all objects whose ids match, such as "around/tree_*"; raises `LayoutError` if none does."""
         with self._alone():
             check_type("pattern", pattern, str)
             names = [name for name in self._state.actors if fnmatchcase(name, pattern) and name != EGO_NAME]
@@ -394,8 +393,9 @@ class World:
             self._adopt(self._state.but(dict.fromkeys(names)))
 
     def follow(self, id: str, *, lane: str | Lane | None = None, behind: str | None = None, gap: float = 2.0) -> None:
-        """Let an object drive along a lane of the layout's `roads`, to its middle, or `behind` another in the lane of
-        that; with `gap` [m] and 1.5 s to whoever is ahead. Raises `LayoutError` where it is not in that lane."""
+        """Let an object drive to the middle of a lane of the layout's `roads` and along it, or `behind` another object
+        in its lane. It keeps `gap` [m] and 1.5 s to the vehicle ahead. Raises `LayoutError` if it is not in that
+        lane."""
         with self._alone():
             actor, ways = self._movable(id), self._stepping.ways
             if (lane is None) == (behind is None):
@@ -435,7 +435,7 @@ class World:
             self._state = self._state.but({id: self._at_speed(id, self._movable(id), speed, False)})
 
     def _at_speed(self, name: str, actor: Actor, speed: float, anew: bool) -> Actor:
-        """The actor with a speed, along its lane where it is in one; `anew` as if it had come so."""
+        """The actor with a speed, along its lane if it is in one; `anew` as if it had come at it."""
         fits = is_number(speed) and abs(speed) <= FASTEST
         check_that(fits, f"{name}: speed", speed, f"-{FASTEST:g} to {FASTEST:g} m/s")
         if isinstance(actor.motion, Walk) and speed > 0.0:
@@ -465,7 +465,7 @@ class World:
             self._state = self._state.but({id: self._stepping.commanded(id, actor, motion)})
 
     def step(self, seconds: float) -> None:
-        """Go on, in steps of 0.05 s or less. Raises `LayoutError` where `seconds` is not over 0, or over 60."""
+        """Advance, in steps of 0.05 s or less. Raises `LayoutError` if `seconds` is not over 0, or over 60."""
         with self._alone():
             fits = is_number(seconds) and 0.0 < seconds <= _LONGEST
             check_that(fits, "seconds", seconds, f"a number over 0, and {_LONGEST:g} at most")
@@ -474,7 +474,7 @@ class World:
             self._state = dataclasses.replace(after, steps=after.steps + 1)
 
     def scan(self, channel: str | None = None) -> Scan:
-        """What a sensor of the rig, by default the first, reports of the sweep that ends now; noise and drop are drawn
+        """The scan by a sensor of the rig, by default the first, of the sweep that ends now; noise and drop are drawn
         anew after each step. Raises `UnknownNameError` for another channel."""
         with self._alone():
             if self._scans is None or self._scans[0] is not self._state:
@@ -505,13 +505,13 @@ class World:
         return next(iter(names)) if channel is None else channel
 
     def boxes(self) -> list[Box]:
-        """The boxes of all that is counted, now and in the world, with their velocities [m/s]."""
+        """The boxes of all instances now, in the world frame, with their velocities [m/s]."""
         with self._alone():
             things = ((self._thing(name, one), one) for name, one in self._state.actors.items() if name != EGO_NAME)
             return [box for thing, one in things for box in thing.boxes_at(one.spot, one.rate()[:3])]
 
     def layout(self) -> Layout:
-        """The layout as it is now."""
+        """The current layout."""
         with self._alone():
             return self._layout({name: actor.spot for name, actor in self._state.actors.items()})
 
@@ -521,7 +521,7 @@ class World:
         return dataclasses.replace(self._known, primitives=parts)
 
     def _swept(self, state: WorldState, channel: str) -> dict[str, Any]:
-        """Pose, speed, turn and heading of a sensor in the sweep that ends now, as a `Scan` has them."""
+        """Pose, speed, yaw rate and heading of a sensor in the sweep that ends now, as in `Scan`."""
         mount, ego = self.rig.mounts[channel], state.actors[EGO_NAME].track()
         sweep = max(mount.sensor.sweep_time, FLASH)
         places = ego.at(state.time - np.array([sweep, mount.sensor.sweep_time / 2, 0.0])).tolist()
@@ -533,7 +533,7 @@ class World:
         return {"pose": pose, "speed": speed, "turn": (places[2][3] - places[0][3]) / sweep, **heading}
 
     def _cast(self, state: WorldState, channel: str, swept: dict[str, Any]) -> tuple[RangeImage, Surfaces]:
-        """The clean returns, and the surfaces that they are of."""
+        """The clean returns, and their surfaces."""
         sensor = self.rig.mounts[channel].sensor
         still, moving = list[tuple[Thing, Actor]](), list[tuple[Thing, Actor]]()
         for name, actor in state.actors.items():

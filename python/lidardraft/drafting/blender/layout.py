@@ -1,4 +1,4 @@
-"""A Blender Python script becomes a layout. It is read as data, through its syntax tree; it is never run."""
+"""A layout from a Blender Python script. The script is read as data, through its syntax tree; it is never run."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ from lidardraft.scene.placed_mesh import in_unit_box, placed_mesh
 from lidardraft.scene.pose import point_at
 from lidardraft.semantics import BY_NAME
 
-_Placing = Callable[..., Layout]  # `settled`, with how the script is to be placed
+_Placing = Callable[..., Layout]  # `settled` with the options of placing
 _DEFAULT_LIMITS = ScriptLimits()
-HEAD = "lidardraft"  # the property of the scene in which all of a layout but its primitives travels
+HEAD = "lidardraft"  # the property of the scene with all of a layout except its primitives
 _MOST_NAMES = 50  # in one message
 _DEEPEST = 100  # parents of an object
 _REMEDY = "say which by --class NAME=CLASS (`classes` in Python)"
@@ -54,18 +54,18 @@ def layout_from_blender(
     recentre: bool = False,
     as_is: bool = False,
 ) -> Layout:
-    """The layout of the scene that a Blender Python script makes: its text, or the path of its file, NAME.py.
+    """The layout of a Blender Python script's scene; `script` is its text, or the path of its file, NAME.py.
 
-    Blender's frame is taken as the layout's: x forward, y left, z up, the ego vehicle at the origin. The scene starts
-    empty. Classes are those of `classes`, by names of objects, materials or collections, or else what these names say
-    ("Car.001", "mat_building"); an object without one is "other", with a note. Upright cubes, spheres, cylinders and
-    planes become the layout's own shapes, all else meshes. Numbers of `random` are those of Python's generator for the
-    script's seed, or for 0. Of a text that is no Python, but has Markdown fences, the longest block between them is
-    read. `scale`, `recentre` and `as_is` are as in `layout_from_glb`.
+    Blender's frame becomes the layout's: x forward, y left, z up, the ego vehicle at the origin. The scene starts
+    empty. `classes` maps names of objects, materials or collections to classes; without an entry, a name itself tells
+    the class ("Car.001", "mat_building"). An object without a class becomes "other", with a note. Upright cubes,
+    spheres, cylinders and planes become the layout's own shapes, all else meshes. Numbers of `random` are those of
+    Python's generator for the script's seed, or for 0. If a text is no Python but has Markdown fences, the longest
+    block between them is read. `scale`, `recentre` and `as_is` are as in `layout_from_glb`.
 
-    What was passed over because no shape depends on it is in `layout.notes`. Raises `ScriptError` naming the
-    line of what is not understood or more than `limits`, `LayoutError` for a thing that is in another unit, and, where
-    `strict`, listing the names that say no class.
+    `layout.notes` list ignored parts, on which no shape depends. Raises `ScriptError` naming the line of an unsupported
+    part or one beyond `limits`. Raises `LayoutError` for a thing in another unit and, if `strict`, listing the names
+    without a class.
     """
     check_type("script", script, str, os.PathLike)
     place = partial(settled, scale=scale, recentre=recentre, as_is=as_is)
@@ -79,7 +79,7 @@ def layout_from_blender(
 
 
 def _decoded(data: bytes) -> str:
-    """The text of a script; a mark at its beginning is no part of it."""
+    """The text of a script, without a byte order mark."""
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -96,7 +96,7 @@ def _layout(
     bpy = Namespace("bpy", {"ops": Operators(scene), **scene.modules()})
     script.modules = {**modules(script), "bmesh": bmesh_module(scene), "bpy": bpy, "mathutils": mathutils_module()}
     try:
-        with np.errstate(all="ignore"):  # what is not finite is refused where it is used
+        with np.errstate(all="ignore"):  # numbers that are not finite are refused on use
             read(text, script)
             scene.leave_edit_mode()
             primitives = primitives_of(scene, classes, strict=strict)
@@ -113,7 +113,7 @@ def _layout(
 
 
 def _head_in(value: Any) -> dict[str, Any]:
-    """The head of a layout that has been written as a script."""
+    """The head of a layout from its export as a script."""
     try:
         head: dict[str, Any] = json.loads(value)
         return head | {name: head[name] for name in ("provenance", "coverage")}
@@ -122,10 +122,10 @@ def _head_in(value: Any) -> dict[str, Any]:
 
 
 def primitives_of(scene: Scene, classes: Mapping[str, str], *, strict: bool) -> list[Primitive]:
-    """The primitives of all objects that are linked to the scene and have a surface, in the order of their making.
+    """The primitives of all objects with a surface that are linked to the scene, in order of creation.
 
-    An object whose names say no class is "other", with a note. Raises `LayoutError` listing these where `strict`, and
-    `RefusalError` for too many vertices and for what is too far away or too large.
+    An object without a class in its names is "other", with a note. Raises `LayoutError` listing these if `strict`, and
+    `RefusalError` for too many vertices and for objects too far away or too large.
     """
     meshes = _meshes_of(scene)
     limit = scene.script.limits.vertices
@@ -170,7 +170,7 @@ def _meshes_of(scene: Scene) -> list[tuple[SceneObject, Mesh, MeshShape]]:
 
 
 def _copies(scene: Scene, item: SceneObject) -> list[SceneObject]:
-    """An object and those that its arrays make of it, each as an object of its own: a row of cars is many cars."""
+    """An object and its copies by arrays, each as a separate object: a row of cars is many cars."""
     if not item.modifiers.arrays:
         return [item]
     found: list[SceneObject] = []
@@ -183,7 +183,7 @@ def _copies(scene: Scene, item: SceneObject) -> list[SceneObject]:
             raise RefusalError(f"more than {scene.script.limits.objects} objects", item.line)
         other = copy.copy(item)
         scene.script.take_made(item.properties)
-        if number:  # an object of its own: with an id and an instance of its own
+        if number:  # a separate object has its own id and instance
             other.suffix = f"_array{number:03}"
             other.properties = {name: value for name, value in item.properties.items() if name != "instance"}
             if isinstance(given := other.properties.get("id"), str):
@@ -204,7 +204,7 @@ def _class_of(item: SceneObject, classes: Mapping[str, str]) -> str | None:
     given = _given_class(item)
     if isinstance(given, str) or not isinstance(item.data, Mesh):
         return given
-    # The mesh comes last: most are called after the operator that made them.
+    # The mesh comes last: most are named after their operator.
     return class_of(item.class_names(), classes) or class_of([item.data.name], classes)
 
 
@@ -229,20 +229,20 @@ def _place_of(item: SceneObject) -> np.ndarray:
 
 
 def _lengthwise(primitive: Primitive) -> Primitive:
-    """A vehicle's box with its length along its yaw: who models one along y has made its width the longer side."""
+    """A vehicle's box with its length along its yaw; a vehicle modelled along y has its width as the longer side."""
     length, width, height = primitive.size
     is_vehicle = BY_NAME[primitive.label].is_thing and primitive.label != "person"
     if primitive.shape != "box" or not is_vehicle or length >= width:
         return primitive
-    yaw = math.remainder(primitive.yaw + math.pi / 2, math.pi)  # which end is the front is not known
+    yaw = math.remainder(primitive.yaw + math.pi / 2, math.pi)  # the front is unknown
     return dataclasses.replace(primitive, size=(width, length, height), yaw=yaw)
 
 
 def _placed_shape(item: SceneObject, mesh: Mesh, shape: MeshShape, **fields: Any) -> Primitive | None:
-    """The primitive of an object with `fields` (label, id, ...); None where it has no surface.
+    """The primitive of an object with `fields` (label, id, ...); None if it has no surface.
 
     An object that is only moved, scaled and turned about z keeps its numbers to the last digit. Raises `LayoutError`
-    for what is too far away or too large.
+    for objects too far away or too large.
     """
     turned_about_z = item.mode == "XYZ" and item.rotation.numbers[:2] == [0.0, 0.0]
     if turned_about_z and item.parent is None and min(item.scale.numbers) >= 0:

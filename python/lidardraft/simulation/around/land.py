@@ -1,5 +1,5 @@
-"""How the land of a street that fills in around a layout rises and falls: as that of streets, but under the ego vehicle
-and under what was asked for."""
+"""The relief of the land of a street around a layout: that of streets, but level under the ego vehicle and under the
+objects that were asked for."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from lidardraft.arranging.ground import Ground, graded
 from lidardraft.scene.pose import Place, point_at
 from lidardraft.scene.relief import Relief
 
-_WHEELS = np.array([(1.35, 0.8), (1.35, -0.8), (-1.35, 0.8), (-1.35, -0.8)])  # m, where those of the ego vehicle are
+_WHEELS = np.array([(1.35, 0.8), (1.35, -0.8), (-1.35, 0.8), (-1.35, -0.8)])  # m, x, y of the ego vehicle's wheels
 _REACH = 150.0  # m of the lines over a bend
 _TURN, _MIDDLE = 1.0, 0.5  # rad before the far side of a bend, and share of its radius, over which its land is level
-_SHOULDER = 3.0  # m from the road, over which the land beside it may come to another height
-_APRON = 6.0  # m around what stands level, over which the land comes to its height
+_SHOULDER = 3.0  # m from the road, over which the land beside it may change its height
+_APRON = 6.0  # m around a level area, over which the land comes to its height
 
 
 def drawn_relief(
     ground: Ground, place: Place, ego: Place, level: Iterable[tuple[Place, tuple[float, float]]]
 ) -> Relief:
-    """The relief of a `ground` whose road's frame is at a `place` in the layout, under which all lies level.
+    """The relief of a `ground` whose road frame is at `place` in the layout.
 
-    In that frame the ego vehicle is at `ego`, where the relief is 0 and even; off the road it is `level` in some
-    rectangles.
+    The ego vehicle is at `ego` in that frame; the relief is 0 and even there. Off the road it is level in the
+    rectangles `level`.
     """
     road = ground.road
     if road.curvature:
@@ -55,7 +55,7 @@ def drawn_relief(
 
 
 def _share(curvature: float, along: np.ndarray, across: np.ndarray) -> np.ndarray | float:
-    """How much of its relief the land in a bend has: none in its middle and on the far side, where it would break."""
+    """The share of its relief that land in a bend keeps: none in its middle and on the far side, to avoid breaks."""
     if not curvature:
         return 1.0
     around = np.clip((math.pi - np.abs(curvature * along)) / _TURN, 0.0, 1.0)

@@ -1,4 +1,4 @@
-"""The lines of sight from the ego vehicle to what was asked for: where they have to lead, and how many are open."""
+"""The lines of sight from the ego vehicle to the objects that were asked for, and the share of them that is open."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from lidardraft.scene.pose import Place
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.semantics import BY_NAME, GROUND
 
-SENSOR = (1.5, 2.2)  # m over the road, lowest and highest: estimates, as what follows
+SENSOR = (1.5, 2.2)  # m over the road, lowest and highest: estimates, as are those below
 _EYE = (0.0, 0.0, sum(SENSOR) / 2)
 _SEEN_WIDTH = 4.0  # of a building, a hedge and the like that stays in sight
 _UNSEEN, _LEVEL_SEEN = 0.2, 2.5  # m over the ground that may be hidden, and up to where most rays go
 _PIECE, _BEGINS, _MOST = 8.0, 2.5, 200  # m of a piece, m from the ego, objects
-_ASIDE = (0.0, -1 / 3, 1 / 3, -2 / 3, 2 / 3, -1.0, 1.0)  # where what is wide may be looked at, in shares of its half
+_ASIDE = (0.0, -1 / 3, 1 / 3, -2 / 3, 2 / 3, -1.0, 1.0)  # points of a wide object, in shares of half its width
 _GRID = np.array([(a, b) for a in (-0.7, 0.0, 0.7) for b in (0.15, 0.5, 0.85)])  # lines, in shares of width and height
 
 
 class _View(NamedTuple):
-    """What is to be seen of an object: its middle x, y, its distance, half its width, heights from and to [m]."""
+    """The part of an object to be seen: x and y of its middle, distance, half its width, lowest and highest z [m]."""
 
     x: float
     y: float
@@ -36,7 +36,7 @@ class _View(NamedTuple):
     high: float
 
     def moved(self, aside: float) -> _View:
-        """As far [m] to the left, as the ego sees it."""
+        """The view moved `aside` [m] to the left, as seen from the ego vehicle."""
         x, y = self.x - aside * self.y / self.distance, self.y + aside * self.x / self.distance
         return self._replace(x=x, y=y, distance=math.hypot(x, y))
 
@@ -48,9 +48,9 @@ class _View(NamedTuple):
 
 
 class Sights:
-    """The lines of sight to the objects `names` of a layout, as far as other objects of it leave them open.
+    """The lines of sight to the objects `names` of a layout, as far as its other objects leave them open.
 
-    `hidden` names those to which all are closed, and what hides most of each.
+    `hidden` maps each object without an open line to the object that hides most of it.
     """
 
     def __init__(self, layout: Layout, names: Collection[str]) -> None:
@@ -65,8 +65,8 @@ class Sights:
                 self.hidden[name] = Counter(itertools.chain.from_iterable(before)).most_common(1)[0][0]
 
     def spaces(self, reach: float) -> Iterator[tuple[Place, tuple[float, float], float, float]]:
-        """The space between the ego vehicle and each object, in pieces that widen towards it, up to `reach` [m]: where
-        each lies, its length and width, bottom and top [m]."""
+        """The space between the ego vehicle and each object, in pieces that widen towards it, up to `reach` [m]: the
+        place of each, its length and width, bottom and top [m]."""
         for x, y, distance, half, low, high in sorted(self._views.values(), key=lambda view: view.distance)[:_MOST]:
             begin = _BEGINS
             while begin < min(distance, reach):
@@ -86,7 +86,7 @@ class Sights:
 
 
 def _views(parts: Sequence[Primitive]) -> Iterator[_View]:
-    """What may be seen of an object: all of a thing; of what is wide a piece of it, in its middle or aside."""
+    """The views of an object: all of a thing, or pieces of a wide object, in its middle and aside."""
     body = max(parts, key=lambda part: math.prod(part.size))
     x, y, _ = body.center
     turn = body.yaw - math.atan2(y, x)
@@ -100,7 +100,7 @@ def _views(parts: Sequence[Primitive]) -> Iterator[_View]:
 
 
 def _first_hits(layout: Layout, views: Sequence[_View]) -> list[list[str]]:
-    """What stands in each line to each view, by name: "" where nothing but ground is before its end."""
+    """The name of the first object in each line to each view; "" if only ground is before its end."""
     if not views:
         return []
     ways = np.concatenate([view.ways() for view in views])

@@ -1,4 +1,4 @@
-"""The street around a layout: what was asked for stays as it is, and a street of its district fills in around it."""
+"""The street around a layout: the layout stays as it is, and a street of its district fills in around it."""
 
 from __future__ import annotations
 
@@ -36,34 +36,34 @@ from lidardraft.simulation.around.sights import SENSOR, Sights
 from lidardraft.simulation.roads import NoStreetError, with_roads
 
 _STREAM = 5  # of random numbers, apart from those that made the layout
-# How often a street that nothing is said of lies in a district, by its lanes each way: estimates.
+# Shares of districts of a street that the layout says nothing of, by its lanes each way: estimates.
 _NARROW = {"residential": 0.55, "urban": 0.25, "avenue": 0.15, "retail": 0.05}
 _WIDE = {"urban": 0.35, "avenue": 0.5, "retail": 0.15}
-# Times the traffic and the people of the district, by what is said of the street: estimates.
+# Factors of the district's traffic and people, by the activity that was asked for: estimates.
 _ACTIVITY = {"busy": StreetMix(traffic=2.5, people=4.0), "quiet": StreetMix(traffic=0.3, people=0.4)}
-# What stands there, as others see it, keeps its distance [m]: estimates.
-_GAP = 0.3  # to all that was asked for
+# Distances that added objects keep [m]: estimates.
+_GAP = 0.3  # to all objects that were asked for
 _RIM = 3.0  # twice that of the cores of crowns, whose rims stick out
 _AT_HOUSES = {"bicycle", "bin", "letterbox"}
 _AHEAD, _ASIDE = 5.0, 1.0  # of traffic along its lane and beside it
-_VIEW_PIECE = 8.0  # m of a piece of what a picture shows
+_VIEW_PIECE = 8.0  # m of a piece of a picture's field of view
 _HUGGED = 0.4  # share of scenes in which traffic may stand right beside the ego vehicle: an estimate
-_HIGH = 50.0  # m over and under anything
-_REACH = 112.0  # m, a little less than sensors reach: beyond it nothing is added
-_OVER_ROAD, _BEYOND = 4.0, 80.0  # m over roads that stay free, m beyond the end of one
-_LARGE = {*VEHICLE_LABELS, "building"}  # classes of what is too large for a slope
+_HIGH = 50.0  # m over and under all objects
+_REACH = 112.0  # m, a little less than sensors reach: no objects are added beyond
+_OVER_ROAD, _BEYOND = 4.0, 80.0  # m over roads that stay free; m beyond the end of a road
+_LARGE = {*VEHICLE_LABELS, "building"}  # classes of objects too large for a slope
 
 
 def surround(layout: Layout, *, seed: int = 0) -> Layout:
     """The layout with a street around it: buildings, plants, furniture, traffic and people as simple shapes.
 
-    All primitives of the layout stay as they are; those that come with the street have ids such as "around/tree_12",
-    and `edit.remove(layout, "around/*")` takes them away. What a sentence counts or denies is not added, nothing
-    touches what was asked for, and sight lines to it stay open. `intent.around` is its district; notes say which
-    objects are hidden by which that were asked for too, or why there is no street. `provenance["surroundings"]` has the
-    number of objects, and the share of the sight lines that is open.
+    All primitives of the layout stay as they are. Those of the street have ids such as "around/tree_12", and
+    `edit.remove(layout, "around/*")` removes them. Objects that a sentence counts or denies are not added. No object
+    touches one that was asked for, and lines of sight to these stay open. `intent.around` is the district. Notes name
+    objects hidden by others that were asked for, or say why there is no street. `provenance["surroundings"]` has the
+    number of objects and the share of open lines of sight.
 
-    Raises `LayoutError` on an invalid seed, and where the layout has surroundings already.
+    Raises `LayoutError` if the seed is invalid or the layout has surroundings already.
     """
     check_type("layout", layout, Layout)
     seed = check_seed(seed)
@@ -93,7 +93,7 @@ def surround(layout: Layout, *, seed: int = 0) -> Layout:
 
 
 class _Scene:
-    """What is given of a street: all in the frame of the road, in which the ego vehicle stands at x, y, yaw `ego`."""
+    """The given part of a street, in the frame of its road; the ego vehicle is there at x, y, yaw `ego`."""
 
     def __init__(self, layout: Layout, street: StreetFrame) -> None:
         self.street, self.road = street, street.road
@@ -106,7 +106,7 @@ class _Scene:
         is_drawn = self.intent.road is None and self.coverage is None
         self.counted = {p.label for p in layout} if is_drawn else set[str]()
         self.free = {name for name, asked in self.intent.objects.items() if not asked.counted}
-        # more of "houses on both sides", or of what "downtown" implies, may well stand in front of them
+        # more of "houses on both sides", or of the objects that "downtown" implies, may stand in front of them
         watched = {
             name for name, some in self.asked.items() if name not in self.free or BY_NAME[some[0].label].is_thing
         }
@@ -120,7 +120,7 @@ class _Scene:
         district = applied(_ACTIVITY.get(str(self.intent.activity), StreetMix()), district)
         district = _beside_lots(district, road)
         paved = bool(rng.random() < district.paved)
-        # what was asked for would be out of sight behind banks
+        # banks would hide the objects that were asked for
         crossed = self.paved or any(map(self._is_beside, itertools.chain.from_iterable(self.asked.values())))
         land = dataclasses.replace(district.land, ditch=0.0, bank=0.0) if crossed else district.land
         ground = Ground(road, rng, land, plain=self.street.plain, paved=paved)
@@ -137,7 +137,7 @@ class _Scene:
         for place, size, label in self.paved:
             space = Solid.box(*place, size, -_HIGH, _HIGH if label == "sidewalk" else _OVER_ROAD)
             occupancy.keep_public(space) if label == "sidewalk" else occupancy.reserve(space)
-        # between buildings a road has strips for parked cars where they stand on one side at least
+        # between buildings a road has parking strips if cars are parked on one side at least
         parked = 1.0 / (2.0 - district.parked) if district.built_up else district.parked
         parking = tuple(side for side in SIDES if road.parking > 0 and rng.random() < parked)
         lights = sample_lights(road, district, rng)
@@ -145,8 +145,8 @@ class _Scene:
         return Frame(district, street, occupancy), name
 
     def relief(self, ground: Ground) -> Relief | None:
-        """How the ground is to rise and fall, where the layout leaves that open; level under large things that were
-        asked for beside the road."""
+        """The relief of the ground if the layout leaves it open; level under large objects that were asked for beside
+        the road."""
         if self.coverage is not None or not any(one.open and one.label == "terrain" for one in self.given):
             return None
         large = (part for parts in self.asked.values() for part in parts if part.label in _LARGE)
@@ -157,7 +157,7 @@ class _Scene:
         return bool(abs(self.road.along_across(*part.center[:2])[1]) > self.road.verge)
 
     def land(self, ground: Ground) -> Iterator[Primitive]:
-        """The ground that the layout lacks, and paved yards and driveways beside the road."""
+        """The missing ground of the layout, and paved yards and driveways beside the road."""
         corners, kinds, across = ground.quads()
         outside = self._is_outside(corners)
         yards = (kinds == 1) & (np.abs(across) > self.road.verge)
@@ -176,7 +176,7 @@ class _Scene:
                 yield Primitive.from_mesh(*quads(quad), label=label, id=AROUND + name)
 
     def _footprints(self, rng: np.random.Generator) -> Iterator[Solid]:
-        """What stays free around the ego vehicle and what was asked for; of what is on the road, its lane as well."""
+        """The space to keep free around the ego vehicle and given objects; for objects on the road, their lane too."""
         length, width, height = EGO_SIZE
         yield Solid.box(*self.ego, (length + 2 * _AHEAD, width + _ASIDE), 0.0, height)
         if rng.random() > _HUGGED:
@@ -194,7 +194,7 @@ class _Scene:
                 yield Solid.box(x, y, self.road.at(along, across)[2], size, 0.0, SENSOR[1])
 
     def _view(self) -> Iterator[Solid]:
-        """What a picture shows, in which only what it shows is to stand."""
+        """The field of view of a picture: only objects that it shows may stand in it."""
         if self.coverage is None:
             return
         start, end = self.coverage
@@ -205,14 +205,14 @@ class _Scene:
             yield Solid.box(*place, (_VIEW_PIECE, 2 * far * math.tan(half)), -_HIGH, _HIGH)
 
     def _beyond_ends(self) -> Iterator[Solid]:
-        """Where a drawn road would go on."""
+        """The space beyond the ends of a drawn road: its continuation."""
         for end in self.street.ends or ():
             x, y, yaw = self.road.at(end + math.copysign(_BEYOND / 2, end), 0.0)
             yield Solid.box(x, y, yaw, (_BEYOND, 2 * self.road.verge), -_HIGH, _HIGH)
 
     def standing(self, objects: Sequence[PlacedObject]) -> list[PlacedObject]:
-        """The objects that sensors reach, but vans longer than `scene.check` takes a car for; in a drawn layout on its
-        ground, which need not be alike on both sides of the road."""
+        """The objects within reach of sensors, without vans longer than the cars of `scene.check`; those of a drawn
+        layout stand on its ground, which may differ between the sides of the road."""
         objects = [one for one in objects if math.dist((one.x, one.y), self.ego[:2]) < _REACH]
         longest = SIZE_RANGES["car"][1][0]
         objects = [one for one in objects if "car" not in kind_of(one.kind).labels or one.size[0] < longest]
@@ -222,7 +222,7 @@ class _Scene:
         return [dataclasses.replace(one, z=one.z - one.level + ground.height(one.x, one.y)) for one in objects]
 
     def _is_outside(self, corners: np.ndarray) -> np.ndarray:
-        """Which quadrilaterals [..., 4, 3] a picture does not show."""
+        """The mask [...] of quadrilaterals [..., 4, 3] that the picture does not show."""
         if self.coverage is None:
             return np.ones(corners.shape[:-2], dtype=bool)
         start, end = self.coverage
@@ -232,7 +232,7 @@ class _Scene:
 
 
 def _to_fill(layout: Layout) -> tuple[RoadNetwork, StreetFrame]:
-    """The roads of a layout, and the street that is to be filled."""
+    """The roads of a layout, and the street to fill."""
     roads = layout.roads
     if roads is None or roads.street is None:
         raise NoStreetError("no street around it: its roads are those of a map, and only one road can be filled")
@@ -242,7 +242,7 @@ def _to_fill(layout: Layout) -> tuple[RoadNetwork, StreetFrame]:
 
 
 def _sample_district(road: Road, intent: Intent, rng: np.random.Generator) -> str:
-    """The name of a district that such a road may lead through."""
+    """The name of a district that fits such a road."""
     if only := only_district(road, intent.road):
         return only
     shares = _NARROW if road.lanes == 1 else _WIDE
@@ -259,9 +259,9 @@ def _beside_lots(district: District, road: Road) -> District:
 
 
 def _denied(intent: Intent, counted: set[str]) -> frozenset[str]:
-    """The kinds of objects of which one more would contradict what was asked for.
+    """The kinds of objects of which one more would contradict the request.
 
-    Sketches and boxes count the things of which they have any: they are those of the classes `counted`.
+    Sketches and boxes show all their things: no more of the classes `counted` may be added.
     """
     words = set(intent.denied)
     for word in words:
@@ -275,11 +275,11 @@ def _denied(intent: Intent, counted: set[str]) -> frozenset[str]:
     if intent.activity == "empty":
         labels |= {name for name, row in BY_NAME.items() if row.is_thing}
     denied = {name for name, kind in KINDS.items() if {name, kind.word} & words or labels.intersection(kind.labels)}
-    return frozenset(denied | {"grass"})  # of which a coarse layout has nothing
+    return frozenset(denied | {"grass"})  # coarse layouts have no grass
 
 
 def _shapes(standing: Sequence[PlacedObject]) -> Iterator[Primitive]:
-    """The coarse shapes of what was placed."""
+    """The coarse shapes of placed objects."""
     for one in standing:
         shapes = [shape for shape in kind_of(one.kind).coarse(one) if shape.lobes in (0, 1)]
         for number, shape in enumerate(shapes):

@@ -1,4 +1,4 @@
-"""Buildings: houses, blocks and sheds in whole boxes, fronts with windows in thin ones."""
+"""Buildings: houses, blocks and sheds from thick boxes, fronts with windows from thin ones."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from lidardraft.simulation.detail.coarse_object import CoarseObject, UprightBox
 from lidardraft.simulation.detail.fitting import fitted, solid, stretched
 from lidardraft.simulation.detail.surroundings import Surroundings
 
-# By what they are called here and in sentences.
+# By their names here and in sentences.
 _KINDS = {
     word: name for name, kind in KINDS.items() if kind.labels == ("building",) for word in (name, kind.word) if word
 }
 _PROUD = {"house": (EAVES, EAVES, 0.0), "block": (0.05, 0.05, 0.0), "shed": (0.1, 0.1, 0.0)}  # m
-# Estimates of ours [m].
+# Estimates [m].
 _FRONT = 1.3  # thickness up to which a box is a front without a body
 _LEAST_FRONT = (1.8, 2.0)  # length and height of a front with windows
 _MOST_WINDOWS = 100  # bays of a front, and storeys: more would take memory without a limit
@@ -27,15 +27,15 @@ _LEAST_BODY = (3.0, 2.2)  # length or width, and height, of a box that becomes a
 _HOUSE = (16.0, 9.0)  # longest and highest
 _SHED = (4.5, 3.6)  # narrower or lower than this
 _RISE, _LEAST_RISE, _MOST_RISE = 0.42, 0.25, 0.45  # of a roof: share of the width; least and most share of the height
-_OPENINGS = (0.36, 0.45, 0.6)  # shares of a bay that are window, as of streets' buildings
-# The same of clusterings, which have the walls that sent rays back: PandaSet's fronts lose 1.8 % of their firings, with
-# 0.2 lost are 2.3 %, with the shares above 2.8 %.
+_OPENINGS = (0.36, 0.45, 0.6)  # shares of a bay that are window, as in streets
+# The same for clusterings, which have the walls that sent rays back. PandaSet's fronts lose 1.8 % of their firings; a
+# share of 0.2 loses 2.3 %, the shares above 2.8 %.
 _CLUSTERED_OPENING = 0.2
 _LEDGE = 0.045  # m that sills and ledges stand out of a wall
 
 
 def building(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
-    """Each of its boxes as a building or a front; what is too small for either stays as it is."""
+    """Each box as a building or a front; boxes too small for either stay as they are."""
     made = []
     for part in coarse.parts:
         box = UprightBox.around([part])
@@ -63,7 +63,7 @@ def _body(coarse: CoarseObject, box: UprightBox) -> list[Primitive]:
 
 
 def _facing(box: UprightBox, towards: tuple[float, float]) -> UprightBox:
-    """The box turned by quarters so that its front, -y, faces that way."""
+    """The box turned by quarters so that its front, -y, faces the direction `towards`."""
     way = math.atan2(towards[1], towards[0]) + math.pi / 2 - box.yaw
     return box.turned(round(way / (math.pi / 2)) % 4)
 

@@ -1,4 +1,4 @@
-"""One object of a layout as it was given: its primitives, and what every rule asks of them."""
+"""One object of a layout as given: its primitives, and the properties that the rules of detail use."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from lidardraft.scene.pose import Place, point_at
 from lidardraft.semantics import BY_NAME, GROUND
 
 _MACHINES = ("bicycle", "motorcycle")
-_RIDES_WITHIN = 0.8  # m between the middles of a rider and of what is ridden: an estimate of ours
-_CROWN_OVER = 0.5  # m from the top of a trunk to the crown that is its own, at most: an estimate of ours
-_HALF_ROOF = 0.19  # of the width of a house: half the height of a usual roof, as streets have them
-_MOST_EMPTY = 2.0  # times the volume of parts that the box around one object has: an estimate of ours
+_RIDES_WITHIN = 0.8  # m between the middles of a rider and of the machine: an estimate
+_CROWN_OVER = 0.5  # m from the top of a trunk to its crown, at most: an estimate
+_HALF_ROOF = 0.19  # of the width of a house: half the height of a usual roof, as in streets
+_MOST_EMPTY = 2.0  # times the volume of parts that the box around one object has: an estimate
 
 
 class UprightBox(NamedTuple):
@@ -46,25 +46,25 @@ class UprightBox(NamedTuple):
 
     @property
     def place(self) -> Place:
-        """Where its middle stands."""
+        """x, y, yaw of the middle of its base."""
         return self.x, self.y, self.yaw
 
     def turned(self, quarters: int) -> UprightBox:
-        """The same box, its x axis turned on by quarters of a circle."""
+        """The same box with its x axis turned by quarters of a circle."""
         length, width, height = self.size
         size = (width, length, height) if quarters % 2 else self.size
         return self._replace(yaw=self.yaw + quarters * math.pi / 2, size=size)
 
     def lengthwise(self, times: float = 1.0) -> UprightBox:
-        """The same box, its x axis along its longer side where that is more than `times` as long as the other."""
+        """The same box with x along its longer side, if that is more than `times` as long as the other."""
         return self.turned(1) if self.size[1] > times * self.size[0] else self
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoarseObject:
-    """The primitives of one object, or of a rider and what is ridden, and the generator of its random numbers.
+    """The primitives of one object, or of a rider and the machine, and the generator of its random numbers.
 
-    `name` is the part of their ids before the dot; `owners` says, by class, whose name and instance its parts have.
+    `name` is the part of their ids before the dot. `owners` gives, by class, the name and instance of its parts.
     `seed` is that of the whole layout.
     """
 
@@ -76,12 +76,12 @@ class CoarseObject:
 
     @classmethod
     def of(cls, parts: Sequence[Primitive], seed: int, name: str) -> CoarseObject:
-        """Of the primitives of one object: its random numbers depend on `seed` and `name` alone."""
+        """From the primitives of one object; its random numbers depend on `seed` and `name` alone."""
         owners = {part.label: (object_of(part), part.instance) for part in reversed(parts)}
         return cls(name, tuple(parts), owners, seed, generator_of(seed, name))
 
     def again(self) -> CoarseObject:
-        """The same with its random numbers from the first on, for parts that are to be alike."""
+        """The same object with its random numbers from the start, for parts that are to be alike."""
         return replace(self, rng=generator_of(self.seed, self.name))
 
     @property
@@ -91,16 +91,16 @@ class CoarseObject:
 
     @property
     def word(self) -> str:
-        """What its name begins with: `car` of `car_3`, and of `around/car_3`."""
+        """The word in its name: `car` for `car_3` and for `around/car_3`."""
         return self.name.rpartition("/")[2].rpartition("_")[0]
 
     def box(self) -> UprightBox:
-        """The box around all of it."""
+        """The box around all its parts."""
         return UprightBox.around(self.parts)
 
     def placed(self) -> PlacedObject:
-        """The object that its coarse shapes are of (`objects.coarse_shapes`): what hangs over others does so with its
-        clearance; of a house they have half of the roof."""
+        """The object to which its coarse shapes belong (`objects.coarse_shapes`). An overhanging part gives the
+        clearance; the shapes of a house have half of the roof."""
         box = self.box()
         length, width, height = box.size
         clearance = max(part.center[2] - part.size[2] / 2 for part in self.parts) - box.bottom
@@ -117,10 +117,10 @@ class CoarseObject:
 
 
 def coarse_objects(layout: Layout, seed: int, *, clustered: bool = False) -> Iterator[CoarseObject]:
-    """The objects of `layout` but ground, in order; who rides comes with what is ridden, and a trunk with its crown.
+    """The objects of `layout` except ground, in order; a rider comes with the machine, a trunk with its crown.
 
-    Of a `clustered` layout, trunks and pieces of crowns stay apart. Left out is what has a part with a material, a mesh
-    or an extinction: it is no coarse object.
+    In a `clustered` layout, trunks and pieces of crowns stay apart. Objects with a material, a mesh or an extinction
+    are not coarse and are left out.
     """
     groups: dict[str, list[Primitive]] = {}
     for primitive in layout:
@@ -147,7 +147,7 @@ def _is_coarse(part: Primitive) -> bool:
 
 
 def _apart(parts: list[Primitive]) -> list[list[Primitive]]:
-    """Parts of one name by object: several things may have one name, as `car.1` and `car.2` do."""
+    """The parts of one name by object: several things may share a name, such as `car.1` and `car.2`."""
     if len(parts) == 1 or not BY_NAME[parts[0].label].is_thing:
         return [parts]
     ridden = [part for part in parts if part.label in _MACHINES]
@@ -165,13 +165,13 @@ def _apart(parts: list[Primitive]) -> list[list[Primitive]]:
 
 
 def generator_of(seed: int, name: str) -> np.random.Generator:
-    """The random numbers of what has that name, the same on every machine."""
+    """The random numbers of the object of that name, the same on every machine."""
     digest = hashlib.blake2b(f"{seed} {name}".encode(), digest_size=8).digest()
     return np.random.Generator(np.random.SFC64(int.from_bytes(digest, "little")))
 
 
 def _join_crowns(groups: dict[str, list[Primitive]]) -> set[str]:
-    """Add to each trunk that is alone the crown over it, if there is one; the names of these crowns."""
+    """Add to each single trunk the crown over it, if any; returns the names of these crowns."""
     alone = [parts for parts in groups.values() if len(parts) == 1]
     crowns = [parts[0] for parts in alone if (parts[0].label, parts[0].shape) == ("vegetation", "ellipsoid")]
     joined: set[str] = set()

@@ -1,4 +1,4 @@
-"""Any layout in detail: its boxes, cylinders and ellipsoids become the objects that they stand for."""
+"""Any layout in detail: detailed objects replace its boxes, cylinders and ellipsoids."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from lidardraft.simulation.detail.roadside import fence, other, plant, pole, wal
 from lidardraft.simulation.detail.surroundings import Surroundings
 from lidardraft.simulation.detail.traffic import car, heavy, machine, person, rider
 
-# What an object becomes, by the first of these classes that it has.
+# The rule for an object, by the first of these classes that it has.
 RULES: dict[str, Callable[[CoarseObject, Surroundings], list[Primitive]]] = {
     "rider": rider,
     "car": car,
@@ -46,12 +46,11 @@ def _in_paint(part: Primitive, paint: str) -> Primitive:
 def detail(layout: Layout, *, seed: int = 0, around: Layout | None = None) -> Layout:
     """The layout with each coarse object replaced by a detailed one in its place, as in docs/explanation/simulation.md.
 
-    Ids keep the part before the dot, and objects their classes, instances, places and extents. What has a material, a
-    mesh or an extinction stays as it is, and so does the ground, which gets markings and kerbs. An object's random
-    numbers depend on `seed` and its name alone, so that an edit of one changes no other. Objects that are put into
-    another layout, `around` them, have its roads, and their own ground stays as it is.
-
-    Raises `LayoutError` on an invalid seed.
+    Ids keep the part before the dot; objects keep their classes, instances, places and extents. Objects with a
+    material, a mesh or an extinction stay as they are. So does the ground, which gets markings and kerbs. An object's
+    random numbers depend on `seed` and its name alone: an edit of one object changes no other. Objects to be put into
+    another layout, `around` them, use its roads, and their own ground stays as it is.
+    Raises `LayoutError` if the seed is invalid.
     """
     check_type("layout", layout, Layout)
     seed = check_seed(seed)
@@ -83,7 +82,7 @@ def detail(layout: Layout, *, seed: int = 0, around: Layout | None = None) -> La
 
 
 def _as_placed(coarse: CoarseObject) -> list[Primitive]:
-    """What stands around a layout, built as in a street, with the instances that it has."""
+    """An object of the surroundings, built as in a street, with its own instances."""
     parts = kind_of(coarse.word).build(coarse.placed(), coarse.rng)
     for part in parts:
         if part.instance:
@@ -92,7 +91,7 @@ def _as_placed(coarse: CoarseObject) -> list[Primitive]:
 
 
 def _named(parts: list[Primitive], name: str, taken: set[str]) -> list[Primitive]:
-    """Parts of one object with an id each: new ones are `name`, `name.1`, ..., given ones keep theirs."""
+    """The parts of one object, each with an id: new ones are `name`, `name.1`, ..., given ones keep theirs."""
     given = taken | {part.id for part in parts}
     number = 0
     for part in parts:

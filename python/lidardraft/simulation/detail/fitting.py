@@ -1,4 +1,4 @@
-"""A builder's object in the box that was given: built as near to it as such objects are, then stretched into it."""
+"""A builder's object in a given box: built in the nearest size of its kind, then stretched into it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from lidardraft.semantics import CLASSES
 from lidardraft.simulation.detail.coarse_object import CoarseObject, UprightBox
 
 _PROUD = (0.05, 0.05, 0.0)  # m that trim may stand out of a box: length, width, height
-_MOST_PROUD = 0.6  # m; parts that reach further out, as balconies do, are left out
+_MOST_PROUD = 0.6  # m; parts that reach further out, such as balconies, are left out
 _MOST_CUTS = 512
 _MATERIAL_OF = {row.name: CLASS_MATERIALS[row.id].name for row in CLASSES}
 
@@ -37,8 +37,8 @@ def fitted(
     """An object of a kind of `objects.kinds` in `box`, its front along the box's yaw; ids are left empty.
 
     `clearance` [m] is that of `PlacedObject`. Parts stand out of the box by `proud` [m] at most and do not reach under
-    it; they have the instances of `coarse`, and a class that it has. `labels` are the classes of the parts that are
-    wanted, by default all; `add` takes the place of the kind's own.
+    it. They have the instances and classes of `coarse`. `labels` are the classes of the parts to keep, by default all;
+    `add` replaces the builder of the kind.
     """
     low, high = kind_of(kind).extents or (box.size, box.size)
     length, width, height = (min(max(extent, a), b) for extent, a, b in zip(box.size, low, high, strict=True))
@@ -56,7 +56,7 @@ def fitted(
 def stretched(
     coarse: CoarseObject, parts: Sequence[Primitive], box: UprightBox, size: Vector, proud: Vector = _PROUD
 ) -> list[Primitive]:
-    """Parts that were built for extents `size` on the origin, in `box`."""
+    """Parts built for extents `size` at the origin, stretched into `box`."""
     most = size[0] / 2 + _MOST_PROUD, size[1] / 2 + _MOST_PROUD
     reaches = [(part, reach) for part in parts if (reach := _reach(part))[0] <= most[0] and reach[1] <= most[1]]
     limits = (box.size[0] / 2 + proud[0], box.size[1] / 2 + proud[1], box.size[2] + proud[2])
@@ -90,7 +90,7 @@ def stretched(
 
 
 def solid(part: Primitive) -> Primitive:
-    """A part as it was given, with the material of its class."""
+    """The given part with the material of its class."""
     return changed(part, material=_MATERIAL_OF[part.label])
 
 
@@ -112,7 +112,7 @@ def part_of(
 
 
 def medium(part: Primitive, extinction: float, share: float = 1.0) -> Primitive:
-    """A part as it was given, or a `share` of it about its middle, as a medium with `extinction` [1/m]."""
+    """The given part, or a `share` of it about its middle, as a medium with `extinction` [1/m]."""
     a, b, c = part.size
     return changed(
         part,
@@ -124,18 +124,18 @@ def medium(part: Primitive, extinction: float, share: float = 1.0) -> Primitive:
 
 
 def changed(part: Primitive, **fields: object) -> Primitive:
-    """The part with other fields, which are known to be valid."""
+    """The part with other fields, which must be valid: they are not checked."""
     return Primitive.unchecked(**({name: getattr(part, name) for name in part.__slots__} | fields))
 
 
 def _reach(part: Primitive) -> Vector:
-    """How far a part reaches from the middle of its object along x and y, and up [m]."""
+    """The reach of a part from the middle of its object along x, y and z [m]."""
     (x, y, z), (a, b, c) = part.center, part.size
     return abs(x) + a / 2, abs(y) + b / 2, z + c / 2
 
 
 def _cut_at_base(part: Primitive) -> Primitive | None:
-    """The part over z = 0; None if there is nothing of it."""
+    """The part over z = 0, or None if all of it is below."""
     x, y, z = part.center
     a, b, c = part.size
     top = z + c / 2
@@ -150,7 +150,7 @@ def _cut_at_base(part: Primitive) -> Primitive | None:
 
 
 def _cut_mesh(mesh: TriangleMesh, at: float) -> TriangleMesh:
-    """A mesh of the unit box over z = `at`, in the unit box again; what is made once is kept, so that it is shared."""
+    """A mesh of the unit box over z = `at`, in the unit box again; meshes are cached to be shared."""
     key = (id(mesh), at)
     entry = _cuts.get(key)  # another thread may clear the table at any time
     if entry is None:

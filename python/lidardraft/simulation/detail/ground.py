@@ -1,7 +1,7 @@
-"""What the ground gets on top: the markings of roads, and kerbstones where sidewalks meet them.
+"""Details of the ground: the markings of roads, and kerbstones where sidewalks meet them.
 
-A road that a layout says of is marked as those of streets are (`arranging/markings.py`). Of others the shapes tell the
-lanes, and the lines between. Shapes of the ground keep their places; their materials are those of their classes.
+A road that the layout describes is marked as in streets (`arranging/markings.py`). For others, the shapes give the
+lanes and the lines between them. Shapes of the ground keep their places and the materials of their classes.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ from lidardraft.simulation.roads import RoadStrip, district_of, lanes_of, strip_
 _WIDEST_ROUND = 100.0  # m
 _TWO_LANES = 5.0  # m: a narrower road has no lines
 _CLEAR = 3.0  # m from lines to a crossing road
-_BESIDE = 1.0  # m from a road within which a sidewalk has a kerb
+_BESIDE = 1.0  # m from a road: sidewalks this near have a kerb
 _KERB, _KERB_PROUD = 0.15, 0.003  # m wide; m that kerbstones stand out
 _STRAIGHT = 20.0  # m: solid lines are painted in pieces
-_BEND_PIECE = 4.0  # m, of what is painted on a bend
-_LIGHTS = 12.0  # m from a crossing road within which lights are its own
+_BEND_PIECE = 4.0  # m, the length of a piece of paint on a bend
+_LIGHTS = 12.0  # m from a crossing road within which traffic lights belong to it
 _ZEBRA_BEFORE, _ZEBRAS_APART = 2.3, 8.0  # m from a crossing road to the middle of a zebra, and between two
 
 
@@ -52,7 +52,7 @@ def ground_parts(layout: Layout, strips: tuple[RoadStrip, ...], seed: int) -> li
 
 
 def _known_markings(road: Road, layout: Layout, seed: int) -> list[Primitive]:
-    """Those of a road as the solver of sentences makes it."""
+    """The markings of a road of a sentence."""
     if road.paved_areas:
         sides = [(area.along, row_poses(road, 1 if area.across[1] > 0 else -1)) for area in road.paved_areas]
         spans = np.array([line for along, rows in sides for line in bay_lines(along, [across for across, _ in rows])])
@@ -73,7 +73,7 @@ def _known_markings(road: Road, layout: Layout, seed: int) -> list[Primitive]:
 
 
 def _crossings(road: Road, layout: Layout) -> Sequence[float]:
-    """Where people of a sentence cross the road [m along], before or behind another that crosses it."""
+    """Where people of a sentence cross the road [m along], before or behind a crossing road."""
     cross = {name for name, asked in layout.intent.objects.items() if str(asked.heading).startswith("across")}
     found: list[float] = []
     for person in layout:
@@ -119,14 +119,14 @@ def _markings(
 
 
 def _rounds(layout: Layout, strips: tuple[RoadStrip, ...]) -> list[tuple[float, float, float]]:
-    """Middle and radius of each circle around a road that is no strip, as a roundabout is."""
+    """Middle and radius of each circle around a road that is no strip, such as a roundabout."""
     known = {strip.id for strip in strips}
     others = (p for p in layout if p.label == "road" and p.id not in known and p.material is None)
     return [(p.center[0], p.center[1], max(p.size[:2]) / 2) for p in others if max(p.size[:2]) < _WIDEST_ROUND]
 
 
 def _lines(strip: RoadStrip, town: bool) -> list[Line]:
-    """Between lanes, along parked cars, and, outside towns, along the edges."""
+    """The lines between lanes, along parked cars and, outside towns, along the edges."""
     lanes = lanes_of(strip)
     if 2 * strip.half < _TWO_LANES:
         return []
@@ -144,7 +144,7 @@ def _lines(strip: RoadStrip, town: bool) -> list[Line]:
 
 
 def _pieces(strip: RoadStrip, line: Line) -> list[tuple[float, float, float]]:
-    """From, to and across [m]; what is solid is cut into pieces that follow a bend."""
+    """From, to and across [m]; solid lines are cut into pieces that follow a bend."""
     if line.gap > 0.0:
         starts = np.arange(line.gap / 2, strip.line.length - line.dash, line.dash + line.gap)
         return [(start, start + line.dash, line.across) for start in starts.tolist()]
@@ -181,7 +181,7 @@ def _kerb(walk: Primitive, strips: tuple[RoadStrip, ...]) -> Primitive | None:
 
 
 def _sides(walk: Primitive) -> list[np.ndarray]:
-    """Both long sides [S, 2] of a sidewalk, none if its shape does not tell them."""
+    """Both long sides [S, 2] of a sidewalk; empty if its shape does not give them."""
     if walk.mesh is not None:
         rows = strip_rows(walk, 4)
         return [] if rows is None else [rows[:, 1, :2], rows[:, 2, :2]]

@@ -1,4 +1,4 @@
-"""What stands beside roads: poles with lamps, signs and signals; bins and benches; walls, fences and plants."""
+"""Objects beside roads: poles with lamps, signs and signals; bins and benches; walls, fences and plants."""
 
 from __future__ import annotations
 
@@ -18,27 +18,27 @@ from lidardraft.simulation.detail.surroundings import LANE_SIDE, Surroundings
 _HEAD_PROUD = (0.3, 0.05, 0.0)  # m: shades of signals, plates before their posts
 # Lamps [m], as of `objects/poles.py`: a luminaire at the end of an arm, and how thick the arm is.
 _LUMINAIRE, _ARM = (0.6, 0.25, 0.14), 0.08
-_LONG = 1.5  # times as long as wide: what is not has no thin side
+_LONG = 1.5  # times as long as wide: shorter boxes have no thin side
 _GUESSED = ("bench", "shelter", "bin", "cabinet")  # kinds that a box may be, in this order
 _FURNITURE_PROUD = (0.1, 0.1, 0.0)  # m: handles, lids and roofs
-# Estimates of ours.
+# Estimates.
 _GARDEN_WALL = 1.0  # m: lower walls are those of gardens
-_THICK_WALL, _THICK_FENCE = 2.0, 0.8  # m: what is thicker is neither
+_THICK_WALL, _THICK_FENCE = 2.0, 0.8  # m: thicker boxes are neither
 _MESH, _MESH_FROM = 0.2, 4.0  # share of fences that are of wire mesh, of those longer than this [m]
 _LEAST_BARRIER = (0.5, 0.3)  # m of length and height
-_FENCES = ("mesh_fence", "barrier")  # kinds of fence that a name can say
-# Extinction is 0.5 times leaf-area density, see `objects/plants.py`; an index of 3.5 over the height, as of bushes and
-# small trees, and what narrows towards its top is denser.
+_FENCES = ("mesh_fence", "barrier")  # kinds of fence that a name can give
+# Extinction is 0.5 times leaf-area density, see `objects/plants.py`; the index is 3.5 over the height, as of bushes and
+# small trees. Shapes that narrow towards the top are denser.
 _LEAF_AREA, _NARROWING = 0.5 * 3.5, 1.5
 _SPREAD = 0.25  # deviation of the logarithm of densities
 _CORE, _CORE_DENSER = 0.6, 2.0  # twigs in the middle: share of the extents; times as dense
-# Mean free paths through a piece of a crown that a clustering cut: of 3, 4, 5, 6 and 8, PandaSet's foliage is as rough
-# with 4 or 5 and reads as bright with 5 or more.
+# Mean free paths through a piece of a crown of a clustering. Of 3, 4, 5, 6 and 8: PandaSet's foliage is as rough as
+# with 4 or 5, and as bright as with 5 or more.
 _PIECE_PATHS = 5.0
 
 
 def pole(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
-    """Masts, lamps on arms, signs and signals, each part where it was given."""
+    """Masts, lamps on arms, signs and signals, each part in its given place."""
     plates, lights = coarse.labelled("traffic-sign"), coarse.labelled("traffic-light")
     posts = [part for part in coarse.labelled("pole") if part.shape == "cylinder"]
     if len(posts) == 1 and len(plates) + len(lights) == 1 and len(coarse.parts) == 2:
@@ -70,7 +70,7 @@ def _on_post(coarse: CoarseObject, post: Primitive, head: Primitive, surrounding
 
 
 def _plate(coarse: CoarseObject, part: Primitive, surroundings: Surroundings) -> list[Primitive]:
-    """A plate without a post; of a clustering, whose box holds what was seen, one that fills it."""
+    """A plate without a post; in a clustering, whose boxes are tight, it fills its box."""
     box = _facing(UprightBox.around([part]), surroundings)
     if part.shape != "box" or box.size[1] < _LONG * box.size[0]:
         return [solid(part)]
@@ -79,12 +79,12 @@ def _plate(coarse: CoarseObject, part: Primitive, surroundings: Surroundings) ->
 
 
 def _facing(box: UprightBox, surroundings: Surroundings) -> UprightBox:
-    """The box with its thin side ahead; where it knows no front from back, towards who drives on that side."""
+    """The box with its thin side ahead; if its front is unknown, it faces the traffic of its side."""
     if box.size[0] > _LONG * box.size[1]:
         box = box.turned(1)
     if not surroundings.clustered:
         return box
-    # right-hand traffic: signs on the right face the ego vehicle, those on the left who comes towards it
+    # right-hand traffic: signs on the right face the ego vehicle, those on the left oncoming traffic
     ahead = math.cos(box.yaw)
     if abs(ahead) > math.sqrt(0.5):
         towards_ego = ahead < 0.0
@@ -110,7 +110,7 @@ def _lamp(coarse: CoarseObject, post: Primitive, part: Primitive) -> list[Primit
 
 
 def other(coarse: CoarseObject, _surroundings: Surroundings) -> list[Primitive]:
-    """What its name says (`bench_2` is a bench), or a kind that has such extents; else as it is."""
+    """The kind in its name (`bench_2` is a bench), or a kind of such extents; else the object as it is."""
     named = coarse.word if "other" in KINDS.get(coarse.word, KINDS["tree"]).labels else None
     if len(coarse.parts) > 1 or coarse.parts[0].shape != "box":
         return [solid(part) for part in coarse.parts]
@@ -128,7 +128,7 @@ def _is_in(box: UprightBox, kind: str) -> bool:
 
 
 def wall(coarse: CoarseObject, _surroundings: Surroundings) -> list[Primitive]:
-    """Low walls with copings as of gardens, high ones of panels between posts."""
+    """Low walls with copings, as around gardens, or high ones of panels between posts."""
     made = []
     for part in coarse.parts:
         box = UprightBox.around([part]).lengthwise()
@@ -138,8 +138,8 @@ def wall(coarse: CoarseObject, _surroundings: Surroundings) -> list[Primitive]:
 
 
 def fence(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
-    """Fences of palings, iron bars or mesh, all segments of one alike; of a clustering, which has pieces of what sent
-    back most rays, of close palings."""
+    """Fences of palings, iron bars or mesh, with all segments alike; fences of close palings in a clustering, whose
+    pieces sent back most rays."""
     made = []
     for part in coarse.parts:
         alike, box = coarse.again(), UprightBox.around([part]).lengthwise()
@@ -162,7 +162,7 @@ def _stretch_of(
 
 
 def plant(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
-    """A tree where there is one crown over one trunk; else each shape on its own."""
+    """A tree for one trunk with one crown; else each shape on its own."""
     trunks, foliage = coarse.labelled("trunk"), coarse.labelled("vegetation")
     if len(trunks) == 1 and len(foliage) == 1 and foliage[0].shape == "ellipsoid" and trunks[0].shape == "cylinder":
         return _tree(coarse, trunks[0], foliage[0])
@@ -173,7 +173,7 @@ def plant(coarse: CoarseObject, surroundings: Surroundings) -> list[Primitive]:
 
 
 def _tree(coarse: CoarseObject, trunk: Primitive, crown: Primitive) -> list[Primitive]:
-    """Boughs and lobes of a tree in leaf in the crown's box, and the trunk where it is and as thick as it is."""
+    """Boughs and lobes of a tree in leaf in the crown's box; the trunk keeps its place and thickness."""
     foot = trunk.center[2] - trunk.size[2] / 2
     x, y, _ = crown.center
     length, width, _ = crown.size
@@ -193,7 +193,7 @@ def _hedge(coarse: CoarseObject, part: Primitive) -> list[Primitive]:
 
 
 def _tuft(coarse: CoarseObject, part: Primitive, surroundings: Surroundings) -> list[Primitive]:
-    """A shape of foliage as a medium; where it is no piece of a clustering, with denser twigs in its middle."""
+    """A shape of foliage as a medium, with denser twigs in its middle unless it is a piece of a clustering."""
     if part.shape not in ("ellipsoid", "cylinder"):
         return [part]
     if surroundings.clustered:

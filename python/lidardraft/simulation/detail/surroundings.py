@@ -1,5 +1,5 @@
-"""What the rules ask of the layout around an object: its roads as frames along and across, where their shapes tell it
-(rectangles, and strips along a bend), and whether fronts and backs are known."""
+"""The layout around an object, for the rules of detail: its roads as frames along and across, if their shapes give
+these (rectangles, and strips along a bend), and whether headings are known."""
 
 from __future__ import annotations
 
@@ -10,25 +10,25 @@ from lidardraft.scene.layout import Layout
 from lidardraft.simulation.detail.coarse_object import CoarseObject, UprightBox
 from lidardraft.simulation.roads import RoadStrip, road_strips
 
-LANE_SIDE = 1.75  # m, half a lane: what stands further to the left comes towards the ego vehicle
-_ALONG = math.cos(math.radians(40.0))  # what is turned by less against the ego vehicle drives along its road
-_WITH_LANE = 0.95  # share of vehicles along a road that stand in its direction: an estimate of ours
+LANE_SIDE = 1.75  # m, half a lane: objects further to the left are oncoming
+_ALONG = math.cos(math.radians(40.0))  # objects turned by less against the ego vehicle drive along its road
+_WITH_LANE = 0.95  # share of vehicles along a road that head in its direction: an estimate
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Surroundings:
-    """`strips` are the roads whose frame can be told; `clustered` is whether boxes know no front from back."""
+    """`strips` are the roads with a known frame; `clustered` is whether the headings of boxes are unknown."""
 
     strips: tuple[RoadStrip, ...]
     clustered: bool
 
     @classmethod
     def of(cls, layout: Layout) -> Surroundings:
-        """Those of the objects of a layout."""
+        """The surroundings of the objects of a layout."""
         return cls(tuple(road_strips(layout)), not layout.intent.headed)
 
     def headed(self, coarse: CoarseObject, box: UprightBox) -> UprightBox:
-        """The box with its likelier heading, where it knows no front from back: that of its lane, or any."""
+        """The box as it is or, if its heading is unknown, with a likely one: that of its lane, or either."""
         if not self.clustered:
             return box
         chance = float(coarse.rng.random())
@@ -39,7 +39,7 @@ class Surroundings:
         return box if (ahead > 0.0) == with_ego else box.turned(2)
 
     def road_side(self, box: UprightBox) -> tuple[float, float]:
-        """The direction (x, y) from an object to the nearest road, or to the ego vehicle where none is known."""
+        """The direction (x, y) from an object to the nearest road, or to the ego vehicle if no road is known."""
         nearest, least = (-box.x, -box.y), math.inf
         for strip in self.strips:
             x, y = strip.line.nearest(box.x, box.y)

@@ -1,4 +1,4 @@
-"""Who drives along a lane: where, and how fast it would like to go."""
+"""A driver in a lane: its place, and the speed that it would like."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from lidardraft.scene.lane import Lane
 from lidardraft.scene.scenario import AlongLane
 from lidardraft.scene.solids import Solid
 
-_TURN = 0.35  # rad against its lane; what is turned by more does not drive along it
-_BESIDE = 3  # halves of a lane that who overtakes is beside the middle of its own, at most
-# Times the speed of the road, and m/s at most: estimates.
+_TURN = 0.35  # rad against its lane; bodies turned by more do not drive along it
+_BESIDE = 3  # half lane widths that an overtaking vehicle is beside the middle of its lane, at most
+# Factors of the speed of the road, and highest speeds [m/s]: estimates.
 _PACES = {
     "motorcycle": (1.0, math.inf),
     "bicycle": (1.0, 5.0),
@@ -30,8 +30,8 @@ _HALTS = 8.0  # s that a bus halts
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """An object that may move: its name and classes, x, y, z of its middle [m] and yaw, its length, width, height [m]
-    and the parts that may be bumped into."""
+    """An object that may move: its name and classes, x, y, z of its middle [m] and yaw [rad], length, width, height
+    [m], and the parts that others can collide with."""
 
     name: str
     labels: frozenset[str]
@@ -42,7 +42,7 @@ class Body:
 
 @dataclass(slots=True, eq=False)
 class Driver:
-    """Who drives along a lane: from how far along it [m], so far left of its middle [m], at which speed [m/s]."""
+    """A driver `along` a lane [m], `left` of its middle [m], with its `speed` [m/s]."""
 
     body: Body
     motion: AlongLane
@@ -50,23 +50,23 @@ class Driver:
     along: float
     left: float
     yaw: float  # against the lane, at the start
-    start: float  # how far along it was then [m]
+    start: float  # `along` at the start [m]
     speed: float = 0.0
     waited: float = 0.0  # s since it came to stand
-    barred: float = math.inf  # how far along it its front can go [m]
-    beside: bool = False  # whether it has been beside whom it overtakes
+    barred: float = math.inf  # the furthest place of its front along the lane [m]
+    beside: bool = False  # whether it has been beside a vehicle that it overtakes
     returns: bool = False  # to its lane, or to its `side` of it
-    side: float = 0.0  # how far left of the middle [m]
+    side: float = 0.0  # its goal left of the middle [m]
 
     def wish(self, time: float) -> float:
-        """The speed of a free way [m/s]."""
+        """The speed that it wants at a `time` [s] if the way is free [m/s]."""
         if time < self.motion.start:
             return 0.0
         said = [speed for when, speed in self.motion.later if when <= time]
         return min(said[-1] if said else self.usual(), self.lane.limit(self.along))
 
     def halt(self) -> float:
-        """How far along its lane its front can go before it has halted where it is to do so [m]."""
+        """The furthest place of its front along its lane before its halt [m]; infinite without one."""
         if self.motion.halt is None or self.waited > _HALTS:
             return math.inf
         (along,), _ = self.lane.line.along_across(np.array([self.motion.halt]))
@@ -74,7 +74,7 @@ class Driver:
         return line if self.along + self.body.size[0] / 2 < line else math.inf
 
     def usual(self) -> float:
-        """The speed [m/s] that it is said to have, or that of its road and kind."""
+        """The speed [m/s] of its motion, or else that of its road and kind."""
         if self.motion.speed is not None:
             return self.motion.speed
         label = next((label for label in _PACES if label in self.body.labels), "")
@@ -84,9 +84,9 @@ class Driver:
 
 
 def driver_of(body: Body, motion: AlongLane, lanes: Sequence[Lane]) -> Driver | None:
-    """The body as a driver in the lane that it stands in and looks along; None where there is none.
+    """The body as a driver in the lane that it stands in and heads along, or None if there is no such lane.
 
-    Where no lane goes on straight it turns, and of several that are one there it takes any."""
+    It turns if no lane goes straight on. Of several lanes that coincide at that place it takes any."""
     x, y, _, yaw = body.place
     best, least = None, (True, True, math.inf, 0)
     for lane in lanes:

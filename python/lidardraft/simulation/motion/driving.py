@@ -1,7 +1,7 @@
-"""Traffic on the lanes of a layout: who follows whom, and where everybody is at each step.
+"""Traffic on the lanes of a layout: followers, and the place of each road user at each step.
 
-Vehicles keep the distance of the Intelligent Driver Model and never drive faster than they can stop behind whoever is
-in their way (Gipps, Transportation Research B 15, 1981).
+Vehicles keep the distance of the Intelligent Driver Model. They never drive too fast to stop behind the road user in
+their way (Gipps, Transportation Research B 15, 1981).
 """
 
 from __future__ import annotations
@@ -22,14 +22,17 @@ from lidardraft.simulation.motion.walking import FORESEEN, foreseen, walked
 STEP = 0.05  # s between the places of a track
 _WARNS = 1.0  # s before a vehicle in which people let it pass
 _SIDE = 0.2  # m that stay free beside a vehicle
-_TOUCHING = 0.5  # m by which what stands before a vehicle may reach into its box at the start
-_ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and what tyres give
-_STANDS, _ROLLS = 0.1, 1.5  # m/s: who wants to be slower than that stands; from which it waits no more
+_TOUCHING = 0.5  # m by which an object before a vehicle may reach into its box at the start
+_ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and the limit of tyres
+_STANDS, _ROLLS = (
+    0.1,
+    1.5,
+)  # m/s: a vehicle with a lower wanted speed stands; a faster one no longer waits
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
-_SEES, _CLEAR, _TO_EDGE = 20.0, 1.0, 0.7  # m to cyclists who are passed, beside them, and from these to the lane's edge
+_SEES, _CLEAR, _TO_EDGE = 20.0, 1.0, 0.7  # m of view to cyclists, m beside them, m from them to the lane's edge
 _LEFT = 4.0  # m/s at which a bus has left its stop
-_RETURN, _PASSED = 25.0, 6.0  # m over which it returns, and that it is ahead of whom it has passed then
-CYCLES = frozenset({"bicycle"})  # classes of what keeps right
+_RETURN, _PASSED = 25.0, 6.0  # m over which a vehicle returns to its lane; m that it is then ahead of the passed one
+CYCLES = frozenset({"bicycle"})  # classes that keep right
 
 
 def drive(
@@ -40,8 +43,10 @@ def drive(
     times: np.ndarray,
     rules: RightOfWay,
 ) -> dict[str, Track]:
-    """The tracks of drivers at `times` [s], a step apart, and those of `walks` over roads, among `others` that move as
-    they do and bodies that stand."""
+    """The tracks of drivers, and of `walks` over roads, at `times` [s] that are `STEP` apart.
+
+    `others` have known tracks; all other bodies stand.
+    """
     moving = {*others, *walks, *(driver.body.name for driver in drivers)}
     standing = [body for name, body in bodies.items() if name not in moving]
     solids = [solid for body in standing for solid in body.solids]
@@ -85,13 +90,13 @@ def _towards(places: np.ndarray, walks: Iterable[Walk]) -> np.ndarray:
 
 
 def boxes_of(solids: Sequence[Solid]) -> np.ndarray:
-    """Solids that stand, as people on foot see them (`Watch.obstacles`)."""
+    """Standing solids as rows of `Watch.obstacles`, f64 [S, 6]."""
     rows = [(*one[:2], math.atan2(one.sin, one.cos), one.half_length, one.half_width, 0.0) for one in solids]
     return np.array(rows).reshape(-1, 6)
 
 
 def extents_in(lane: Lane, solids: Sequence[Solid]) -> np.ndarray:
-    """Of each solid how near along a lane it begins, and its right and left end beside the middle [m], f64 [S, 3]."""
+    """The nearest point of each solid along a lane, and its right and left end beside the middle [m], f64 [S, 3]."""
     if not solids:
         return np.empty((0, 3))
     first = np.cumsum([0, *(len(solid.outline) for solid in solids)])[:-1]
@@ -101,7 +106,7 @@ def extents_in(lane: Lane, solids: Sequence[Solid]) -> np.ndarray:
 
 
 def settle(driver: Driver, extents: np.ndarray) -> None:
-    """Tell a driver how far standing objects (`extents_in` its lane) let it go; cyclists keep right."""
+    """Set how far standing objects (`extents_in` its lane) let a driver go; cyclists keep right."""
     driver.barred = bar_of(driver, extents)
     if driver.body.labels & CYCLES and driver.lane.kind == "driving":
         side = min(_TO_EDGE - driver.lane.width / 2, 0.0)
@@ -110,8 +115,8 @@ def settle(driver: Driver, extents: np.ndarray) -> None:
 
 
 def bar_of(driver: Driver, extents: np.ndarray) -> float:
-    """How far along its lane a driver's front can go: to the first standing object of `extents_in` that lane, or to its
-    end. Where others drive on at the end of the map, the ego vehicle stops."""
+    """The furthest place of a driver's front along its lane [m]: at the first standing object of `extents_in` that
+    lane, or at its end. At the end of the map the ego vehicle stops, and others drive on."""
     front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
     ends = [driver.lane.line.length if driver.lane.closed or driver.body.name == "ego" else math.inf]
     nearest, low, high = extents.T
@@ -120,8 +125,8 @@ def bar_of(driver: Driver, extents: np.ndarray) -> float:
 
 
 class Traffic:
-    """All drivers, lane by lane, at one time, among `others` that follow no lane; their x, y, yaw and velocity, and for
-    how long [s] it is expected to be that, are given for each time, f64 [W, 6]."""
+    """All drivers, lane by lane, at one time, among `others` that follow no lane. The rows of these are f64 [W, 6]: x,
+    y, yaw, velocity, and the time [s] for which that velocity is foreseen."""
 
     def __init__(self, drivers: Sequence[Driver], others: Sequence[Body], rules: RightOfWay) -> None:
         self.drivers, self.rules = drivers, rules
@@ -134,7 +139,7 @@ class Traffic:
             self.lanes.setdefault(id(driver.lane), []).append(number)
 
     def begin(self, starting: Sequence[Driver], others: np.ndarray, time: float = 0.0) -> None:
-        """Those who are starting as fast as they like, but so that they can stop behind who is ahead."""
+        """Set the speeds of `starting` drivers: as wanted, but slow enough to stop behind the road user ahead."""
         for driver in starting:
             driver.speed = driver.wish(time)
         for _ in starting:  # a queue needs as many rounds as it is long
@@ -165,7 +170,7 @@ class Traffic:
         return found
 
     def boxes(self, others: np.ndarray) -> np.ndarray:
-        """All that moves, as people on foot see it (`Watch.obstacles`): a vehicle is as long as it goes in a second."""
+        """All moving bodies as rows of `Watch.obstacles`; a vehicle also covers its way in the next second."""
         x, y, yaw, *rate = self._all(others).T
         half_length, half_width = self.sizes.T / 2
         speed = np.where(self.walking, 0.0, np.hypot(*rate))
@@ -174,7 +179,7 @@ class Traffic:
         return np.column_stack([*along, yaw, half_length + way, half_width, speed])
 
     def advance(self, time: float, others: np.ndarray, span: float = STEP) -> None:
-        """A step of `span` [s] on."""
+        """Advance all drivers by `span` [s]."""
         for driver, (gap, ahead) in zip(self.drivers, self._free(others, time), strict=True):
             motion, speed, wish = driver.motion, driver.speed, min(driver.wish(time), self.rules.pace(driver))
             free = 1.0 - (speed / wish) ** 4 if wish > _STANDS else -_BRAKING / _ACCELERATION * (speed > 0.0)
@@ -190,14 +195,14 @@ class Traffic:
             driver.left += (driver.side - driver.left) * (1 - math.exp(-driver.speed * span / _RETURN * driver.returns))
 
     def _free(self, others: np.ndarray, time: float, *, starts: bool = False) -> list[tuple[float, float]]:
-        """As `_ahead`, with the lines at which drivers have to wait."""
+        """As `_ahead`, and up to the lines at which drivers have to wait."""
         ahead = self._ahead(others)
         holds = self.rules.holds(self.drivers, ahead, time, starts=starts)
         rows = zip(self.drivers, ahead, holds, strict=True)
         return [min(one, (min(hold, who.halt()) - who.along - who.body.size[0] / 2, 0.0)) for who, one, hold in rows]
 
     def _ahead(self, others: np.ndarray) -> list[tuple[float, float]]:
-        """For each driver the free way before it [m] and the speed [m/s] of who is there."""
+        """For each driver the free way before it [m] and the speed [m/s] of the road user at its end."""
         now = self._all(others)
         found = [(0.0, 0.0)] * len(self.drivers)
         for numbers in self.lanes.values():
@@ -236,15 +241,15 @@ class Traffic:
         return found
 
     def _pass(self, driver: Driver, edges: np.ndarray) -> None:
-        """Let a driver keep left of cyclists, whose left `edges` are so far left of its lane's middle [m], if there is
-        room in the lane; it is in the middle again then."""
+        """Let a driver keep left of cyclists if its lane has room, else in the middle; `edges` are the cyclists' left
+        sides, left of the lane's middle [m]."""
         half, driver.side = driver.body.size[1] / 2, 0.0
         room = driver.lane.width / 2 + _SIDE - half
         if len(edges) and edges.max() + half + 2 * _SIDE <= room:
             driver.returns, driver.side = True, max(0.0, min(room, float(edges.max()) + half + _CLEAR))
 
     def _all(self, others: np.ndarray) -> np.ndarray:
-        """x, y, yaw and the velocity [M, 5] of all that move: the drivers, then the rest."""
+        """x, y, yaw and velocity [M, 5] of all moving bodies: the drivers, then the others."""
         x, y, _, yaw = self.places().T
         speed = np.array([driver.speed for driver in self.drivers])
         rows = np.column_stack([x, y, yaw, speed * np.cos(yaw), speed * np.sin(yaw)])
@@ -261,7 +266,7 @@ class Traffic:
 
 @dataclass(frozen=True, slots=True)
 class Seen:
-    """What people on foot see at a time [s] (`Watch`)."""
+    """The traffic as people on foot see it at a `time` [s] (`Watch`)."""
 
     traffic: Traffic
     time: float
@@ -273,6 +278,6 @@ class Seen:
 
 
 def _safe(gap: float, ahead: float) -> float:
-    """The speed [m/s] from which one can stop within `gap` [m] behind who is `ahead` as fast as that and brakes."""
+    """The highest speed [m/s] to stop within `gap` [m] behind a braking road user with the speed `ahead` [m/s]."""
     reaction = _BRAKING * STEP
     return max(0.0, math.sqrt(max(0.0, reaction**2 + ahead**2 + 2 * _BRAKING * gap)) - reaction)

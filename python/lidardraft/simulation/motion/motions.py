@@ -1,6 +1,6 @@
-"""How objects move that no scenario names: as the sentence has it, else by their kind.
+"""The motions of objects that no scenario names: as in the sentence, or by their kind.
 
-Vehicles and riders in a lane drive along it, those that are parked stand, people walk where their way is free.
+Vehicles and riders in a lane drive along it, parked ones stand, and people walk as far as their way is free.
 """
 
 from __future__ import annotations
@@ -23,17 +23,17 @@ from lidardraft.semantics import BY_NAME, GROUND
 from lidardraft.simulation.motion.driver import Body, Driver, driver_of
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 
-DRIVES = frozenset({*VEHICLE_LABELS, "rider"})  # classes of what drives along lanes
-_WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around who walks; m between places that are looked at
+DRIVES = frozenset({*VEHICLE_LABELS, "rider"})  # classes that drive along lanes
+_WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around a walker; m between checked places
 _LONG = 1e4  # m, longer than all ways
 _WIDEST = 30.0  # m of a way to the far side of a road
-_SHORTEST_WALK = 2.0  # m; who has less room stands
+_SHORTEST_WALK = 2.0  # m; people with less room stand
 _HIGH = 500.0  # m, over all ground
-_SOON = 1.0  # s after which who brakes or accelerates does so
-_SLOW = 0.3  # share of its usual speed that who accelerates has before
-_FASTER = 1.4  # times as fast as whom it overtakes
-_TURN_RIGHT, _TURN_LEFT, _SHORT = 0.2, 0.15, 6.5  # shares of those who turn at a junction, of less than so many m
-_SHELTER = 8.0  # m to the right of a bus and ahead of it, where it can halt at a shelter
+_SOON = 1.0  # s after which a vehicle that "brakes" or "accelerates" does so
+_SLOW = 0.3  # share of its usual speed that an accelerating vehicle begins with
+_FASTER = 1.4  # times as fast as the vehicle that it overtakes
+_TURN_RIGHT, _TURN_LEFT, _SHORT = 0.2, 0.15, 6.5  # shares of vehicles that turn at a junction; m, only shorter ones
+_SHELTER = 8.0  # m to the right of a bus and ahead of it, to a shelter for its halt
 _BESIDE_LANE = (1.5, 6.0)  # m from the middle of a lane to a vehicle in the next
 _TURNS = {"turning-left": ("left",), "turning-right": ("right",), "turning": ("left", "right")}
 
@@ -45,7 +45,7 @@ class Ground:
         self.caster = Raycaster(Layout(tuple(p for p in layout if p.label in GROUND)))
 
     def at(self, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Heights [m], 0 where there is none, and class ids [N] under places [N, 2 or more]."""
+        """Heights [m], 0 without ground, and class ids [N] under places [N, 2 or more]."""
         origins = np.column_stack([places[:, :2], np.full(len(places), _HIGH)])
         hits = self.caster.cast(origins, np.tile((0.0, 0.0, -1.0), (len(places), 1)))
         return np.where(hits.valid, _HIGH - hits.distance, 0.0), hits.label
@@ -59,8 +59,8 @@ def usual_motions(
     ground: Ground,
     duration: float,
 ) -> dict[str, Motion]:
-    """The motions of all bodies that have none `given`, but for those that stand; first who is the first to give way:
-    the ego vehicle after others, and what the sentence moves after the rest."""
+    """The motions of all moving bodies that have none `given`, in the order in which they give way: the first gives
+    way first. The ego vehicle comes after others, and objects that the sentence moves come last."""
     said = {name: intent.of(name) for name in bodies}
     crossing = {name for name, asked in said.items() if str(asked.heading).startswith("across")}
     lanes, found = rules.ways, dict[str, Motion]()
@@ -73,7 +73,7 @@ def usual_motions(
         body, crosses = bodies[name], name in crossing
         others = [other for one, other in bodies.items() if one not in (crossing if crosses else {name})]
         way = _Way(body, said[name].speed or _WALKING, duration, ground)
-        if way.road.any():  # it looks out for those who drive
+        if way.road.any():  # it looks out for drivers
             others = [one for one in others if one.name not in found]
         walk = (None if crosses else _over_road(way, rules, others)) or _free_walk(way, others, crosses)
         if walk is not None:
@@ -94,7 +94,7 @@ def usual_motions(
 
 
 def _along_lane(body: Body, asked: Asked, lanes: Sequence[Lane]) -> Motion | None:
-    """How a vehicle drives along its lane, if it is in one, as was asked."""
+    """The motion of a vehicle along its lane as asked for; None if it is in no lane and has no other motion."""
     heading, speed, motion = str(asked.heading), asked.speed, asked.motion
     straight = AlongLane(speed, overtakes=motion == "overtakes", gives_way=not heading.startswith("across"))
     if asked.heading is None and motion is None and body.name != "ego" and body.size[0] < _SHORT:
@@ -113,7 +113,7 @@ def _along_lane(body: Body, asked: Asked, lanes: Sequence[Lane]) -> Motion | Non
 
 
 def _with_halt(motion: Motion, body: Body, lanes: Sequence[Lane], bodies: Iterable[Body]) -> Motion:
-    """That of a bus with a halt at the next shelter beside its lane, if there is one."""
+    """The motion; a bus gets a halt at the next shelter beside its lane, if any."""
     driver = _driver(body, motion, lanes) if "bus" in body.labels else None
     if driver is None or not isinstance(motion, AlongLane):
         return motion
@@ -124,8 +124,8 @@ def _with_halt(motion: Motion, body: Body, lanes: Sequence[Lane], bodies: Iterab
 
 
 def _turn_of(body: Body, lanes: Sequence[Lane]) -> str | None:
-    """How somebody turns at the next junction of whom nothing is said; only the outermost of those beside each other
-    do."""
+    """The turn at the next junction of a vehicle that the sentence leaves open; of vehicles side by side, only the
+    outermost turns."""
     chance = crc32(f"{body.name} turns".encode()) / 2**32
     turn = "right" if chance < _TURN_RIGHT else "left"
     if chance >= _TURN_RIGHT + _TURN_LEFT * ("rider" not in body.labels):
@@ -149,7 +149,7 @@ def _pass(
     bodies: Mapping[str, Body],
     lanes: Sequence[Lane],
 ) -> None:
-    """Make somebody faster than others that it overtakes: those slower whose speed nobody says, else itself faster."""
+    """Make a vehicle faster than those that it overtakes: slow down those without a given speed, else speed it up."""
     drivers = {one: _driver(bodies[one], motions.get(one), lanes) for one in (name, *others)}
     own = drivers.pop(name)
     for other, driver in drivers.items():
@@ -166,8 +166,8 @@ def _driver(body: Body, motion: Motion | None, lanes: Sequence[Lane]) -> Driver 
 
 
 class _Way:
-    """The way of a person ahead as far as it comes: places f64 [N, 2] and how far they are [m], and whether the ground
-    there is road, or what it stands on."""
+    """The way ahead of a person: `places` f64 [N, 2], their distances `steps` [m], and whether the ground is `road`
+    there, or the `same` class as under the person."""
 
     def __init__(self, body: Body, speed: float, duration: float, ground: Ground) -> None:
         x, y, _, yaw = body.place
@@ -180,7 +180,7 @@ class _Way:
         self.road, self.same = self.label == BY_NAME["road"].id, self.label == self.label[0]
 
     def free_of(self, others: Iterable[Body]) -> np.ndarray:
-        """Which places [N] are free of others."""
+        """The mask [N] of places that are free of others."""
         free = np.ones(len(self.steps), dtype=bool)
         for other in others:
             if math.dist(other.place[:2], self.body.place[:2]) < self.steps[-1] + max(other.size) + _CLEAR:
@@ -189,12 +189,12 @@ class _Way:
         return free
 
     def walk(self, end: int, crosses: tuple[tuple[float, float], ...] = ()) -> Walk:
-        """As far as that place."""
+        """The walk to the place of that index."""
         return Walk((float(self.places[end, 0]), float(self.places[end, 1])), self.speed, crosses=crosses)
 
 
 def _over_road(way: _Way, rules: RightOfWay, others: Iterable[Body]) -> Walk | None:
-    """The walk of somebody on a sidewalk who comes to where people cross; None where the way does not lead there."""
+    """The walk of a person from a sidewalk over crossings; None if the way leads to none."""
     if way.road[0] or not way.road.any():
         return None
     free, edges = way.free_of(others), np.flatnonzero(np.diff(way.road.astype(int)))
@@ -214,7 +214,7 @@ def _over_road(way: _Way, rules: RightOfWay, others: Iterable[Body]) -> Walk | N
 
 
 def _free_walk(way: _Way, others: Iterable[Body], crosses: bool) -> Walk | None:
-    """The walk of a person ahead as far as its way is free: on the kind of ground that it is on, and across the road
+    """The walk of a person ahead as far as its way is free. It stays on its kind of ground, or goes across the road
     that it is on or `crosses`."""
     road, free = way.road[: way.usual + 1], way.same.copy()
     if road[0] or (crosses and road.any()):
@@ -224,7 +224,7 @@ def _free_walk(way: _Way, others: Iterable[Body], crosses: bool) -> Walk | None:
         free[end:] |= way.label[end:] == way.label[min(end, len(free) - 1)]
     free = (free & way.free_of(others))[: way.usual + 1]
     end = int(np.argmin(free)) - 1 if not free.all() else len(free) - 1
-    on_road = ((_LONG, 0.0),) if road.any() else ()  # it does not wait, but nor does it walk into cars
+    on_road = ((_LONG, 0.0),) if road.any() else ()  # it does not wait, but does not walk into cars either
     return way.walk(end, on_road) if way.steps[max(end, 0)] >= (_STRIDE if crosses else _SHORTEST_WALK) else None
 
 

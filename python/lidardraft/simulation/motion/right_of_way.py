@@ -1,6 +1,6 @@
-"""Who goes first: lights, signs, turns and people who cross, at the junctions of a road network.
+"""Right of way at the junctions of a road network: lights, signs, turns and people who cross.
 
-All of it is a function of the network, the time and where everybody is: a state is enough to go on from.
+All of it is a function of the network, the time and the road users' places: a state is enough to go on from.
 """
 
 from __future__ import annotations
@@ -20,28 +20,28 @@ from lidardraft.simulation.motion.driver import Driver
 
 # Lights: the first road of a junction and those along it, then the others. Seconds, estimates.
 _GREEN, _AMBER, _ALL_RED = (18.0, 8.0), 3.0, 1.5
-_FIRST = (-3.0, 4.0)  # s since the first road has had green at the time 0, so that it has not to wait for long
+_FIRST = (-3.0, 4.0)  # s since the first road has had green at the time 0, so that its first wait is short
 _CYCLE = sum(_GREEN) + 2 * (_AMBER + _ALL_RED)
 
-_SAMPLED, _BESIDE = 1.0, 2.2  # m along ways, and between the middles of two that are in each other's way
-_MERGING = 6.0  # m from where two ways meet in which who is later waits
+_SAMPLED, _BESIDE = 1.0, 2.2  # m along ways; m between the middles of two that conflict
+_MERGING = 6.0  # m from the point at which two ways merge, in which the later one waits
 _BEFORE = 1.5  # m before an obstacle, for a driver without a stop line
-_LOOKS = 15.0  # m before the way in which it could brake from which a driver looks
-_BRAKING, _ACCELERATION = 3.0, 1.5  # m/s2, as drivers have them
-_TURNING, _CAREFUL = 5.0, 6.0  # m/s in a turn, and at the line of who gives way
-_MARGIN = 0.7  # s between two who are at one place
-_PATIENCE = 8.0  # s after which the driver that waits longest goes
+_LOOKS = 15.0  # m that a driver looks further than its braking distance
+_BRAKING, _ACCELERATION = 3.0, 1.5  # m/s2, as in `driving`
+_TURNING, _CAREFUL = 5.0, 6.0  # m/s in a turn, and at the line of a driver that gives way
+_MARGIN = 0.7  # s between two road users at one place
+_PATIENCE = 8.0  # s after which the driver that has waited longest goes
 _SLOW = 1.0  # m/s
-_ROOM = 0.7  # m around who crosses
-_CORNER, _BEYOND = 0.5, 5.0  # where people cross beside a junction: share of its radius, and m beyond it
-_OVER = 0.5  # m over the line at which nobody waits any more
-_ONCOMING = 0.4  # rad that those turn against each other at most who pass side by side
+_ROOM = 0.7  # m around a person who crosses
+_CORNER, _BEYOND = 0.5, 5.0  # crossings beside a junction: share of its radius, and m beyond it
+_OVER = 0.5  # m over the line beyond which drivers no longer wait
+_ONCOMING = 0.4  # rad at most between the headings of two that pass side by side
 
 
 @dataclass(frozen=True, slots=True)
 class Zone:
-    """Where another passage is in the way of one: from and to along both ways [m]; who of both `gives` way: 1 that one,
-    -1 the other, 0 who comes later."""
+    """The conflict zone of two passages: its start and end along both ways [m]. `gives` is 1 if the own passage gives
+    way, -1 if the other does, 0 if the later one does."""
 
     other: int
     own: tuple[float, float]
@@ -51,9 +51,9 @@ class Zone:
 
 @dataclass(slots=True)
 class Passage:
-    """A way through a junction: those wait at the `line` [m along] who cannot go, and are through at its `end`.
+    """A way through a junction: drivers wait at its `line` [m along] and are through at its `end`.
 
-    It has the light of a `phase` or none, and a sign where it is `signed`. It turns left (1), right (-1) or not.
+    It has the light of a `phase` or none, and gives way at a sign if `signed`. It turns left (1), right (-1) or not.
     """
 
     way: Lane
@@ -68,8 +68,8 @@ class Passage:
 
 @dataclass(slots=True)
 class _User:
-    """A driver before a passage or on it: where its front and rear are along its way, whether it cannot stop at the
-    line any more, whether it has to for a light, and whether it stands behind somebody who is at the line."""
+    """A driver before a passage or on it: its front and rear along the way [m], whether it is `committed` (too near to
+    stop at the line), `held` by a light, or `behind` another driver at the line."""
 
     number: int
     driver: Driver
@@ -81,14 +81,14 @@ class _User:
     behind: bool
 
     def reaches(self, along: float, of: float) -> float:
-        """The seconds after which its front or rear, `of` which it is given where that is, is as far along."""
+        """The time [s] until its front or rear, now at `of` [m], is as far `along` [m]."""
         way, turns = self.passage.way, self.passage.turn or any(self.passage.way.bend)
         top = min(_TURNING, way.limit(way.bend[0])) if turns else max(way.speed, self.driver.speed)
         return _seconds(along - of, min(self.driver.speed, top), top)
 
 
 class RightOfWay:
-    """The junctions of a network, for those who drive along its `ways`."""
+    """The junctions of a network, for drivers along its `ways`."""
 
     def __init__(self, roads: RoadNetwork | None, ways: Sequence[Lane]) -> None:
         self.ways, self.passages = ways, list[Passage]()
@@ -105,15 +105,15 @@ class RightOfWay:
         self._offset = _FIRST[0] + crc32(" ".join(lengths).encode()) / 2**32 * (_FIRST[1] - _FIRST[0])
 
     def is_green(self, phase: int, time: float) -> bool:
-        """Whether those of a phase may go [s]."""
+        """Whether the light of a phase is green at a `time` [s]."""
         since = (time + self._offset - phase * (_GREEN[0] + _AMBER + _ALL_RED)) % _CYCLE
         return since < _GREEN[phase]
 
     def holds(
         self, drivers: Sequence[Driver], ahead: Sequence[tuple[float, float]], time: float, *, starts: bool = False
     ) -> list[float]:
-        """How far along its way [m] the front of each driver may come now, of whom `ahead` says how much way is free
-        and how fast it is there [m/s]. Who `starts` can stop anywhere."""
+        """The furthest place of each driver's front along its way now [m]. `ahead` gives each driver's free way [m] and
+        the speed at its end [m/s]. Drivers that just start (`starts`) can stop anywhere."""
         users: dict[int, list[_User]] = {}
         for user, number in self._users(drivers, ahead, time, starts):
             users.setdefault(number, []).append(user)
@@ -124,14 +124,14 @@ class RightOfWay:
         return holds
 
     def pace(self, driver: Driver) -> float:
-        """The speed [m/s] at which a driver comes to where it gives way."""
+        """The speed [m/s] at which a driver may approach the line at which it gives way."""
         front = driver.along + driver.body.size[0] / 2
         lines = (self.passages[number] for number in self.of_way.get(id(driver.lane), ()))
         rooms = [one.line - front for one in lines if one.signed and one.line >= front]
         return math.sqrt(_CAREFUL**2 + 2 * _ACCELERATION * min(rooms)) if rooms else math.inf
 
     def is_crossing(self, places: np.ndarray) -> bool:
-        """Whether people cross a road from and to places [2, 2]: on a zebra, or beside a junction."""
+        """Whether the way between places [2, 2] is a crossing: a zebra, or beside a junction."""
         middle = places.mean(axis=0)
         off = ((float(np.hypot(*(middle - center))), reach) for center, reach in self._areas)
         return self._on_zebra(middle) or any(_CORNER * reach < away < reach + _BEYOND for away, reach in off)
@@ -144,8 +144,8 @@ class RightOfWay:
         return False
 
     def lets_cross(self, drivers: Sequence[Driver], time: float, places: np.ndarray, speed: float) -> bool:
-        """Whether somebody on foot, as fast as that [m/s], can go over a road from and to places [2, 2] now: nobody
-        comes, or who comes has to stop and can. Nobody goes before who has green, or has let others cross."""
+        """Whether a person with a `speed` [m/s] can cross a road between `places` [2, 2] now: no driver comes, or each
+        that comes has to stop and can. Nobody steps before a driver with green, or one that has let others cross."""
         length = float(np.hypot(*np.diff(places, axis=0)[0]))
         on_foot = np.linspace(0.0, length, 2 + int(length / _SAMPLED))
         points = places[0] + np.outer(on_foot / length, places[1] - places[0])
@@ -202,8 +202,8 @@ class RightOfWay:
         return passage.phase is not None and not self.is_green(passage.phase, time)
 
     def _hold(self, user: _User, users: dict[int, list[_User]]) -> float:
-        """How far along its way a driver may come: to its line, or, beyond it, to where the way of another begins who
-        is beyond its own and is there first."""
+        """The furthest place of a driver along its way [m]: its line or, once beyond it, the start of the zone of
+        another driver that is beyond its own line and there first."""
         line, brakes = user.passage.line, user.driver.speed**2 / (2 * _BRAKING)
         if user.held and not user.committed:
             return line
@@ -236,14 +236,14 @@ def _meet(user: _User, zone: Zone, other: _User) -> bool:
 
 
 def _is_first(other: _User, user: _User, zone: Zone) -> bool:
-    """Whether another is in a zone before a driver, of two who are both beyond their lines."""
+    """Whether another driver is in a zone first; both are beyond their lines."""
     (begin, _), (near, _) = zone.own, zone.theirs
     theirs, own = other.reaches(near, other.front), user.reaches(begin, user.front)
     return (theirs, other.number) < (own, user.number)
 
 
 def _goes_first(user: _User, in_it: float, zone: Zone, other: _User, theirs_in: float) -> bool:
-    """Whether it is a driver's turn, of two who both can still stop."""
+    """Whether a driver goes before another; both can still stop."""
     waited, theirs = user.driver.waited, other.driver.waited
     if max(waited, theirs) > _PATIENCE:
         return (waited, other.number) > (theirs, user.number)
@@ -253,7 +253,7 @@ def _goes_first(user: _User, in_it: float, zone: Zone, other: _User, theirs_in: 
 
 
 def _seconds(way: float, speed: float, top: float) -> float:
-    """How long it takes to go so far [m] for who goes with `speed` now and as fast as `top` [m/s] soon."""
+    """The time [s] for a `way` [m] from `speed`, accelerating to `top` [m/s]."""
     if way <= 0.0:
         return 0.0
     faster = (top**2 - speed**2) / (2 * _ACCELERATION)
@@ -272,7 +272,7 @@ def _area(roads: RoadNetwork, junction: Junction) -> tuple[np.ndarray, float]:
 def _passages(
     roads: RoadNetwork, junction: Junction, area: tuple[np.ndarray, float], ways: Sequence[Lane], first: int
 ) -> list[Passage]:
-    """Those through a junction, which are counted from `first` on."""
+    """The passages through a junction, numbered from `first`."""
     middle, reach = area
     lights = [one for one in roads.signals if one.kind == "traffic-light"]
     lights = [one for one in lights if any(_leads(roads, id, junction) for id in one.lanes)]
@@ -317,7 +317,7 @@ def _leads(roads: RoadNetwork, id: str, junction: Junction) -> bool:
 
 
 def _line_of(way: Lane, place: tuple[float, float, float], end: float) -> float | None:
-    """How far along a way a light is that it obeys."""
+    """The place of a light along a way [m], or None if the way does not obey it."""
     (along,), (left,) = (rows.tolist() for rows in way.line.along_across(np.array([place[:2]])))
     looks = math.cos(place[2] - float(way.line.heading(along)))
     return along if abs(left) < 0.75 * way.width and 0.0 < along < end and looks > math.sqrt(0.5) else None
@@ -335,8 +335,8 @@ def _add_zones(found: Sequence[Passage], rows: Sequence[np.ndarray], first: int)
 
 
 def _spans(row: np.ndarray, their: np.ndarray) -> tuple[tuple[float, float], tuple[float, float]] | None:
-    """From and to along two ways where they are in each other's way, of rows along, x, y and heading; None where they
-    are not, or have been one way before."""
+    """The spans [m] along two ways in which they conflict, from rows of along, x, y and heading; None if they do not
+    conflict, or start as one way."""
     near = np.hypot(row[:, None, 1] - their[None, :, 1], row[:, None, 2] - their[None, :, 2]) < _BESIDE
     near &= np.cos(row[:, None, 3] - their[None, :, 3]) > -math.cos(_ONCOMING)
     mine, theirs = np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
@@ -349,7 +349,7 @@ def _spans(row: np.ndarray, their: np.ndarray) -> tuple[tuple[float, float], tup
 
 
 def _gives(one: Passage, other: Passage) -> int:
-    """Who of two gives way: 1 the first, -1 the other, 0 neither."""
+    """Which of two gives way: 1 the first, -1 the other, 0 neither."""
     return int(_yields(one, other)) - int(_yields(other, one))
 
 

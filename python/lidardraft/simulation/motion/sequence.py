@@ -30,13 +30,13 @@ from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
 from lidardraft.simulation.sweeps import FLASH, Mover, Spot, Sweeper, radius_of
 
-_LONGEST = 1000.0  # s, of which the traffic is known within a minute
+_LONGEST = 1000.0  # s, computed within a minute
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Actor:
-    """What moves: its name, its bodies, with the index of the first in all of them, where it stands in the layout, its
-    track, and the radius of a circle around it [m]."""
+    """A moving object: its name, its bodies, the index of their first primitive in the scene, its place in the layout,
+    its track, and the radius of a circle around it [m]."""
 
     name: str
     bodies: Bodies
@@ -47,15 +47,15 @@ class _Actor:
 
 
 class SequenceSimulator:
-    """A layout, or that of a sentence in its street, made ready to be scanned while it moves as `scenario` says.
+    """A layout, or that of a sentence in its street, ready to be scanned while it moves as `scenario` says.
 
-    It gives `frames` scans one after the other, of sweeps of which `hz` begin in a second. `speed` [m/s] is that of the
-    ego vehicle where the scenario does not say how it moves; by default that of the road. `seed` decides the world: the
-    layout of a sentence, details, brightness, and how far rays get into foliage; noise and drop are drawn anew for each
-    frame. `scene`, where there is one, is scanned in place of the details that `layout` would get; its shapes have the
-    names of their objects. The rest is as in `Simulator`. `tracks` are those of all that moves.
+    It gives `frames` scans, of sweeps that begin at `hz` per second. `speed` [m/s] is that of the ego vehicle if the
+    scenario leaves it open; by default that of the road. `seed` decides the world: the layout of a sentence, details,
+    brightness, and how far rays get into foliage. Noise and drop are drawn anew for each frame. `scene`, if given, is
+    scanned in place of the details of `layout`; its shapes have the names of their objects. The rest is as in
+    `Simulator`. `tracks` are those of all moving objects.
 
-    Raises `LayoutError` where the scenario cannot be (`tracks_of`), `SensorError` on an `hz` at which sweeps overlap.
+    Raises `LayoutError` if the scenario is invalid (`tracks_of`), `SensorError` on an `hz` at which sweeps overlap.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class SequenceSimulator:
         parts: dict[str, list[int]] = {name: [] for name in self.tracks.actors}
         for number, primitive in enumerate(scene):
             parts.get(object_of(primitive), still).append(number)
-        # those that stand come first, so that their casts name them by their numbers in the whole
+        # standing objects come first, so that their casts have their indices in the whole
         whole = Bodies.of(scene, self._sweeper.weather.wetness)
         self._still, self._actors = whole.some(still), list[_Actor]()
         given, first = objects(self.layout), len(still)
@@ -102,7 +102,7 @@ class SequenceSimulator:
         return (self.frame(number) for number in range(self.frames))
 
     def time(self, number: int) -> float:
-        """When the middle of the sweep of a frame is [s]; the first sweep begins at 0."""
+        """The time of the middle of the sweep of a frame [s]; the first sweep begins at 0."""
         return number / self.hz + self._sweeper.sensor.sweep_time / 2
 
     def pose(self, number: int) -> np.ndarray:
@@ -111,7 +111,7 @@ class SequenceSimulator:
         return upright((x, y, z + self._sweeper.sensor.mount_height), yaw)
 
     def frame(self, number: int) -> Scan:
-        """The scan of frame `number`, whose noise has the seed `seed` + `number`; its layout is that in the middle of
+        """The scan of frame `number`; its noise has the seed `seed` + `number`, its layout is that in the middle of
         the sweep."""
         (speed, turn), moved = self._ego_rate(number), self._moved(number)
         return Scan(
@@ -142,12 +142,12 @@ class SequenceSimulator:
         return self._sweeper.sensor.poses_in_motion(pose, speed * pose[:3, 0], (0.0, 0.0, turn))
 
     def _ego_rate(self, number: int) -> tuple[float, float]:
-        """How fast the ego vehicle drives ahead [m/s] and turns [rad/s] in the sweep of a frame."""
+        """The ego vehicle's speed ahead [m/s] and yaw rate [rad/s] in the sweep of a frame."""
         rate = self.tracks.ego.rate(self.time(number), self._span)
         return float(rate[:3] @ self.pose(number)[:3, 0]), float(rate[3])
 
     def _moved(self, number: int) -> list[tuple[_Actor, np.ndarray, np.ndarray]]:
-        """All that moves, with its place in the middle of the sweep of a frame, and its rate in it."""
+        """All moving objects, with their places in the middle of the sweep of a frame and their rates in it."""
         time = self.time(number)
         at = np.array([time])
         return [(actor, actor.track.at(at)[0], actor.track.rate(time, self._span)) for actor in self._actors]
@@ -157,7 +157,7 @@ class SequenceSimulator:
         return max(self._sweeper.sensor.sweep_time, FLASH)
 
     def _layout(self, places: dict[str, tuple[float, float, float, float]]) -> Layout:
-        """The layout with all that moves at its place, x, y, z and yaw."""
+        """The layout with all moving objects at their `places`: x, y, z [m] and yaw [rad]."""
         homes = {actor.name: actor.home for actor in self._actors}
         primitives = list(self.layout)
         for number, primitive in enumerate(primitives):
@@ -167,8 +167,8 @@ class SequenceSimulator:
         return dataclasses.replace(self.layout, primitives=tuple(primitives))
 
     def save_tracks(self, folder: str | os.PathLike[str]) -> None:
-        """Write poses.txt, world_from_sensor of each frame as a row of 12 numbers, times.txt [s], and tracks.json, a
-        scenario of way-points that moves everything so again."""
+        """Write poses.txt (world_from_sensor of each frame as a row of 12 numbers), times.txt [s], and tracks.json, a
+        scenario of way-points that repeats all motions."""
         numbers = range(self.frames)
         poses = "".join(" ".join(f"{n:.9g}" for n in self.pose(number)[:3].flat) + "\n" for number in numbers)
         times = "".join(f"{self.time(number):.6f}\n" for number in numbers)

@@ -1,4 +1,4 @@
-"""Where everything in a layout is over time: as a scenario says, and as it would move by itself (`motions`)."""
+"""The tracks of all objects in a layout: as a scenario says, or as they would move by themselves (`motions`)."""
 
 from __future__ import annotations
 
@@ -25,32 +25,32 @@ from lidardraft.simulation.motion.motions import Ground, usual_motions
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.roads import with_known_roads
 
-_REACHED = 1.9  # m over the ground, what hangs higher is passed under
+_REACHED = 1.9  # m over the ground: objects pass under higher parts
 _SMOOTH = 6  # steps before and after one over which tracks of people and heights are smooth
-_WAITS = 1.0  # s after others have passed
-_CHECKED = 0.1  # s between the times at which it is looked for collisions
+_WAITS = 1.0  # s after another has passed
+_CHECKED = 0.1  # s between the checks for collisions
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Tracks:
-    """The track of the ego vehicle's place on the road, and those of the middles of all objects that ever move."""
+    """The track of the ego vehicle on the road, and those of the middles of all objects that move."""
 
     ego: Track
     actors: Mapping[str, Track]
 
     def scenario(self) -> Scenario:
-        """As a file of tracks: way-points for all that moves, while the rest stands."""
+        """The scenario of these tracks: way-points for all moving objects, while the rest stands."""
         points = {name: _waypoints(track) for name, track in self.actors.items()}
         return Scenario(_waypoints(self.ego), {**points, "*": Straight(0.0)})
 
 
 def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float | None = None) -> Tracks:
-    """The tracks of a layout's objects over `duration` [s]; the ego vehicle, of which the scenario may say nothing,
-    drives along its lane with `speed` [m/s], by default that of the sentence or the road.
+    """The tracks of a layout's objects over `duration` [s].
 
-    Raises `LayoutError` naming an object that the layout does not have or that has no lane to drive along, objects that
-    collide, and a vehicle that leaves the road. What the scenario does not name starts later where it would collide,
-    or stands.
+    If the scenario leaves the ego vehicle open, it drives along its lane with `speed` [m/s], by default that of the
+    sentence or the road. An object that the scenario does not name starts later or stands if it would collide.
+    Raises `LayoutError` if the scenario names an unknown object or one without a lane to drive along, if objects
+    collide, or if a vehicle leaves the road.
     """
     roads, ground = with_known_roads(layout).roads, Ground(layout)
     bodies = bodies_of(objects(layout), ground)
@@ -85,14 +85,14 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
 
 
 def _later(motion: Motion, time: float) -> Motion | None:
-    """That of somebody who would run into another at a time [s]: it begins after it, or stands if it has not begun."""
+    """The motion, delayed until after a collision at a time [s]; None (standing) if it would begin later anyway."""
     if isinstance(motion, AlongLane | Walk) and motion.start < time:
         return dataclasses.replace(motion, start=time + _WAITS)
     return None
 
 
 def bodies_of(parts: Mapping[str, list[Primitive]], ground: Ground) -> dict[str, Body]:
-    """Objects that are made of these parts, by their names. Crowns are passed under; trunks are run into."""
+    """Objects of these parts by name. Others can pass under crowns, but collide with trunks."""
     boxes = {name: box_around(some) for name, some in parts.items()}
     floors = ground.at(np.array([box.center for box in boxes.values()]).reshape(-1, 3))[0].tolist()
     return {
@@ -119,7 +119,7 @@ def _moved(
     ground: Ground,
     duration: float,
 ) -> dict[str, Track]:
-    """The tracks of all that has a motion, on the ground."""
+    """The tracks on the ground of all objects with a motion."""
     times = np.arange(math.ceil(duration / STEP) + 2) * STEP  # two at least, as rates need
     others, walks, drivers = dict[str, Track](), dict[str, Walk](), list[Driver]()
     for name, motion in motions.items():
@@ -146,7 +146,7 @@ def _moved(
 
 
 def _track(motion: Straight | Walk | Waypoints, place: tuple[float, float, float, float], times: np.ndarray) -> Track:
-    """The track of what follows no lane; heights are added later."""
+    """The track of an object that follows no lane; heights are added later."""
     x, y, _, yaw = place
     if isinstance(motion, Waypoints):
         return through(np.array(motion.points), yaw, times)
@@ -160,14 +160,14 @@ def _track(motion: Straight | Walk | Waypoints, place: tuple[float, float, float
 
 
 def _smooth(places: np.ndarray) -> np.ndarray:
-    """Places [K, 4] without jumps, as at kerbs and where somebody stops: means of those before and after."""
+    """Places [K, 4] without jumps, such as at kerbs and stops: means over the places before and after."""
     wide = np.pad(places, ((_SMOOTH, _SMOOTH), (0, 0)), mode="reflect", reflect_type="odd")
     smooth: np.ndarray = np.lib.stride_tricks.sliding_window_view(wide, 2 * _SMOOTH + 1, axis=0).mean(axis=-1)
     return smooth
 
 
 def through(points: np.ndarray, yaw: float, times: np.ndarray) -> Track:
-    """The smooth track through way-points [K, 3 or 4], of who looks to `yaw` before it goes."""
+    """The smooth track through way-points [K, 3 or 4] of an object that has `yaw` before it moves."""
     if points.shape[1] == 4:
         points[:, 3] = np.unwrap(points[:, 3])
     when = np.clip(times, points[0, 0], points[-1, 0])
@@ -186,7 +186,7 @@ def through(points: np.ndarray, yaw: float, times: np.ndarray) -> Track:
 def _collisions(
     tracks: Mapping[str, Track], bodies: Mapping[str, Body], duration: float
 ) -> list[tuple[tuple[str, str], float]]:
-    """The pairs that run into each other, with the time [s]; those that touch at the start are left out."""
+    """The pairs that collide, with the time [s]; pairs that touch at the start are left out."""
     times = np.arange(0.0, duration + 1e-9, _CHECKED)
     at = {name: track.at(times) for name, track in tracks.items() if name == "ego" or track.moves()}
     standing = [body for name, body in bodies.items() if name not in at]
@@ -213,7 +213,7 @@ def _solid(body: Body, place: np.ndarray) -> Solid:
 
 
 def _check_on_road(tracks: Mapping[str, Track], bodies: Mapping[str, Body], named: set[str], ground: Ground) -> None:
-    """Raises `LayoutError` where a vehicle that stands on a road at first and follows no lane is beside it later."""
+    """Raises `LayoutError` if a vehicle that follows no lane starts on a road and leaves it."""
     for name in named & set(tracks):
         if name != "ego" and not bodies[name].labels & set(VEHICLE_LABELS):
             continue

@@ -1,4 +1,4 @@
-"""People on foot: a step of a walk, which waits at a kerb until the road can be crossed, and goes around others."""
+"""People on foot: a step of a walk, which waits at a kerb until the road can be crossed and passes around others."""
 
 from __future__ import annotations
 
@@ -9,30 +9,30 @@ import numpy as np
 
 from lidardraft.scene.scenario import Walk
 
-_MEETS, _CLEAR = 1.5, 0.5  # m ahead in which others are passed, and from the middle of a person to them
-_BESIDE, _PARALLEL = 0.43, 1e-9  # m to others beside it who are in nobody's way; the least slope
-_TOUCHES = 0.45  # m from the middle of a person that it does not come nearer to others
-_THERE = 1.5  # m to a goal that somebody else is at
-_MOVES = 0.5  # m/s from which others are let pass
-_LOOKS = 0.4  # s between the times at which who waits looks
-FORESEEN = (2.0, 6.0)  # s for which drivers expect people to walk on: anybody, and at most those on a road
+_MEETS, _CLEAR = 1.5, 0.5  # m ahead within which people pass others, and m from the middle of a person to these
+_BESIDE, _PARALLEL = 0.43, 1e-9  # m to others beside a person that are not in its way; the least slope
+_TOUCHES = 0.45  # m from the middle of a person: it comes no nearer to others
+_THERE = 1.5  # m to a goal at which another stands
+_MOVES = 0.5  # m/s from which a person lets others pass
+_LOOKS = 0.4  # s between the looks of a waiting person
+FORESEEN = (2.0, 6.0)  # s for which drivers expect people to walk on: anywhere, and at most on a road
 
 
 class Watch(Protocol):
-    """What somebody on foot sees of the traffic."""
+    """The traffic as a person on foot sees it."""
 
     def can_cross(self, places: np.ndarray, speed: float) -> bool:
-        """Whether who is as fast as that [m/s] can go over a road from and to places [2, 2] now."""
+        """Whether a person with a `speed` [m/s] can cross a road between `places` [2, 2] now."""
 
     @property
     def obstacles(self) -> np.ndarray:
-        """All that stands or moves: x, y, yaw, half of the length and the width [m], and the speed [m/s], [N, 6]."""
+        """All bodies, f64 [N, 6]: x, y, yaw, half the length and the width [m], and speed [m/s]."""
 
 
 def walked(
     walk: Walk, place: tuple[float, float, float], begin: float, end: float, watch: Watch
 ) -> tuple[tuple[float, float, float], bool]:
-    """Where x, y [m] and yaw [rad] are after a step from a time [s] to another, and whether that is the goal."""
+    """x, y [m] and yaw [rad] after a step from `begin` to `end` [s], and whether that is the goal."""
     x, y, yaw = place
     rest, way = math.dist(walk.to, (x, y)), walk.speed * max(0.0, end - max(begin, walk.start))
     if way <= 0.0:
@@ -57,7 +57,7 @@ def walked(
 
 
 def foreseen(walk: Walk, place: tuple[float, float]) -> float:
-    """For how long [s] drivers expect somebody to walk on: on a road, until it has crossed it."""
+    """The time [s] for which drivers expect a person to walk on: on a road, until it is crossed."""
     rest = math.dist(walk.to, place)
     over = ((rest - last) / walk.speed for first, last in walk.crosses if last < rest < first)
     return min(max(FORESEEN[0], *over, 0.0), FORESEEN[1])
@@ -66,7 +66,7 @@ def foreseen(walk: Walk, place: tuple[float, float]) -> float:
 def _along_sides(
     obstacles: np.ndarray, place: tuple[float, float], ahead: tuple[float, float], way: float
 ) -> tuple[float, float]:
-    """The direction [2] in which it comes no nearer to obstacles that it touches: along the side of one, or none."""
+    """The direction [2] that leads no nearer to touched obstacles: along the side of one, or 0, 0."""
     near = obstacles[np.hypot(*(obstacles[:, :2] - place).T) - np.hypot(*obstacles[:, 3:5].T) < way + _TOUCHES]
     off = _off(near, np.array(place))
     now = np.hypot(*off.T)
@@ -83,7 +83,7 @@ def _along_sides(
 
 
 def _off(obstacles: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """The ways [N, 2] to a place from the sides of obstacles; 0 in them."""
+    """The vectors [N, 2] from the sides of obstacles to a place; 0 inside them."""
     cos, sin = np.cos(obstacles[:, 2]), np.sin(obstacles[:, 2])
     x, y = (place - obstacles[:, :2]).T
     u, v = x * cos + y * sin, y * cos - x * sin
@@ -95,12 +95,12 @@ def _off(obstacles: np.ndarray, place: np.ndarray) -> np.ndarray:
 def _around(
     obstacles: np.ndarray, place: tuple[float, float, float], ahead: tuple[float, float]
 ) -> tuple[float, float]:
-    """How far ahead and left it steps, of 1 m, the nearest way past `obstacles`; it stands for those that move."""
+    """The direction (ahead, left), of length 1, past `obstacles`; 0, 0 to wait for moving ones."""
     off = obstacles[:, :2] - place[:2]
     along, left = off @ np.array(ahead), off @ np.array((-ahead[1], ahead[0]))
     turned = obstacles[:, 2] - math.atan2(ahead[1], ahead[0])
     cos, sin = np.cos(turned), np.sin(turned)
-    # from when to when a ray ahead is between the lengthwise and the crosswise sides of each
+    # the distances at which a ray ahead enters and leaves each pair of sides
     slope = np.stack([cos, -sin])
     slope = np.where(np.abs(slope) < _PARALLEL, _PARALLEL, slope)
     middle = np.stack([along * cos + left * sin, left * cos - along * sin]) / slope

@@ -1,7 +1,7 @@
-"""Augmentation of recorded scans with detailed objects and their true shadows, for pipelines of detectors.
+"""Augmentation of recorded scans with detailed objects and their true shadows, for detectors' pipelines.
 
-Ground-truth sampling pastes the points of objects into other scans, where they hide nothing and have the wrong density.
-Here each object is cast along the scan's own rays: what it hides goes, and it returns as the sensor would see it.
+Ground-truth sampling pastes the points of objects into other scans: they hide nothing and have the wrong density. Here
+each object is cast along the scan's own rays: returns that it hides go, and it returns as the sensor would see it.
 """
 
 from __future__ import annotations
@@ -23,24 +23,24 @@ from lidardraft.simulation.recorded.recorded_scan import RECORDED, RecordedScan
 from lidardraft.simulation.recorded.scan_edits import check_room, inserted
 from lidardraft.simulation.recorded.solid_object import SolidObject
 
-_CLASS_OF_NAME = {"pedestrian": "person", "cyclist": "rider", "van": "car"}  # of others' names in lower case
+_CLASS_OF_NAME = {"pedestrian": "person", "cyclist": "rider", "van": "car"}  # by names of data sets in lower case
 _NAME_OF_KIND = {kind: kind.title() for kind in ("car", "truck", "bus", "cyclist")}
 _NAME_OF_KIND |= {"van": "Car", "person": "Pedestrian"}
-_TRIES = 16  # places that are looked at for an object
+_TRIES = 16  # places to try for an object
 _ROOM = 0.3  # m around it without returns of other things
-_CELL, _HALF = 0.4, 200  # m; cells on each side: where things stand
-_WOBBLE = 0.1  # rad, of headings along those of others
+_CELL, _HALF = 0.4, 200  # m; cells on each side: the grid of other returns
+_WOBBLE = 0.1  # rad, standard deviation of headings along others
 _ANY_WAY = ("person", "bicycle", "motorcycle")
 
 
 class ObjectSampling:
-    """A callable that adds objects to the samples of a detector's pipeline, with what they hide.
+    """A callable that adds objects, with their shadows, to the samples of a detector's pipeline.
 
-    `counts` says how many objects of which kind (`solid_object.WORDS`) a scan is to have in all, as OpenPCDet's
-    SAMPLE_GROUPS do; they stand on free ground that the sensor sees, between `distances` [m]. Of each kind there are
-    `models` different ones, made once. `names` says what each kind is called in `gt_names`, and `intensity_scale` which
-    number stands for an intensity of 1, as 255 in nuScenes (default 1). Equal instances give the same samples in the
-    same order of calls; each worker needs a `seed` of its own. Raises `LayoutError` for an unknown kind.
+    `counts` gives the total number of objects of each kind (`solid_object.WORDS`) in a scan, as OpenPCDet's
+    SAMPLE_GROUPS does. They stand on free ground that the sensor sees, between `distances` [m]. Each kind has `models`
+    different ones, made once. `names` maps each kind to its name in `gt_names`; `intensity_scale` is the number for an
+    intensity of 1, such as 255 in nuScenes (default 1). Equal instances give the same samples in the same order of
+    calls; each worker needs its own `seed`. Raises `LayoutError` for an unknown kind.
     """
 
     def __init__(
@@ -70,9 +70,9 @@ class ObjectSampling:
         }
 
     def __call__(self, sample: dict[str, Any]) -> dict[str, Any]:
-        """The sample with `points` [N, 3 + C] (x y z, intensity, and other columns), `gt_boxes` [M, 7 or more] (centre,
-        length, width, height, heading) and `gt_names` [M] of more objects; a boolean column of objects `gt_boxes_mask`
-        grows too. An object's other columns are those of the points that its rays had."""
+        """The sample with more objects in `points` [N, 3 + C] (x y z, intensity, other columns), `gt_boxes` [M, 7 or
+        more] (centre, length, width, height, heading) and `gt_names` [M]. A boolean `gt_boxes_mask` grows too. The
+        other columns of an object's points are those of the points that its rays had."""
         points, boxes, names = sample["points"], np.asarray(sample["gt_boxes"]), np.asarray(sample["gt_names"])
         fields = {"intensity": points[:, 3]} if points.shape[1] > 3 else {}
         given, scale = _boxes(boxes, names), self.intensity_scale
@@ -100,7 +100,7 @@ class ObjectSampling:
     def _sampled(
         self, scan: RecordedScan, free: _FreeGround, kind: str, taken: list[Box]
     ) -> tuple[SolidObject, Box] | None:
-        """An object in a place that is free, or nothing where none of some places is."""
+        """An object in a free place, or None if no tried place is free."""
         rng, models = self._rng, self._models[kind]
         solid = models[int(rng.integers(len(models)))]
         for x, y, z in free.places(rng.uniform(*self.distances, _TRIES)):
@@ -115,7 +115,7 @@ class ObjectSampling:
         return None
 
     def _heading(self, kind: str, at: tuple[float, float], boxes: Sequence[Box]) -> float:
-        """Along the nearest vehicle or the road that the sensor drives on, ahead or back; any way for who walks."""
+        """A heading along the nearest vehicle, or else along x, either way; any heading for people and cycles."""
         if kind in _ANY_WAY:
             return float(self._rng.uniform(-math.pi, math.pi))
         vehicles = [box for box in boxes if box.label in VEHICLE_LABELS]
@@ -124,7 +124,7 @@ class ObjectSampling:
 
 
 class _FreeGround:
-    """Where the ground of a scan was seen, and where other things stand."""
+    """The seen ground of a scan, and the cells taken by other returns."""
 
     def __init__(self, scan: RecordedScan) -> None:
         order = np.argsort(scan.ground_points[:, 0] ** 2 + scan.ground_points[:, 1] ** 2)
@@ -137,7 +137,7 @@ class _FreeGround:
         self._taken[cells[:, 0], cells[:, 1]] = True
 
     def places(self, away: np.ndarray) -> list[list[float]]:
-        """Places x, y, z on the ground so far `away` [m], in any direction."""
+        """Places x, y, z on the ground at distances `away` [m], in any direction."""
         if not len(self._ground):
             return []
         found = np.minimum(np.searchsorted(self._away, away), len(self._ground) - 1)
@@ -145,7 +145,7 @@ class _FreeGround:
         return places
 
     def has_room(self, box: Box) -> bool:
-        """Whether no other return is over the ground of a box and around it."""
+        """Whether no return of an object lies in the footprint of a box or around it."""
         length, width = (
             np.arange(-0.5, 0.51, 1.0 / math.ceil((e + 2 * _ROOM) / _CELL)) * (e + 2 * _ROOM) for e in box.size[:2]
         )
@@ -156,7 +156,7 @@ class _FreeGround:
 
 
 def _boxes(rows: np.ndarray, names: np.ndarray) -> list[Box]:
-    """The boxes of `gt_boxes` [M, 7 or more], with `gt_names` of whatever data set."""
+    """The boxes of `gt_boxes` [M, 7 or more], with `gt_names` of any data set."""
     boxes = []
     for number, (row, name) in enumerate(zip(rows.tolist(), names.tolist(), strict=True), start=1):
         word = str(name).lower()
@@ -166,7 +166,7 @@ def _boxes(rows: np.ndarray, names: np.ndarray) -> list[Box]:
 
 
 def _as_given(scan: RecordedScan, given: np.ndarray, scale: float) -> np.ndarray:
-    """The returns with all columns that were given, as they were but for those of objects."""
+    """The returns with all given columns, unchanged except for those of added objects."""
     there = scan.returned
     points, made = given[scan.source[there]], scan.made_up[there] != RECORDED
     points[made, :3] = scan.points[there][made]

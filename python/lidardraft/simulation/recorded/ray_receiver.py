@@ -1,4 +1,4 @@
-"""What the sensor of a recorded scan reports of single rays: drop, noise, and intensities on the scan's own scale."""
+"""The receiver for single rays of a recorded scan: drop, noise, and intensities on the scan's own scale."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class RayReceiver:
 
     @classmethod
     def of_scan(cls, scan: RecordedScan) -> RayReceiver:
-        """The receiver of a scan's sensor, whose readings of a road have the mean that the scan's ground has."""
+        """The receiver of a scan's sensor; its readings of a road have the mean of the scan's ground."""
         receiver = cls(scan.sensor, _of_one_beam(scan.sensor.assumed_model))
         low, high = _JUDGED
         ground = np.flatnonzero(scan.is_ground & (scan.made_up == RECORDED))
@@ -48,7 +48,7 @@ class RayReceiver:
         return replace(receiver, gain=min(recorded / usual, _LARGEST_GAIN) if usual > 0 else 1.0)
 
     def report(self, hits: Hits, surfaces: Surfaces, seed: int) -> tuple[np.ndarray, np.ndarray]:
-        """Range f32 [R] [m], 0 where nothing is reported, and intensity f32 [R] of what rays hit."""
+        """Range f32 [R] [m], 0 without a report, and intensity f32 [R] of the hits of rays."""
         lengths = np.linalg.norm(hits.directions, axis=1)
         incidence = np.abs(np.einsum("ni,ni->n", hits.normal, hits.directions)) / lengths
         depth, intensity = self._reported(hits.distance, hits.primitive, incidence, surfaces, seed)
@@ -79,7 +79,7 @@ class RayReceiver:
 
 
 def _of_one_beam(model: SensorModel) -> SensorModel:
-    """The model of a typical beam: tables of beams become their means, and nothing differs from beam to beam."""
+    """The model of a typical beam: tables of beams become their means, and all beams are alike."""
     curve = model.intensity_curve
     if curve is not None:
         tables = {name: getattr(curve, name) for name in ("readings", "distance_gains") if getattr(curve, name)}
@@ -92,6 +92,6 @@ def _of_one_beam(model: SensorModel) -> SensorModel:
 
 
 def _usual(intensity: np.ndarray) -> float:
-    """The mean of all but the brightest; 0 of none."""
+    """The mean of all but the brightest; 0 without any."""
     kept = np.sort(intensity)[: math.ceil(_SHARE * len(intensity))]
     return float(kept.mean()) if len(kept) else 0.0

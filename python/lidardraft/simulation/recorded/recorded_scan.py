@@ -1,4 +1,4 @@
-"""A recorded scan as its rays, ready to be edited: where each returned from, and those that did not return."""
+"""A recorded scan as rays, ready for edits: the points of those that returned, and those that did not return."""
 
 from __future__ import annotations
 
@@ -26,14 +26,14 @@ from lidardraft.semantics import BY_NAME, GROUND
 
 RECORDED, INSERTED, FILLED = range(3)  # values of `made_up`
 GROUND_IDS = [BY_NAME[name].id for name in GROUND]
-_CELL, _AROUND, _LOW = 2.0, 5, 20  # m; cells across; of their heights so many per cent are lower than ground is
+_CELL, _AROUND, _LOW = 2.0, 5, 20  # m; cells across; percentile of their lowest heights that is ground
 _RISE, _THICKNESS = 0.4, 0.25  # m from that height to the lowest point of a cell, and from there to the highest
 _FLAT_WITHIN = 120.0  # m
-_NEAR_GROUND = (2.0, 4.0, 8.0, 16.0)  # m from a place, where its height is looked for
-_FEWEST = 5  # points that tell a height
-_MOST_LOST = 4.0  # rays without a return, in returns: more are none
+_NEAR_GROUND = (2.0, 4.0, 8.0, 16.0)  # m around a place, in which to look for its height
+_FEWEST = 5  # points for a height
+_MOST_LOST = 4.0  # rays without a return, per return: with more, none are kept
 _LEAST_STEP = 2e-4  # rad between two firings of one laser
-_LEAST_AWAY = 1e-3  # m: a point straight below the sensor is as steep as one so far aside
+_LEAST_AWAY = 1e-3  # m: a point straight below the sensor is as steep as one this far aside
 _SECTORS = 72
 _KINDS = {"intensity": np.float32, "label": np.uint8, "instance": np.uint32, "made_up": np.uint8}
 RAY_FIELDS = ("points", "distance", "intensity", "label", "instance", "made_up", "source")
@@ -41,13 +41,13 @@ RAY_FIELDS = ("points", "distance", "intensity", "label", "instance", "made_up",
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RecordedScan:
-    """A scan of `sensor` with `boxes` around objects, in the sensor's frame, whose origin is where R rays start.
+    """A scan of `sensor` with `boxes` around objects, in the sensor's frame; R rays start at its origin.
 
-    `points` f32 [R, 3] [m] are where they returned, `distance` f32 [R] how far that is; a ray that did not return has
-    the distance 0, and its direction as its point. `intensity` f32 [R] is 0 to 1, `label` u8 [R] a class id, 0 where
+    `points` f32 [R, 3] [m] are those of the returns, `distance` f32 [R] [m] their distances. A ray without a return has
+    the distance 0 and its direction as its point. `intensity` f32 [R] is 0 to 1, `label` u8 [R] a class id, 0 if
     unknown, `instance` u32 [R]. `made_up` u8 [R] is `RECORDED`, `INSERTED` for returns of inserted objects, or `FILLED`
-    for those that stand in for what a removed object hid. `source` i64 [R] is the recorded point that a ray is of, or
-    that it comes after: further columns of a file are found by it.
+    for those that fill the shadow of a removed object. `source` i64 [R] is the index of a ray's recorded point, or of
+    the point before it: it finds further columns of a file.
     """
 
     sensor: Sensor
@@ -74,11 +74,12 @@ class RecordedScan:
         ring: np.ndarray | None = None,
         intensity_scale: float | None = None,
     ) -> RecordedScan:
-        """Of points [N, 3] and what is known of each, [N]; an intensity of `intensity_scale` is 1. Without it, it is
-        that of their type if they are whole numbers, and else 1, over which at most 1 % may be.
+        """From points [N, 3] and their known values [N]. An intensity of `intensity_scale` becomes 1; by default the
+        scale is that of their type if they are whole numbers, and else 1, which at most 1 % may exceed.
 
-        Rays without a return are found in the gaps of each ring, which the points' order tells too (as in KITTI's
-        files); else they are those of `sensor` that no point lies on. `boxes` are by default those of the clusters of
+        Rays without a return are found in the gaps of each ring; the points' order gives the rings too (as in KITTI's
+        files). Else they are the rays of `sensor` without a point. `boxes` are by default those of the clusters of
+        each class. Raises `FormatError` on arrays that do not fit and on a scan without a return.
         each class. Raises `FormatError` on arrays that do not fit and on a scan without a return.
         """
         check_type("sensor", sensor, Sensor)
@@ -104,32 +105,32 @@ class RecordedScan:
 
     @property
     def returned(self) -> np.ndarray:
-        """bool [R]: which rays returned."""
+        """The mask of rays with a return, bool [R]."""
         return self.distance > 0
 
     @cached_property
     def directions(self) -> np.ndarray:
-        """f64 [R, 3], of length 1."""
+        """The directions of the rays, f64 [R, 3], of length 1."""
         points = self.points.astype(np.float64)
         return points / np.where(self.returned, self.distance, 1.0)[:, None]
 
     @cached_property
     def is_ground(self) -> np.ndarray:
-        """bool [R]: which returns are of the ground, by their classes, or by their heights where none has such one."""
+        """The mask of ground returns, bool [R]: by class, or by height if no return has a ground class."""
         return (np.isin(self.label, GROUND_IDS) if self.has_classes else ground_of(self.points)) & self.returned
 
     @cached_property
     def has_classes(self) -> bool:
-        """Whether any recorded return has a class of the ground."""
+        """Whether any recorded return has a ground class."""
         return bool(np.isin(self.label[self.made_up == RECORDED], GROUND_IDS).any())
 
     @cached_property
     def ground_points(self) -> np.ndarray:
-        """The returns of the ground, f32 [G, 3]."""
+        """The ground returns, f32 [G, 3]."""
         return self.points[self.is_ground]
 
     def ground_height(self, x: float, y: float) -> float:
-        """z of the ground at a place [m]; that of flat ground where there is none within 16 m."""
+        """z of the ground at a place [m]; that of flat ground if none was seen within 16 m."""
         ground = self.ground_points
         away = np.hypot(ground[:, 0] - x, ground[:, 1] - y)
         for reach in _NEAR_GROUND:
@@ -139,7 +140,7 @@ class RecordedScan:
         return -self.sensor.mount_height
 
     def box(self, id: str) -> Box:
-        """The box of that id; raises `UnknownNameError` where there is none."""
+        """The box of that id; raises `UnknownNameError` if there is none."""
         for box in self.boxes:
             if box.id == id:
                 return box
@@ -147,14 +148,14 @@ class RecordedScan:
         raise UnknownNameError(f"no object has the id {id!r}; the scan has {known or 'none'}")
 
     def returns_per_box(self) -> list[int]:
-        """How many returns lie in each of `boxes`."""
+        """The number of returns in each of `boxes`."""
         found = self.points[self.returned]
         return [int(box.contains(found).sum()) for box in self.boxes]
 
     def layout(self, where: np.ndarray) -> Layout:
-        """What the returns `where` bool [R] is True are of, in the sensor's frame; nothing where no ground is known.
+        """The layout of the returns in the mask `where` bool [R], in the sensor's frame; empty if no ground is known.
 
-        Where no return has a class of the ground, those on it are road and the others `other`."""
+        If no return has a ground class, ground returns are road and the others `other`."""
         some = where & self.returned
         label = self.label[some]
         if not self.has_classes:
@@ -167,8 +168,8 @@ class RecordedScan:
         """Write the returns as `NAME.bin`, `.label`, `.npz`, `.boxes.json` and `.sensor.json`.
 
         The `.npz` has `xyz`, `intensity`, `label`, `instance`, `made_up` and `source`; in the `.label`, filled returns
-        are SemanticKITTI's outliers. An earlier scan of that name is replaced whole. Raises `FormatError` where one
-        cannot be written; then none is.
+        are SemanticKITTI's outliers. An earlier scan of that name is replaced as a whole. Raises `FormatError` if a
+        file cannot be written; then none is.
         """
         from lidardraft.scan import SCAN_ENDINGS  # pictures come with it, which edits do not need
 
@@ -183,16 +184,16 @@ class RecordedScan:
 
 
 def ground_of(points: np.ndarray) -> np.ndarray:
-    """Which points [N, 3] lie on the ground, bool [N]: the lowest quarter metre of each cell of 2 m whose lowest point
-    is about as low as those around it. What lies deeper was mirrored there."""
-    from scipy.ndimage import percentile_filter  # which no --help waits for
+    """The mask of points [N, 3] on the ground, bool [N]: the lowest quarter metre of each cell of 2 m whose lowest
+    point is about as low as those around it. Deeper points are mirror images."""
+    from scipy.ndimage import percentile_filter  # slow to import
 
     near = np.flatnonzero(np.abs(points[:, :2]).max(axis=1) < _FLAT_WITHIN)
     side = int(2 * _FLAT_WITHIN / _CELL)
     x, y = np.floor((points[near, :2] + _FLAT_WITHIN) / _CELL).astype(np.intp).T
     lowest = np.full((side, side), np.inf, np.float32)
     np.minimum.at(lowest, (x, y), points[near, 2])
-    for _ in range(2):  # again without what was mirrored
+    for _ in range(2):  # again without mirror images
         usual = percentile_filter(lowest, _LOW, _AROUND)
         usual = np.where(np.isfinite(usual), usual, lowest)
         real = points[near, 2] > usual[x, y] - _RISE
@@ -212,7 +213,7 @@ def _boxes_of(points: np.ndarray, label: np.ndarray, instance: np.ndarray, senso
 
 
 def _lost_rays(points: np.ndarray, ring: np.ndarray | None, sensor: Sensor) -> tuple[np.ndarray, np.ndarray]:
-    """Directions [M, 3] of rays without a return, and before which of points [N, 3] each belongs, 1 to N."""
+    """Directions [M, 3] of rays without a return, and the index of the point [N, 3] that each comes before, 1 to N."""
     try:
         ring = rings_of_order(points) if ring is None else ring
     except FormatError:
@@ -245,5 +246,5 @@ def _lost_rays(points: np.ndarray, ring: np.ndarray | None, sensor: Sensor) -> t
 
 
 def _sector(azimuth: np.ndarray) -> np.ndarray:
-    """Of a turn: where no ray returned at all, the scan does not look."""
+    """The sector of a turn; the scan does not look into sectors without any return."""
     return (azimuth % (2 * np.pi) * (_SECTORS / (2 * np.pi))).astype(np.intp) % _SECTORS

@@ -1,7 +1,7 @@
-"""Edits of a recorded scan, as values: objects are inserted, removed, moved and replaced, with what they hide.
+"""Edits of a recorded scan, as values: objects are inserted, removed, moved and replaced, with their shadows.
 
-An inserted object is cast in detail along the scan's own rays. What a removed one hid is filled from the layout of the
-rest of the scan. A list of edits undoes its last one by leaving it out.
+An inserted object is cast in detail along the scan's own rays. The layout of the rest of the scan fills the shadow of a
+removed one. To undo the last edit, leave it out of the list.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from lidardraft.simulation.recorded.solid_object import SolidObject
 
 _MARGIN = 0.15  # m around a box: mirrors, and boxes that annotators drew tight
 _MOST_OVERLAP = 0.3  # m of boxes, which annotators draw wide
-_CLEARANCE = 0.1  # m over the ground, where an object begins
-_ALIKE = 8  # returns of a class nearest to a filled one, of which it has the intensity of one
-_MOST_INSIDE = 5  # returns of other things where an object is put
+_CLEARANCE = 0.1  # m over the ground, from which an object begins
+_ALIKE = 8  # nearest returns of its class from which a filled return draws its intensity
+_MOST_INSIDE = 5  # returns of other things in the box of an inserted object
 _ROAD, _OTHER = BY_NAME["road"].id, BY_NAME["other"].id
 _IS_THING = np.array([row.is_thing for row in CLASSES])
 
@@ -68,7 +68,7 @@ class Remove:
 @dataclass(frozen=True)
 class Move:
     """Let an object stand on the ground at `to` (x, y) [m], turned to `yaw` [rad] if given. Its returns are made anew:
-    another side of it is seen from there."""
+    the sensor sees another side of it there."""
 
     id: str
     to: tuple[float, float]
@@ -83,7 +83,7 @@ class Move:
 
 @dataclass(frozen=True)
 class Replace:
-    """Put an object of another kind in the place of one, with a size of its kind."""
+    """Replace an object with one of another kind, with a size of that kind."""
 
     id: str
     kind: str
@@ -101,7 +101,7 @@ def edit_scan(scan: RecordedScan, edits: Iterable[Edit], *, seed: int = 0) -> Re
     """The scan with each edit in turn; rays that no edit touches keep their returns.
 
     The same seed gives the same scan, and an object's random numbers depend on its id alone. Raises `LayoutError` for
-    an unknown object or kind, a place out of the sensor's range, and one that another object or the vehicle takes.
+    an unknown object or kind, and for a place out of the sensor's range or taken by another object or the vehicle.
     """
     check_type("scan", scan, RecordedScan)
     seed = check_seed(seed)
@@ -133,7 +133,7 @@ def _with_object(
 
 
 def check_room(scan: RecordedScan, box: Box) -> None:
-    """Raise `LayoutError` where a box is out of the sensor's range, overlaps another one or the recording vehicle, or
+    """Raises `LayoutError` if a box is out of the sensor's range, overlaps another one or the recording vehicle, or
     has the id of another."""
     x, y, _ = box.center
     if math.hypot(x, y) > scan.sensor.max_range:
@@ -155,7 +155,7 @@ def _solid(box: Box) -> Primitive:
 
 
 def inserted(scan: RecordedScan, objects: Sequence[tuple[SolidObject, Box]], seed: int) -> RecordedScan:
-    """The scan with objects in boxes: rays that they stop return from them, or not at all where the echo is too weak.
+    """The scan with objects in boxes: rays that hit them return from them, or not at all if the echo is too weak.
 
     A ray that returned from something before them stays as it is."""
     reach = np.where(scan.returned, scan.distance, np.inf)
@@ -182,10 +182,10 @@ def inserted(scan: RecordedScan, objects: Sequence[tuple[SolidObject, Box]], see
 
 
 def _without_object(scan: RecordedScan, box: Box, seed: int) -> RecordedScan:
-    """The scan without the returns of an object; its rays go on to what the layout of the rest has behind it."""
+    """The scan without the returns of an object; its rays go on to the layout of the rest behind it."""
     near = _towards(scan, box)
     ground = scan.is_ground[near]
-    if not scan.has_classes:  # by height alone, what is low on the object is ground
+    if not scan.has_classes:  # by height alone, low returns of the object are ground
         ground &= scan.points[near, 2] < scan.ground_height(*box.center[:2]) + _CLEARANCE
     own = (scan.made_up[near] == INSERTED) & (scan.instance[near] == box.instance) & (box.instance > 0)
     own |= box.contains(scan.points[near], _MARGIN)  # the noise of weak echoes goes further
@@ -216,8 +216,8 @@ def _without_object(scan: RecordedScan, box: Box, seed: int) -> RecordedScan:
 def _like_around(scan: RecordedScan, known: np.ndarray, filled: np.ndarray, rng: np.random.Generator) -> None:
     """Give each filled return the intensity of one of the nearest returns of its class, and the nearest one's instance.
 
-    Without classes all of the ground are alike, and all of the rest."""
-    from scipy.spatial import cKDTree  # which no --help waits for
+    Without classes, all ground returns are of one class, and all others of another."""
+    from scipy.spatial import cKDTree  # slow to import
 
     labels = scan.label if scan.has_classes else np.where(scan.is_ground, _ROAD, _OTHER)
     for label in np.unique(scan.label[filled]).tolist():
@@ -237,7 +237,7 @@ def _editable(scan: RecordedScan) -> RecordedScan:
 def _write_returns(
     scan: RecordedScan, which: np.ndarray, depth: np.ndarray, intensity: np.ndarray, label: np.ndarray, mark: int
 ) -> None:
-    """Let the rays `which` return from `depth` [m], or not return where that is 0."""
+    """Let the rays `which` return from `depth` [m], or not return if that is 0."""
     there = depth > 0
     directions = scan.points[which] / np.where(scan.returned[which], scan.distance[which], 1.0)[:, None]
     scan.points[which] = directions * np.where(there, depth, 1.0)[:, None]
@@ -249,7 +249,7 @@ def _write_returns(
 
 
 def _towards(scan: RecordedScan, box: Box) -> np.ndarray:
-    """Which rays pass near a box: those in the cone around a sphere around it."""
+    """The indices of rays that pass near a box: those in the cone around a sphere around it."""
     center = np.array(box.center)
     away, radius = float(np.linalg.norm(center)), float(np.linalg.norm(box.size)) / 2 + 2 * _MARGIN
     if away <= radius:

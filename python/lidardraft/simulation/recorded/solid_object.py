@@ -1,4 +1,4 @@
-"""An object to put into a recorded scan: built in detail and compiled once, in a frame of its own."""
+"""An object to put into a recorded scan: built in detail and compiled once, in its own frame."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ _WORD_OF_CLASS = {"rider": "cyclist", "train": "tram"}
 
 
 def sampled_parts(word: str, seed: int, name: str) -> list[CoarseShape]:
-    """The shapes of one of `WORDS`, in a size of its own; raises `LayoutError` for another word."""
+    """The shapes of one of `WORDS`, in a sampled size; raises `LayoutError` for another word."""
     if word not in WORDS:
         raise LayoutError(f"{word!r} is no object that can be inserted; it must be {one_of(WORDS, word)}")
     kind = SENTENCE_KINDS[_RIDDEN.get(word, word)]
@@ -34,9 +34,9 @@ def sampled_parts(word: str, seed: int, name: str) -> list[CoarseShape]:
 
 @dataclass(frozen=True, eq=False)
 class SolidObject:
-    """An object whose frame has x ahead, z up and its origin on the ground under the middle of its box.
+    """An object in its own frame: x ahead, z up, the origin on the ground under the middle of its box.
 
-    `label` is the class of its box, `size` the extents of that [m].
+    `label` is the class of its box, `size` the box's extents [m].
     """
 
     label: str
@@ -46,7 +46,7 @@ class SolidObject:
 
     @classmethod
     def of_kind(cls, word: str, *, size: Vector | None = None, name: str = "", seed: int = 0) -> SolidObject:
-        """One of `WORDS`, with extents such as its kind has if no `size` is given; `seed` and `name` decide the rest.
+        """One of `WORDS`, with sampled extents of its kind if no `size` is given; `seed` and `name` decide the rest.
 
         Raises `LayoutError` for another word."""
         parts, kind = sampled_parts(word, seed, name), SENTENCE_KINDS[_RIDDEN.get(word, word)]
@@ -59,7 +59,7 @@ class SolidObject:
 
     @classmethod
     def of_class(cls, label: str, size: Vector, *, name: str = "", seed: int = 0) -> SolidObject:
-        """What a box of that class and size stands for."""
+        """The object that a box of that class and size represents."""
         word = _WORD_OF_CLASS.get(label, label)
         if word in WORDS:
             return cls.of_kind(word, size=size, name=name, seed=seed)
@@ -82,7 +82,7 @@ class SolidObject:
         return cls(label, extents(parts), Raycaster(layout, by_id=True), Surfaces.from_layout(layout, by_id=True))
 
     def cast(self, place: Vector, yaw: float, directions: np.ndarray, furthest: float, seed: int) -> Hits:
-        """What rays from the origin in `directions` [R, 3] hit of the object where it stands on `place` [m] with `yaw`
-        [rad], up to `furthest` [m]; in the frame of the object."""
+        """The hits of rays from the origin in `directions` [R, 3] on the object at `place` [m] with `yaw` [rad], up to
+        `furthest` [m]; in the frame of the object."""
         pose = upright(place, yaw)
         return self.caster.cast(-pose[:3, 3] @ pose[:3, :3], directions @ pose[:3, :3], max_range=furthest, seed=seed)

@@ -1,7 +1,7 @@
-"""The coarse layouts of a street: what a sentence, a clustering, a picture or annotators would have made of it.
+"""The coarse layouts of a street, as a sentence, a clustering, a picture or annotators would give them.
 
-All shapes are solid, also for what is porous in the detailed scene: no input makes a medium. All stand in the frame of
-the ego vehicle, which is fixed to the road under it: `pose` is street_from_ego [4, 4].
+All shapes are solid, even if they are porous in the detailed scene: no input makes a medium. Their frame is that of the
+ego vehicle, fixed to the road under it: `pose` is street_from_ego [4, 4].
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.shape_table import ShapeTable
 from lidardraft.streets.coarse.coarse_street import CoarseStreet, place_of
 
-_NOTICED = 5  # returns of an object that is noticed in a picture: an estimate
-_SHARES = (0.3, 0.35, 0.2, 0.15)  # how often each is sampled
-_HAS_SIDEWALKS, _HAS_POLES, _IS_NUMBERED, _IS_FLAT = 0.85, 0.85, 0.5, 0.5  # how often
-_MOST_OMITTED = 0.3  # of small objects, in one of three pictures
+_NOTICED = 5  # returns from which a picture shows an object: an estimate
+_SHARES = (0.3, 0.35, 0.2, 0.15)  # the share of each style
+_HAS_SIDEWALKS, _HAS_POLES, _IS_NUMBERED, _IS_FLAT = 0.85, 0.85, 0.5, 0.5  # probabilities
+_MOST_OMITTED = 0.3  # share of small objects, in one of three pictures
 _NAMED_WITHIN = (45.0, 80.0)  # m
-# Cameras see 60 to 120 degrees; monocular depth is wrong by some percent. What is shown must still be worth obeying.
+# Cameras see 60 to 120 degrees; monocular depth is wrong by some percent. Shown objects must still be worth obeying.
 _PICTURED_WITHIN, _VIEW_DEGREES = (30.0, 70.0), (60.0, 120.0)  # m, degrees
 _MOST_ERROR, _MOST_TURN = 0.03, 0.05  # share, rad
 
@@ -33,8 +33,8 @@ _MOST_ERROR, _MOST_TURN = 0.03, 0.05  # share, rad
 class VisibleObjects:
     """The returns of one scan on objects, from a sensor at `pose` [4, 4] over the ego vehicle at `place` (x, y, yaw).
 
-    `scan` says which primitive each return is of; `owners` i32 [P + 1] which of `count` objects each of these is part
-    of, as in `CoarseStreet`.
+    `scan` has the primitive of each return; `owners` i32 [P + 1] is the object of each primitive, of `count`, as in
+    `CoarseStreet`.
     """
 
     place: tuple[float, float, float]
@@ -44,7 +44,7 @@ class VisibleObjects:
     count: int
 
     def returns(self) -> np.ndarray:
-        """How many returns each object has, i64 [T]."""
+        """The number of returns of each object, i64 [T]."""
         assert self.scan.primitive is not None
         owner = self.owners[self.scan.primitive[self.scan.valid]]
         return np.bincount(owner[owner >= 0], minlength=self.count)
@@ -52,9 +52,10 @@ class VisibleObjects:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class TextStyle:
-    """What the sentence names: vehicles, and of `FAMILIES` those in `named`, within `reach` [m] of the ego vehicle.
+    """The objects that the sentence names: vehicles, and those of the `FAMILIES` in `named`, within `reach` [m] of the
+    ego vehicle.
 
-    `sidewalks` and `poles` say whether there are any.
+    `sidewalks` and `poles` are whether it has any.
     """
 
     source: ClassVar[str] = "text"
@@ -66,7 +67,7 @@ class TextStyle:
 
 
 def as_text(street: CoarseStreet, style: TextStyle, pose: np.ndarray) -> ShapeTable:
-    """Sizes of the solver, objects in the middle of their lanes and along the road, flat ground."""
+    """The layout of a sentence: sizes of the solver, objects amid their lanes and along the road, flat ground."""
     x, y, _ = place_of(pose)
     near = np.hypot(*(street.places[:, :2] - (x, y)).T) <= style.reach
     chosen = np.isin(street.families, ("", *style.named)) & near & (style.poles | ~street.poles)
@@ -76,7 +77,7 @@ def as_text(street: CoarseStreet, style: TextStyle, pose: np.ndarray) -> ShapeTa
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class ClusterStyle:
-    """`numbered` is whether the points come with the numbers of their objects."""
+    """`numbered` is whether the points have instance numbers."""
 
     source: ClassVar[str] = "cloud"
     coverage: ClassVar[tuple[float, float] | None] = None
@@ -84,7 +85,7 @@ class ClusterStyle:
 
 
 def as_clusters(style: ClusterStyle, visible: VisibleObjects) -> ShapeTable:
-    """What `layout_from_cloud` makes of the scan."""
+    """The layout that `layout_from_cloud` makes of the scan."""
     scan, (x, y, height) = visible.scan, visible.pose[:3, 3].tolist()
     layout = layout_from_cloud(
         scan.points() @ visible.pose[:3, :3].T,
@@ -98,12 +99,12 @@ def as_clusters(style: ClusterStyle, visible: VisibleObjects) -> ShapeTable:
 
 @dataclass(frozen=True, kw_only=True, slots=True)
 class PictureStyle:
-    """What is in the picture, and how well it is judged.
+    """The content of a picture, and the accuracy of its objects.
 
-    The picture shows what is within `reach` [m] and `view` [rad] around straight ahead; `omit` is the share of small
-    objects left out, `sidewalks` and `poles` say whether there are any, `relief` whether the ground rises and falls.
-    `lobes` is the number of ellipsoids in a crown. `error` is the standard deviation of sizes in shares of them and of
-    places in shares of the distance, `turn` that of yaw [rad].
+    It shows the objects within `reach` [m] and `view` [rad] around straight ahead. `omit` is the share of small objects
+    left out. `sidewalks` and `poles` are whether it has any, `relief` whether its ground rises and falls. `lobes` is
+    the number of ellipsoids in a crown. `error` is the standard deviation of sizes in shares of them and of places in
+    shares of the distance, `turn` that of yaw [rad].
     """
 
     source: ClassVar[str] = "picture"
@@ -119,14 +120,14 @@ class PictureStyle:
 
     @property
     def coverage(self) -> tuple[float, float] | None:
-        """The azimuths [rad] that the picture shows, as `Layout.coverage` has them."""
+        """The azimuths [rad] that the picture shows, as in `Layout.coverage`."""
         return None if self.view >= math.tau else (-self.view / 2, self.view / 2)
 
 
 def as_picture(
     street: CoarseStreet, style: PictureStyle, rng: np.random.Generator, pose: np.ndarray, visible: VisibleObjects
 ) -> ShapeTable:
-    """What the picture shows."""
+    """The layout of a picture."""
     chosen = _in_picture(street, style, rng, visible)
     errors = _errors(street, style, rng, pose)
     ground = street.ground(pose, relief=style.relief, sidewalks=style.sidewalks)
@@ -137,7 +138,7 @@ def as_picture(
 def _in_picture(
     street: CoarseStreet, style: PictureStyle, rng: np.random.Generator, visible: VisibleObjects
 ) -> np.ndarray:
-    """Which objects [T] are in the picture."""
+    """The mask [T] of objects in the picture."""
     x, y, yaw = visible.place
     ahead = street.places[:, :2] - (x, y)
     bearing = np.arctan2(ahead[:, 1], ahead[:, 0]) - yaw
@@ -152,7 +153,7 @@ def _in_picture(
 def _errors(
     street: CoarseStreet, style: PictureStyle, rng: np.random.Generator, pose: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """How far off the places [T, 3] (x, y, yaw) are, further along the line of sight, and the scales [T, 3]."""
+    """Errors of the places [T, 3] (x, y, yaw), x and y along the line of sight, and scales of the sizes [T, 3]."""
     count = len(street.objects)
     sight = street.places[:, :2] - place_of(pose)[:2]
     off = np.column_stack([sight * rng.normal(0.0, style.error, (count, 1)), rng.normal(0.0, style.turn, count)])
@@ -169,7 +170,7 @@ class BoxStyle:
 
 
 def as_boxes(street: CoarseStreet, style: BoxStyle, pose: np.ndarray) -> ShapeTable:
-    """Everything at its place and size."""
+    """The layout of boxes: all objects at their places and sizes."""
     everything = np.ones(len(street.objects), dtype=bool)
     ground = street.ground(pose, relief=style.relief)
     return ShapeTable.join(ground, street.standing(street.exact, everything, pose, relief=style.relief))
@@ -177,14 +178,14 @@ def as_boxes(street: CoarseStreet, style: BoxStyle, pose: np.ndarray) -> ShapeTa
 
 Style: TypeAlias = TextStyle | ClusterStyle | PictureStyle | BoxStyle
 
-# All numbers below are estimates of what people bring.
+# Estimates of people's inputs.
 _STYLES = (TextStyle, ClusterStyle, PictureStyle, BoxStyle)
 
 
 def coarse_layout(
     street: CoarseStreet, style: Style, rng: np.random.Generator, pose: np.ndarray, visible: VisibleObjects
 ) -> ShapeTable:
-    """The street in that style; `visible` is what a scan from `pose` saw."""
+    """The coarse layout of a street in a style; `visible` are the returns of a scan from `pose`."""
     match style:
         case TextStyle():
             return as_text(street, style, pose)
@@ -197,7 +198,7 @@ def coarse_layout(
 
 
 def sample_style(rng: np.random.Generator) -> Style:
-    """A style as people's inputs would have, at random."""
+    """A random style of people's inputs."""
     style = _STYLES[int(rng.choice(len(_STYLES), p=_SHARES))]
     sidewalks, poles = bool(rng.random() < _HAS_SIDEWALKS), bool(rng.random() < _HAS_POLES)
     omit, lobes = float(rng.choice((0.0, 0.0, rng.uniform(0.0, _MOST_OMITTED)))), int(rng.integers(1, MOST_LOBES + 1))

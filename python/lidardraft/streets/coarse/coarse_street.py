@@ -1,4 +1,4 @@
-"""What all coarse layouts of one street share: its ground, and the coarse shapes of its objects as columns."""
+"""The common part of all coarse layouts of one street: its ground, and its objects' coarse shapes as columns."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ _SEEN = 80.0  # m; ground further off returns next to nothing
 
 
 class GroundMesh:
-    """The ground `surfaces` of a street's detailed scene, looked at from above in cells along the road.
+    """The ground `surfaces` of a street's detailed scene, seen from above in cells along the road.
 
-    A cell has the class of its middle; a corner's height depends on its place only, so that neighbours meet without a
-    gap. Below all of it lies the plane "ground".
+    A cell has the class of its middle. A corner's height depends on its place only, so that neighbours meet without a
+    gap. Below all cells lies the plane "ground".
     """
 
     def __init__(self, road: Road, surfaces: list[Primitive]) -> None:
@@ -47,8 +47,8 @@ class GroundMesh:
         self._quads, self._labels, self._middles = quads.reshape(-1, 4), label.ravel(), middles.reshape(-1, 2)
 
     def around(self, pose: np.ndarray) -> ShapeTable:
-        """The ground near street_from_ego `pose` [4, 4]: a mesh for each class, with heights over the plane that stands
-        there, and else in the frame of the road."""
+        """The ground near street_from_ego `pose` [4, 4]: a mesh for each class. Heights are over the plane of the pose;
+        x and y are in the frame of the road."""
         near = np.hypot(*(self._middles - pose[:2, 3]).T) < _SEEN
         quads, labels = self._quads[near], self._labels[near]
         found = np.flatnonzero(np.bincount(labels, minlength=1))
@@ -102,7 +102,7 @@ def _middles(lines: np.ndarray) -> np.ndarray:
 
 
 def _looked_down(caster: Raycaster, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Height [m] and class id of the ground at places [..., 2]; terrain at z = 0 where there is none."""
+    """Height [m] and class id of the ground at places [..., 2]; terrain at z = 0 without any."""
     flat = places.reshape(-1, 2)
     origins = np.column_stack([flat, np.full(len(flat), _SKY)])
     hits = caster.cast(origins, np.tile([0.0, 0.0, -1.0], (len(flat), 1)), threads=1)
@@ -113,9 +113,9 @@ def _looked_down(caster: Raycaster, places: np.ndarray) -> tuple[np.ndarray, np.
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ShapeColumns:
-    """M coarse shapes as columns: `owners` i64 [M], the object each belongs to; its shape, `centers` and `sizes` f64
-    [M, 3], label and instance in the frame of that object; `lobes` i64 [M], as `CoarseShape` has them; `places` f64
-    [M, 3], the x, y and yaw of the object; `ids` [M].
+    """M coarse shapes as columns: `owners` i64 [M], the index of the object of each; shape, `centers` and `sizes` f64
+    [M, 3], label and instance, in the frame of that object; `lobes` i64 [M], as in `CoarseShape`; `places` f64 [M, 3],
+    the x, y and yaw of the object; `ids` [M].
     """
 
     owners: np.ndarray
@@ -136,7 +136,7 @@ class ShapeColumns:
         number: dict[tuple[int, int], int] = {}
         ids = []
         for index, mark, _ in rows:
-            # the crowns of one object have the same ids whatever the number of their lobes
+            # the crowns of one object have the same ids for any number of lobes
             key = (index, mark.lobes)
             number[key] = number.get(key, number.get((index, 0), 0) if mark.lobes else 0) + 1
             ids.append(f"{objects[index].id}.{number[key] - 1}" if number[key] > 1 else objects[index].id)
@@ -159,11 +159,11 @@ class CoarseStreet:
     """The ground of a street and the coarse shapes of its objects, in the frame of the road.
 
     `scene` is the detailed scene of the `objects` along `road`, `middles` are those of the lanes across the road [m].
-    Of the T objects, as columns: `places` f64 [T, 3] x, y, yaw; `levels` and `heights` f64 [T], of the ground under
-    them without and with its relief; `instances` u32 [T]; `small` and `poles` bool [T]; `families` str [T], of
-    `FAMILIES` or empty. `exact` are their shapes as they are, `solved` the nearest ones that the solver of sentences
-    could have placed. `owners` i32 [P + 1] is the index of the object that each primitive of the scene is part of: -1
-    for ground, and last for no primitive.
+    Columns of the T objects: `places` f64 [T, 3] x, y, yaw; `levels` and `heights` f64 [T], of the ground under them
+    without and with its relief; `instances` u32 [T]; `small` and `poles` bool [T]; `families` str [T], of `FAMILIES` or
+    empty. `exact` are their true shapes, `solved` the nearest ones that the solver of sentences could have placed.
+    `owners` i32 [P + 1] is the index of the object of each primitive of the scene: -1 for ground, and last for no
+    primitive.
     """
 
     def __init__(self, road: Road, objects: Sequence[PlacedObject], scene: Layout, middles: Sequence[float]) -> None:

@@ -1,4 +1,4 @@
-"""Objects as a sentence has them: the nearest to the real ones that the solver of sentences could have placed."""
+"""Objects as in sentences: the nearest to the real ones that the solver of sentences could have placed."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ from lidardraft.scene.road import PARKING_STRIP, Road
 # Sizes are changed by no more than this: a network that learned from layouts further off would learn to ignore them.
 _MOST_RESIZED, _ALWAYS_RESIZED = 0.25, 0.12  # share of the size; m that are always allowed
 _MOST_YAW = 3 * YAW_DEVIATION  # rad
-_CROOKED = 0.2  # rad; what is turned by more stands as it does
-_IN_LANE = 0.5  # m from the middle of a lane that is still in it
+_CROOKED = 0.2  # rad; objects turned by more keep their place
+_IN_LANE = 0.5  # m from the middle of a lane, within which an object is in it
 _LEAST_CROWN = 0.6  # of the height of a tree, the highest that its crown begins
 
 
 def _extents(kind: SentenceKind) -> tuple[Vector, Vector]:
-    """The smallest and the largest extents [m] of a kind; strips are as long as they are."""
+    """The smallest and the largest extents [m] of a kind; strips have any length."""
     assert kind.sizes is not None
     smallest, largest = kind.sizes.smallest, kind.sizes.largest
     if kind.follows_road:
@@ -48,9 +48,10 @@ _LONGEST_BUILDING = _EXTENTS["building"][1][0]
 def solver_shapes(
     objects: Iterable[PlacedObject], road: Road, middles: Sequence[float]
 ) -> list[tuple[int, CoarseShape, tuple[float, float, float]]]:
-    """The shapes of each object that a sentence can name: index of the object, shape, and its place (x, y, yaw).
+    """The shapes of all objects that a sentence can name: index of the object, shape, and its place (x, y, yaw).
 
-    `middles` are those of the lanes across the road [m]. A block longer than the solver's is several side by side.
+    `middles` are those of the lanes across the road [m]. Several blocks side by side replace one longer than the
+    solver's.
     """
     rows = np.unique(
         np.concatenate([np.asarray(middles, dtype=float), (road.edge - PARKING_STRIP / 2) * np.array([-1.0, 1.0])])
@@ -67,7 +68,7 @@ def solver_shapes(
 
 
 def _resized(placed: PlacedObject, kind: Kind) -> PlacedObject:
-    """The object in the nearest size that its word has in sentences; who rides keeps the size of both."""
+    """The object in the nearest size of its word in sentences; a rider with a machine keeps the size of both."""
     if kind.word not in _EXTENTS or kind.instances > 1:
         return placed
     length, width, height = placed.size
@@ -83,13 +84,13 @@ def _resized(placed: PlacedObject, kind: Kind) -> PlacedObject:
 
 
 def _nearest(extent: float, low: float, high: float) -> float:
-    """What is nearest to an extent within the limits, as far as one may be resized."""
+    """The nearest value to an extent within the limits, as far as resizing is allowed."""
     most = max(_MOST_RESIZED * extent, _ALWAYS_RESIZED)
     return min(max(min(max(extent, low), high), extent - most), extent + most)
 
 
 def _shapes(placed: PlacedObject, kind: Kind) -> list[CoarseShape]:
-    """The parts that a sentence has for the word of a kind, at the size of the object."""
+    """The parts of a kind's word in sentences, at the size of the object."""
     length, width, height = placed.size
     if kind.word == "building" and length > _LONGEST_BUILDING:
         count = math.ceil(length / _LONGEST_BUILDING)

@@ -1,4 +1,4 @@
-"""What `bpy.data` holds: objects, meshes, materials and collections, each with a name of its own."""
+"""The contents of `bpy.data`: objects, meshes, materials and collections, each with its own name."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from lidardraft.drafting.blender.script.values import Builtin, Methods, Record, 
 
 
 class Unread(Record):
-    """A part of Blender that no shape depends on: what is set in it is passed over, all of it is such a part."""
+    """A part of Blender without effect on shapes: its settings are ignored, and all its attributes are such parts."""
 
     def __init__(self, kind: str, script: Script) -> None:
         self.kind = kind
@@ -40,10 +40,10 @@ class Unread(Record):
 
 
 class Listed(Record):
-    """Values in an order, which are found by their places and, where they have a `name`, by that."""
+    """Ordered values, found by index or, if they have one, by `name`."""
 
     def held(self) -> Sequence[Value]:
-        """Its values; whoever asks does not change them."""
+        """Its values; callers must not change them."""
         raise NotImplementedError
 
     def __iter__(self) -> Iterator[Value]:
@@ -53,7 +53,7 @@ class Listed(Record):
         return len(self.held())
 
     def named(self, name: Value) -> Value:
-        """The one of that name, or None."""
+        """The value of that name, or None."""
         return next((each for each in self.held() if getattr(each, "name", None) == name), None)
 
     def __getitem__(self, key: Value) -> Value:
@@ -86,7 +86,7 @@ class Listed(Record):
 
 
 class Listing(Listed):
-    """The list that something else has of its parts, with methods of its own beside those of all lists."""
+    """A list of the parts of another value, with extra methods."""
 
     def __init__(self, kind: str, held: Callable[[], Sequence[Value]], own: Methods) -> None:
         self.kind = kind
@@ -101,24 +101,24 @@ class Listing(Listed):
 
 
 class Blocks(Listed):
-    """The blocks of one kind by their names, as `bpy.data.objects` holds them."""
+    """The blocks of one kind by their names, as in `bpy.data.objects`."""
 
     def __init__(self, kind: str, make: Callable[..., Block], script: Script) -> None:
         self.kind = f"bpy.data.{kind}"
         self.by_name: dict[str, Block] = {}
-        self._next: dict[str, int] = {}  # the number that a name gets next, unless a block has gone meanwhile
+        self._next: dict[str, int] = {}  # the next number of a name, unless a block has been removed meanwhile
         self.script = script
         self._make = make
 
     def new(self, name: str, *arguments: Value, **named: Value) -> Value:
-        """A new block; its name gets a number where another one has it."""
+        """A new block; its name gets a number if it is taken."""
         block = self._make(self, *arguments, **named)
         block.name = self.free_name(text(name, "the name"))
         self.by_name[block.name] = block
         return block
 
     def free_name(self, name: str) -> str:
-        """The name, or, where it is taken, with the first free number behind it: "Car.001"."""
+        """The name or, if it is taken, the name with the first free number: "Car.001"."""
         self.script.take_text(len(name))
         if name not in self.by_name:
             return name
@@ -137,7 +137,7 @@ class Blocks(Listed):
         self.by_name[block.name] = block
 
     def remove(self, block: Value) -> None:
-        """Forget a block."""
+        """Remove a block."""
         self.script.check_time()
         if not isinstance(block, Block) or self.by_name.get(block.name) is not block:
             raise RefusalError(f"{describe(block)} is not in {self.kind}")
@@ -160,7 +160,7 @@ class Blocks(Listed):
 
 
 class Block(Record):
-    """What has a name and properties of the user's own."""
+    """A data block with a name and custom properties."""
 
     is_key = True
 
@@ -199,10 +199,10 @@ class Block(Record):
 
 
 def ignored(*names: str) -> Methods:
-    """What sets attributes that no shape depends on."""
+    """Setters of attributes without effect on shapes."""
     return dict.fromkeys(names, lambda *_: None)
 
 
 def unread(of: str, *names: str) -> Methods:
-    """What reads attributes of a part of Blender that no shape depends on."""
+    """Getters of attributes without effect on shapes."""
     return {name: lambda self, name=name: Unread(f"{name} of {of}", self.script) for name in names}

@@ -1,4 +1,4 @@
-"""`bmesh` as a script sees it: vertices and faces that are made, moved and extruded before they become a mesh."""
+"""`bmesh` for scripts: vertices and faces that are made, moved and extruded before they become a mesh."""
 
 from __future__ import annotations
 
@@ -27,16 +27,16 @@ from lidardraft.drafting.blender.script.values import (
     type_of,
 )
 
-_CELLS = 8  # that a vertex or a face costs
+_CELLS = 8  # the cost of a vertex or a face
 _ORIGIN = (0.0, 0.0, 0.0)
 _LOOKS = ("select", "smooth", "material_index", "hide", "tag", "index", "seam")
 _LOOKUP = dict.fromkeys(("ensure_lookup_table", "index_update"), nothing)
-# What leaves a surface where it is, or nearly so.
+# Operators that leave a surface in place, or nearly so.
 _PASSED_OVER = ("recalc_face_normals", "remove_doubles", "triangulate", "reverse_faces", "join_triangles", "bevel")
 
 
 class Face(Record):
-    """A polygon of a mesh that is being edited."""
+    """A polygon of an edited mesh."""
 
     kind = "a BMFace"
     is_key = True
@@ -94,7 +94,7 @@ class EditedMesh(Record):
         self.faces: list[Face] = []
 
     def edges(self) -> list[Edge]:
-        """The edges of its faces; those of no face are in no shape."""
+        """The edges of its faces; loose edges are in no shape."""
         sides = sum(len(face.corners) for face in self.faces)
         self.script.take_cells(_CELLS * sides)
         found: dict[frozenset[Vertex], tuple[Vertex, Vertex]] = {}
@@ -104,18 +104,18 @@ class EditedMesh(Record):
         return [Edge(pair) for pair in found.values()]
 
     def charge(self, count: int) -> None:
-        """Count so many vertices and faces, before they are made."""
+        """Count vertices and faces before they are made."""
         self.script.take_cells(_CELLS * count)
 
     def add(self, vertices: np.ndarray, faces: list[list[int]]) -> list[Vertex]:
-        """Add vertices [V, 3] and faces between them, which are charged already; gives the new vertices."""
+        """Add vertices [V, 3] and faces between them, already charged; returns the new vertices."""
         made = [Vertex(place) for place in vertices.tolist()]
         self.vertices += made
         self.faces += [Face([made[corner] for corner in face], self.script) for face in faces]
         return made
 
     def add_shape(self, shape: MeshShape, matrix: np.ndarray = IDENTITY) -> list[Vertex]:
-        """Add the vertices and faces of a shape, where a matrix [4, 4] takes them; gives the new vertices."""
+        """Add the vertices and faces of a shape, transformed by a matrix [4, 4]; returns the new vertices."""
         self.charge(3 * shape.vertices)  # each has two triangles at most
         vertices, polygons = shape.make()
         return self.add(moved(vertices, matrix), [face for each in polygons for face in each.tolist()])
@@ -133,7 +133,7 @@ class EditedMesh(Record):
         self.faces.clear()
 
     def copy(self) -> EditedMesh:
-        """Another one with vertices and faces of its own."""
+        """A copy with its own vertices and faces."""
         other = EditedMesh(self.script)
         other.charge(len(self.vertices) + len(self.faces))
         other.add(self._places(), self._corners())
@@ -149,13 +149,13 @@ class EditedMesh(Record):
         return [[number[corner] for corner in face.corners] for face in self.faces]
 
     def to_mesh(self, mesh: Value) -> None:
-        """Make a mesh of it; one without faces has no shape."""
+        """Write it to a mesh; without faces the mesh has no shape."""
         polygons = polygons_of(self._corners())
         of_kind(mesh, Mesh, "the mesh").shape = polyhedron(self._places(), polygons) if polygons else None
         mesh.matrix = IDENTITY
 
     def take_mesh(self, mesh: Value, **_: Value) -> None:
-        """Add what a mesh has."""
+        """Add the vertices and faces of a mesh."""
         if (shape := of_kind(mesh, Mesh, "the mesh").shape) is not None:
             self.add_shape(shape, mesh.matrix)
 
@@ -201,7 +201,7 @@ class EditedMesh(Record):
 
 
 def bmesh_module(scene: Scene) -> Namespace:
-    """The module, of which the meshes go into the scene."""
+    """The module; its meshes go into the scene."""
     script = scene.script
 
     def from_edit_mesh(mesh: Value) -> EditedMesh:
@@ -300,7 +300,7 @@ def _delete(bm: Value, geom: Value = (), context: Value = "VERTS", **_: Value) -
     else:
         lost = [face for face in mesh.faces if face in gone]
         mesh.faces = [face for face in mesh.faces if face not in gone]
-        # With its faces go the vertices of no other one; FACES_ONLY leaves them.
+        # Vertices of deleted faces only are deleted too; FACES_ONLY leaves them.
         kept = {corner for face in mesh.faces for corner in face.corners}
         gone = {corner for face in lost for corner in face.corners} - kept if context == "FACES" else set()
     mesh.vertices = [vertex for vertex in mesh.vertices if vertex not in gone]

@@ -1,4 +1,4 @@
-"""`mathutils` as a script sees it: vectors, Euler angles, quaternions and matrices; and rotations as arrays."""
+"""`mathutils` for scripts: vectors, Euler angles, quaternions and matrices; and rotations as arrays."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Combine = Callable[[Value, Value], Value]
 
 
 def rotation_matrix(angles: Sequence[float]) -> np.ndarray:
-    """The rotation [3, 3] about x, then y, then z, by so many radians: Blender's order XYZ."""
+    """The rotation [3, 3] about x, then y, then z, by angles [rad]: Blender's order XYZ."""
     x, y, z = angles
     cx, sx, cy, sy, cz, sz = math.cos(x), math.sin(x), math.cos(y), math.sin(y), math.cos(z), math.sin(z)
     return np.array(
@@ -100,12 +100,12 @@ def affine(linear: np.ndarray, offset: np.ndarray) -> np.ndarray:
 
 
 def moved(points: np.ndarray, matrix: np.ndarray) -> np.ndarray:
-    """Points [N, 3] where a matrix [4, 4] takes them."""
+    """Points [N, 3], transformed by a matrix [4, 4]."""
     return np.asarray(points @ matrix[:3, :3].T + matrix[:3, 3])
 
 
 def inverse(matrix: np.ndarray, what: str) -> np.ndarray:
-    """The inverse of a matrix, which must have one."""
+    """The inverse of a matrix; raises `RefusalError` if it has none."""
     try:
         return np.linalg.inv(matrix)
     except np.linalg.LinAlgError:
@@ -131,7 +131,7 @@ def about_named_axis(axis: Value, angle: Value) -> np.ndarray:
 
 
 class Vector(Record):
-    """Two to four finite numbers, which can be set one by one."""
+    """A vector of two to four finite numbers, which can be set one by one."""
 
     kind = "a Vector"
     axes = "xyzw"  # the names of the numbers
@@ -141,11 +141,11 @@ class Vector(Record):
 
     @property
     def numbers(self) -> list[float]:
-        """What it holds now; `change` gives it others."""
+        """Its current numbers; `change` replaces them."""
         return self._numbers
 
     def change(self, numbers: Sequence[float]) -> None:
-        """Hold other numbers."""
+        """Replace its numbers."""
         self._numbers = list(numbers)
 
     @classmethod
@@ -157,7 +157,7 @@ class Vector(Record):
         return cls(reals(value, len(numbers), "a vector"))
 
     def like(self, numbers: Sequence[float]) -> Vector:
-        """Other numbers of the same kind."""
+        """A vector of the same kind with other numbers."""
         return type(self)(numbers)
 
     def __iter__(self) -> Iterator[Value]:
@@ -167,7 +167,7 @@ class Vector(Record):
         return len(self.numbers)
 
     def _places(self, name: str) -> list[int]:
-        """The places of the axes in a name ("x", "xz"); none, where it names others."""
+        """The indices of the axes in a name ("x", "xz"); empty if it names others."""
         known = self.axes[: len(self.numbers)]
         return [known.index(axis) for axis in name] if len(name) <= 4 and set(name) <= set(known) else []
 
@@ -199,7 +199,7 @@ class Vector(Record):
             self._put([place(key, len(self.numbers), self.kind)], (value,))
 
     def _combined(self, combine: Combine, other: Value, *, additive: bool, reflected: bool = False) -> Value:
-        """The numbers, each combined with that of another vector where it is `additive`, or else with a factor."""
+        """The numbers, each combined with that of another vector if `additive`, else with a factor."""
         if additive == is_number(other):
             return NotImplemented
         others = self._same(other) if additive else [real(other, "the factor")] * len(self.numbers)
@@ -280,7 +280,7 @@ class Vector(Record):
 
 
 class LiveVector(Vector):
-    """Numbers that belong to something else, which is asked for them and given others."""
+    """A vector whose numbers are read from another value and written back to it."""
 
     def __init__(self, read: Callable[[], Sequence[float]], write: Callable[[Sequence[float]], None]) -> None:
         self._read = read
@@ -304,7 +304,7 @@ class Euler(Vector):
 
     @classmethod
     def from_value(cls, value: Value = (0.0, 0.0, 0.0), order: Value = "XYZ") -> Euler:
-        """The angles of three numbers."""
+        """The angles from three numbers [rad]."""
         _check_order(order)
         return cls(reals(value, 3, "the angles"))
 
@@ -323,14 +323,14 @@ class Euler(Vector):
 
 
 class Quaternion(Vector):
-    """A rotation, as four numbers."""
+    """A rotation as four numbers w, x, y, z."""
 
     kind = "a Quaternion"
     axes = "wxyz"
 
     @classmethod
     def from_value(cls, value: Value = (1.0, 0.0, 0.0, 0.0), angle: Value = None) -> Quaternion:
-        """The rotation of four numbers w, x, y, z, or of an axis and an angle [rad]."""
+        """The rotation from four numbers w, x, y, z, or from an axis and an angle [rad]."""
         if angle is None:
             return cls(reals(value, 4, "the quaternion"))
         return cls(quaternion_of(about_axis(np.array(reals(value, 3, "the axis")), real(angle, "the angle"))))
@@ -360,7 +360,7 @@ class Quaternion(Vector):
 
 
 class Matrix(Record):
-    """A square matrix of three or four rows; `changed` is told what it is changed to."""
+    """A square matrix of three or four rows; `changed` gets its new array after each change."""
 
     kind = "a Matrix"
 
@@ -369,14 +369,14 @@ class Matrix(Record):
         self.array = _finite(array)
 
     def change(self, array: np.ndarray) -> None:
-        """Hold other numbers."""
+        """Replace its numbers."""
         self.array = _finite(array)
         if self._changed is not None:
             self._changed(self.array)
 
     @classmethod
     def from_value(cls, rows: Value = ()) -> Matrix:
-        """The matrix of a list of rows; of 4 rows, the identity, where there are none."""
+        """The matrix from a list of rows; without rows, the identity [4, 4]."""
         if rows == ():
             return cls(np.eye(4))
         if isinstance(rows, Matrix):
@@ -386,7 +386,7 @@ class Matrix(Record):
         return cls(np.array([reals(row, len(rows), "a row of a matrix") for row in rows]))
 
     def _row(self, key: int | tuple[slice, int]) -> LiveVector:
-        """A row, or a part of a column, which can be set."""
+        """A row, or a part of a column; setting it changes the matrix."""
 
         def write(numbers: Sequence[float]) -> None:
             array = self.array.copy()
@@ -437,7 +437,7 @@ class Matrix(Record):
         return self
 
     def four_rows(self) -> np.ndarray:
-        """The map [4, 4] that it is of points."""
+        """Its map of points, [4, 4]."""
         return affine(self.array[:3, :3], self.array[:3, 3] if len(self.array) == 4 else np.zeros(3))
 
     def _to_quaternion(self) -> Quaternion:
@@ -465,7 +465,7 @@ def _finite(array: np.ndarray) -> np.ndarray:
 
 
 def _sized(array: np.ndarray, size: Value = None) -> Matrix:
-    """The first rows and columns of a matrix [4, 4], or all of another one."""
+    """The matrix of the first `size` rows and columns, by default all."""
     rows = len(array) if size is None else size
     if rows not in (3, 4):
         raise RefusalError(f"a matrix of {describe(rows)} rows; it must have 3 or 4")
@@ -473,7 +473,7 @@ def _sized(array: np.ndarray, size: Value = None) -> Matrix:
 
 
 def rotation_of(turn: Value) -> np.ndarray:
-    """The rotation [3, 3] that a matrix, a quaternion or three angles stand for."""
+    """The rotation [3, 3] of a matrix, a quaternion or three angles."""
     if isinstance(turn, Matrix):
         return np.asarray(turn.array[:3, :3])
     if isinstance(turn, Quaternion):
@@ -482,7 +482,7 @@ def rotation_of(turn: Value) -> np.ndarray:
 
 
 def _composed(location: Value, rotation: Value, scale: Value) -> Matrix:
-    """What scales, then turns, then moves; None leaves a part out."""
+    """The matrix that scales, then turns, then moves; None leaves a part out."""
     offset = np.zeros(3) if location is None else np.array(reals(location, 3, "the location"))
     turn = np.eye(3) if rotation is None else rotation_of(rotation)
     return Matrix(affine(turn * ((1.0, 1.0, 1.0) if scale is None else reals(scale, 3, "the scale")), offset))
@@ -497,7 +497,7 @@ def _rotated(angle: Value, size: Value, axis: Value = "Z") -> Matrix:
 
 
 def _scaled(factor: Value, size: Value, axis: Value = None) -> Matrix:
-    """What scales in all directions, or along an axis alone."""
+    """The matrix that scales in all directions, or along one axis."""
     stretched = np.eye(3) * real(factor, "the factor")
     if axis is not None:
         direction = np.array(reals(axis, 3, "the axis"))
@@ -517,7 +517,7 @@ def _euler(array: np.ndarray, order: Value) -> Euler:
 
 
 def mathutils_module() -> Namespace:
-    """Vector, Euler, Matrix, Quaternion and Color."""
+    """The module: Vector, Euler, Matrix, Quaternion and Color."""
     vectors = builtins("", {"Vector": Vector.from_value, "Euler": Euler.from_value, "Color": Vector.from_value})
     quaternion = Builtin("Quaternion", Quaternion.from_value)
     matrices: Methods = {

@@ -1,5 +1,5 @@
-"""Meshes and their materials, as `bpy.data` holds them; those that Blender's operators make, and of lists of vertices:
-what shape of a layout each one is."""
+"""Meshes and materials of `bpy.data`, those of Blender's operators and of lists of vertices, with the layout's shape of
+each."""
 
 from __future__ import annotations
 
@@ -29,22 +29,21 @@ from lidardraft.drafting.blender.script.values import (
 )
 from lidardraft.scene.mesh import triangles_of
 
-Polygons = list[np.ndarray]  # int64 [F, K] each: so many polygons of K corners
-# From so many corners on, a polyhedron stands for the round body that it comes close to: within 5 % of its radius.
+Polygons = list[np.ndarray]  # int64 [F, K] each: F polygons of K corners
+# With this many corners, a polyhedron counts as the round body that it approximates within 5 % of its radius.
 _ROUND_CIRCLE, _ROUND_RINGS, _ROUND_SUBDIVISIONS = 10, 6, 2
-_MOST = {"subdivisions": 8}  # that an argument may be, if not 500 corners
+_MOST = {"subdivisions": 8}  # greatest values of arguments, if not 500; then the least
 _LEAST = dict.fromkeys(("subdivisions", "x_subdivisions", "y_subdivisions", "x_segments", "y_segments"), 1)  # if not 3
-_CELLS = 8  # that a vertex costs which a script moves
+_CELLS = 8  # the cost of a vertex that a script moves
 _MESH_ELEMENTS = ("edges", "polygons", "loops", "uv_layers", "vertex_colors", "color_attributes", "attributes")
 
 
 @dataclass(frozen=True, slots=True)
 class MeshShape:
-    """A mesh before it is made: the layout's shape that it is, its full extents [m], and `make`, which gives its
-    vertices float64 [V, 3] and its faces.
+    """A mesh before it is made: its shape in the layout, its full extents [m], and `make`, which returns its vertices
+    float64 [V, 3] and its faces.
 
-    `shape` is "mesh" where it is none of the others, and "any" where that is found out from the triangles; then `size`
-    says nothing.
+    `shape` is "mesh" if it is none of the others. It is "any" if the triangles decide that; then `size` has no meaning.
     """
 
     shape: str
@@ -53,7 +52,7 @@ class MeshShape:
     make: Callable[[], tuple[np.ndarray, Polygons]]
 
     def triangles(self, tick: Callable[[], object] = lambda: None) -> tuple[np.ndarray, np.ndarray]:
-        """Its vertices float64 [V, 3] and its faces as triangles int64 [F, 3]; `tick` is as in `triangles_of`."""
+        """Its vertices float64 [V, 3] and its faces as triangles int64 [F, 3]; `tick` is that of `triangles_of`."""
         vertices, polygons = self.make()
         counts = np.concatenate([np.zeros(0, dtype=np.int64), *(np.full(*each.shape) for each in polygons)])
         corners = np.concatenate([counts[:0], *(each.ravel() for each in polygons)])
@@ -73,7 +72,7 @@ def cube(size: float) -> MeshShape:
 
 
 def grid(size: float, columns: int, rows: int) -> MeshShape:
-    """A square in z = 0, cut into so many columns along x and rows along y."""
+    """A square in z = 0, cut into `columns` along x and `rows` along y."""
 
     def make() -> tuple[np.ndarray, Polygons]:
         half = abs(size) / 2
@@ -94,7 +93,7 @@ def disc(radius: float, corners: int, filled: bool = True) -> MeshShape | None:
 
 
 def cone(radius: float, top_radius: float, depth: float, corners: int, capped: bool = True) -> MeshShape:
-    """A cone, a frustum or, of equal radii, a cylinder around the z axis."""
+    """A cone, a frustum or, with equal radii, a cylinder around the z axis."""
 
     def make() -> tuple[np.ndarray, Polygons]:
         low, high = _ring(radius, corners, -depth / 2), _ring(top_radius, corners, depth / 2)
@@ -116,7 +115,7 @@ def cone(radius: float, top_radius: float, depth: float, corners: int, capped: b
 
 
 def sphere(radius: float, segments: int, rings: int) -> MeshShape:
-    """A sphere of rings and segments, its poles on the z axis."""
+    """A sphere of rings and segments with its poles on the z axis."""
 
     def make() -> tuple[np.ndarray, Polygons]:
         polar = np.pi * np.arange(1, rings) / rings
@@ -135,7 +134,7 @@ def sphere(radius: float, segments: int, rings: int) -> MeshShape:
 
 
 def icosphere(radius: float, subdivisions: int) -> MeshShape:
-    """An icosahedron whose triangles are cut in four, `subdivisions` - 1 times, and moved out to the sphere."""
+    """An icosahedron, each triangle split in four `subdivisions` - 1 times, with its vertices moved to the sphere."""
 
     def make() -> tuple[np.ndarray, Polygons]:
         high, wide = 1 / math.sqrt(5), 2 / math.sqrt(5)
@@ -173,7 +172,7 @@ def torus(major: float, minor: float, major_segments: int, minor_segments: int) 
     return MeshShape("mesh", (0, 0, 0), major_segments * minor_segments, make)
 
 
-# What the operators of bpy and bmesh that add a shape call, and their arguments with their defaults, in its order.
+# The functions of operators of bpy and bmesh that add a shape, and the operators' arguments with their defaults.
 SHAPES: dict[str, tuple[Callable[..., MeshShape | None], dict[str, Value]]] = {
     "cube": (cube, {"size": 2.0}),
     "plane": (lambda size: grid(size, 1, 1), {"size": 2.0}),
@@ -187,7 +186,7 @@ SHAPES: dict[str, tuple[Callable[..., MeshShape | None], dict[str, Value]]] = {
     "uv_sphere": (sphere, {"radius": 1.0, "segments": 32, "ring_count": 16}),
     "ico_sphere": (icosphere, {"radius": 1.0, "subdivisions": 2}),
     "torus": (
-        # Of a circle's radius and a tube's or, in the mode EXT_INT, of a radius outside and that of the hole.
+        # From the radii of a circle and a tube or, in the mode EXT_INT, of the outside and the hole.
         lambda by_tube, major, minor, outer, inner, *segments: torus(
             *((major, minor) if by_tube else ((outer + inner) / 2, (outer - inner) / 2)), *segments
         ),
@@ -204,7 +203,7 @@ SHAPES: dict[str, tuple[Callable[..., MeshShape | None], dict[str, Value]]] = {
 
 
 def shape_of(operator: str, given: dict[str, Value]) -> MeshShape | None:
-    """The shape that an operator makes of the arguments it is given; None where that has no face."""
+    """The shape that an operator makes of its arguments; None if it has no face."""
     make, defaults = SHAPES[operator]
     if unknown := [name for name in given if name not in defaults]:
         raise RefusalError(f"the argument {unknown[0]!r:.60} is not supported; {', '.join(defaults)} are")
@@ -220,12 +219,12 @@ def shape_of(operator: str, given: dict[str, Value]) -> MeshShape | None:
 
 
 def polyhedron(vertices: np.ndarray, polygons: Polygons) -> MeshShape:
-    """Vertices [V, 3] and faces as they are."""
+    """A mesh of vertices [V, 3] and faces as they are."""
     return MeshShape("any", (0, 0, 0), len(vertices), lambda: (vertices, polygons))
 
 
 def polygons_of(faces: Sequence[Sequence[int]]) -> Polygons:
-    """Faces of any numbers of corners, in their order; those of less than three corners are none."""
+    """Faces of any number of corners, in order; those of less than three corners are left out."""
     runs = groupby((face for face in faces if len(face) > 2), key=len)
     return [np.array(list(run), dtype=np.int64) for _, run in runs]
 
@@ -242,7 +241,7 @@ def _ring(radius: float, corners: int, height: float) -> np.ndarray:
 
 
 def _subdivided(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Each triangle as four, the new vertices on the unit sphere."""
+    """Each triangle split in four, with the new vertices on the unit sphere."""
     edges = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
     distinct, place = np.unique(edges, axis=0, return_inverse=True)
     middles = vertices[distinct].mean(axis=1)
@@ -254,7 +253,7 @@ def _subdivided(vertices: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np
 
 
 class Material(Block):
-    """A material, of which the name is read alone."""
+    """A material; only its name is read."""
 
     kind = "a material"
     fields: ClassVar[Methods] = Block.fields | unread("materials", "node_tree", "diffuse_color", "use_nodes")
@@ -296,7 +295,7 @@ def _material(value: Value) -> Material | None:
 
 
 class Mesh(Block):
-    """A mesh: the shape that it is made from, what has been done to that, and its materials."""
+    """A mesh: its original shape, the transform of that, and its materials."""
 
     kind = "a mesh"
 
@@ -306,7 +305,7 @@ class Mesh(Block):
         self.matrix = IDENTITY
         self.materials = MaterialList()
         self._vertices: list[Vertex] = []
-        self._read: MeshShape | None = None  # the shape that these are of
+        self._read: MeshShape | None = None  # the shape of these vertices
 
     def copy(self) -> Mesh:
         """Another mesh of the same shape and materials."""
@@ -319,7 +318,7 @@ class Mesh(Block):
         return mesh
 
     def made(self) -> tuple[np.ndarray, Polygons]:
-        """Its vertices float64 [V, 3] and its faces; none, without a shape."""
+        """Its vertices float64 [V, 3] and its faces; empty without a shape."""
         self.script.check_time()
         if self.shape is None:
             return np.zeros((0, 3)), []
@@ -327,7 +326,7 @@ class Mesh(Block):
         return moved(vertices, self.matrix), polygons
 
     def vertices(self) -> list[Vertex]:
-        """Its vertices; it follows where they are moved."""
+        """Its vertices; moving them changes the mesh."""
         if self.shape is None or (self._vertices and self._read is self.shape):
             return self._vertices if self.shape else []
         self.script.take_cells(_CELLS * self.shape.vertices)
@@ -375,7 +374,7 @@ class Mesh(Block):
 
 
 class Vertex(Record):
-    """A vertex of a mesh, or of one that is edited."""
+    """A vertex of a mesh or an edited mesh."""
 
     kind = "a vertex"
     is_key = True
@@ -407,7 +406,7 @@ class MeshVertices(Listed):
 
 
 class MeshElements(Record):
-    """The faces, edges and so on of a mesh: whether there are any, and that they are not changed here."""
+    """The faces, edges and so on of a mesh: scripts can test for any; other uses are ignored or, of edges, refused."""
 
     def __init__(self, mesh: Mesh, name: str) -> None:
         self.kind = f"`{name}` of a mesh"
@@ -428,5 +427,5 @@ class MeshElements(Record):
 
 
 def scale_of(value: Value) -> tuple[float, ...]:
-    """Three factors, or one for all axes."""
+    """Three scale factors, or one for all axes."""
     return (float(value),) * 3 if is_number(value) else reals(value, 3, "the scale")

@@ -1,5 +1,4 @@
-"""The objects of a Blender scene: where they are, how they are turned and scaled, whose parts they are, and their
-modifiers, of which arrays are carried out."""
+"""The objects of a Blender scene: their transforms, parents and modifiers. Only array modifiers are applied."""
 
 from __future__ import annotations
 
@@ -36,10 +35,10 @@ from lidardraft.drafting.blender.script.values import (
     whole,
 )
 
-# What changes a surface by little; the note on another says that the shape is that without it.
+# Modifiers that change a surface by little; the notes on others say that the shape is that without them.
 _SMOOTHING = ("BEVEL", "SUBSURF", "EDGE_SPLIT", "WEIGHTED_NORMAL", "SMOOTH", "TRIANGULATE", "SMOOTH_BY_ANGLE")
-_MOST_COPIES = 1000  # that one array makes
-# What changes how an object is shown, and not where it is or what shape it has.
+_MOST_COPIES = 1000  # of one array
+# Attributes of an object's display that change neither its place nor its shape.
 _LOOKS = (
     *("hide_render", "hide_viewport", "hide_select", "display_type", "show_name", "show_in_front", "show_wire"),
     *("color", "pass_index", "cycles", "visible_shadow", "visible_camera", "show_axis", "show_bounds"),
@@ -50,7 +49,7 @@ _CORNERS = [(0, 0, 0), (0, 0, 1), (0, 1, 1), (0, 1, 0), (1, 0, 0), (1, 0, 1), (1
 
 
 class ArrayModifier(Record):
-    """Copies of an object in a row, `count` of them with itself."""
+    """Copies of an object in a row, `count` of them including itself."""
 
     kind = "an array modifier"
 
@@ -86,14 +85,14 @@ class ArrayModifier(Record):
             self.values[name] = value
 
     def copied(self) -> ArrayModifier:
-        """Another one with the same settings."""
+        """A copy with the same settings."""
         other = ArrayModifier(self.name)
         for name, value in self.values.items():
             other.values[name] = Vector(value.numbers) if isinstance(value, Vector) else value
         return other
 
     def step(self, extents: np.ndarray) -> np.ndarray:
-        """From one copy to the next [3], along the axes of an object whose mesh has these extents [3]."""
+        """The step from one copy to the next [3], along the axes of an object whose mesh has these extents [3]."""
         values, step = self.values, np.zeros(3)
         if values["use_relative_offset"]:
             step += np.array(values["relative_offset_displace"].numbers) * extents
@@ -112,7 +111,7 @@ class Modifiers(Listed):
         self.arrays: list[ArrayModifier] = []
 
     def new(self, name: Value, type: Value) -> Value:
-        """A new modifier; what is set in one that is passed over is passed over too."""
+        """A new modifier; an unsupported one and its settings are ignored."""
         kind = text(type, "the modifier")
         if kind == "ARRAY":
             self.arrays.append(ArrayModifier(text(name, "the name")))
@@ -128,7 +127,7 @@ class Modifiers(Listed):
         try:
             return super().__getitem__(key)
         except RaisedError:
-            return Unread("modifiers", self._script)  # one that is passed over
+            return Unread("modifiers", self._script)  # an ignored one
 
     methods: ClassVar[Methods] = {
         **Listed.methods,
@@ -138,7 +137,7 @@ class Modifiers(Listed):
     }
 
     def offsets(self, extents: np.ndarray) -> list[np.ndarray]:
-        """Where its copies stand [3], along the axes of the object, itself first: arrays of arrays multiply."""
+        """The offsets [3] of its copies along the axes of the object, itself first; several arrays multiply."""
         count = 1
         for array in self.arrays:
             count *= array.values["count"]
@@ -153,12 +152,12 @@ class Modifiers(Listed):
 
 
 class Objects(Blocks):
-    """`bpy.data.objects`, with what is selected of them, in the order of selection."""
+    """`bpy.data.objects`, with the selected ones in the order of selection."""
 
     def __init__(self, script: Script) -> None:
         super().__init__("objects", SceneObject, script)
         self.active: SceneObject | None = None
-        self.links = 0  # of objects to collections, that have been made
+        self.links = 0  # links of objects to collections so far
         self.selection: dict[SceneObject, None] = {}
 
     def new(self, name: str, *arguments: Value, **named: Value) -> Value:
@@ -175,11 +174,11 @@ class Objects(Blocks):
                 child.parent = None
 
     def all(self) -> list[SceneObject]:
-        """All objects, linked to the scene or not, in the order of their making."""
+        """All objects, linked to the scene or not, in order of creation."""
         return list(self)
 
     def select_only(self, item: SceneObject) -> None:
-        """Make an object the only selected one, and the active one."""
+        """Select an object alone, and make it active."""
         self.selection = {item: None}
         self.active = item
 
@@ -197,15 +196,15 @@ class SceneObject(Block):
         self.data = object_data
         self.location = Vector([0.0, 0.0, 0.0])
         self.rotation = Euler([0.0, 0.0, 0.0])
-        self.quaternion = Quaternion([1.0, 0.0, 0.0, 0.0])  # which counts where that is the mode
+        self.quaternion = Quaternion([1.0, 0.0, 0.0, 0.0])  # used if that is the mode
         self.scale = Vector([1.0, 1.0, 1.0])
         self.parent: SceneObject | None = None
         self.parent_inverse = IDENTITY
-        self.collections: dict[Block, int] = {}  # with the number of the link, which grows from one to the next
+        self.collections: dict[Block, int] = {}  # with the number of the link, which counts up
         self.modifiers = Modifiers(self.script)
         self.mode = "XYZ"
         self.line = self.script.line
-        self.suffix = ""  # of its id, where it is what an array has made of another object
+        self.suffix = ""  # of the id of an array's copy of another object
 
     def local(self) -> np.ndarray:
         """parent_from_object [4, 4], without the inverse of the parent."""
@@ -235,7 +234,7 @@ class SceneObject(Block):
         return matrix
 
     def parents(self) -> list[SceneObject]:
-        """The object that it is a part of, the one that this is a part of, and so on."""
+        """Its parent, the parent of that, and so on."""
         above, found = self.parent, list[SceneObject]()
         while above is not None:
             found.append(above)
@@ -243,14 +242,14 @@ class SceneObject(Block):
         return found
 
     def set_world(self, matrix: np.ndarray) -> None:
-        """Place it so that `world()` is the matrix [4, 4]; raises `RefusalError` for one that shears."""
+        """Place it so that `world()` is the matrix [4, 4]; raises `RefusalError` if it shears."""
         if self.parent is not None:
             parent = self.parent.world() @ self.parent_inverse
             matrix = inverse(parent, f"the parent of {self.name!r:.60}") @ matrix
         self.set_local(matrix)
 
     def set_local(self, matrix: np.ndarray) -> None:
-        """Place it so that `local()` is the matrix [4, 4]; raises `RefusalError` for one that shears."""
+        """Place it so that `local()` is the matrix [4, 4]; raises `RefusalError` if it shears."""
         if not np.isfinite(matrix).all():
             raise RefusalError(f"{self.name!r:.60} is placed by numbers that are not finite")
         scale = np.linalg.norm(matrix[:3, :3], axis=0)
@@ -264,7 +263,7 @@ class SceneObject(Block):
         self.turn(rotation)
 
     def set_parent(self, parent: Value) -> None:
-        """Make it a part of another object, or of none."""
+        """Set its parent object, or None."""
         if parent is not None and self in (parent, *of_kind(parent, SceneObject, "the parent").parents()):
             raise RefusalError(f"the parents of {self.name!r:.60} go in a circle")
         self.parent = parent
@@ -347,7 +346,7 @@ class SceneObject(Block):
         return [tuple(float(corners[side, axis]) for axis, side in enumerate(sides)) for sides in _CORNERS]
 
     def materials(self) -> list[Material | None]:
-        """Those of its mesh."""
+        """The materials of its mesh."""
         return self.data.materials.materials if isinstance(self.data, Mesh) else []
 
     def _set_material(self, value: Value) -> None:
@@ -381,7 +380,7 @@ class SceneObject(Block):
         return Unread("constraints", self.script)
 
     def class_names(self) -> list[str]:
-        """The names that may say its class, the most telling ones first: its own, those of its materials, parents and
+        """The names that may give its class, the most telling first: its own, those of its materials, parents and
         collections."""
         return [each.name for each in (self, *self.materials(), *self.parents(), *self.collections) if each]
 

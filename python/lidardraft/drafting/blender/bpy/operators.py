@@ -1,4 +1,4 @@
-"""`bpy.ops`: objects are added, selected, moved, joined and so on; what no shape depends on is passed over."""
+"""`bpy.ops`: operators that add, select, move or join objects and so on; those without effect on shapes are ignored."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from lidardraft.drafting.blender.script.values import (
 
 _ORIGIN = (0.0, 0.0, 0.0)
 _ACTIONS = ("SELECT", "DESELECT", "INVERT", "TOGGLE")
-# Operators that leave every shape where it is: pictures, files that are written, views, smoothness; and curves.
+# Operators that leave all shapes in place: pictures, exports, views, smoothness; and curves.
 _PASSED_OVER = (
     *("render.", "export_scene.", "export_mesh.", "export_anim.", "wm.save_", "wm.obj_export", "wm.stl_export"),
     *("wm.ply_export", "wm.usd_export", "view3d.", "screen.", "outliner.", "uv.", "ed.undo", "wm.redraw_timer"),
@@ -33,7 +33,7 @@ _PASSED_OVER = (
     *("mesh.tris_convert_to_quads", "mesh.select_mode", "mesh.faces_shade_", "mesh.mark_sharp", "mesh.mark_seam"),
     *("mesh.subdivide", "curve.", "surface."),
 )
-# Operators that add an object which is passed over, by the beginnings of their names.
+# Operators that add an ignored object, by prefixes of their names.
 _OTHER_OBJECTS = {
     **{"curve.": "CURVE", "surface.": "SURFACE", "object.text_": "FONT", "object.metaball_": "META"},
     **{"object.camera_": "CAMERA", "object.light_": "LIGHT", "object.lightprobe_": "LIGHT_PROBE"},
@@ -41,11 +41,11 @@ _OTHER_OBJECTS = {
     **{"object.grease_pencil_": "GREASEPENCIL", "object.volume_": "VOLUME"},
 }
 _OF_TEXTURES = ("calc_uvs", "generate_uvs")
-_NAMES = {"uv_sphere": "Sphere", "ico_sphere": "Icosphere"}  # of objects that are not called after their shape
+_NAMES = {"uv_sphere": "Sphere", "ico_sphere": "Icosphere"}  # of objects not named after their shape
 
 
 class Operators(Record):
-    """`bpy.ops`, or one of its groups: `name` is "" or, say, "mesh."."""
+    """`bpy.ops`, or one of its groups: `name` is "" or such as "mesh."."""
 
     def __init__(self, scene: Scene, name: str = "") -> None:
         self.kind = f"bpy.ops.{name}".rstrip(".")
@@ -195,7 +195,7 @@ def _resize(scene: Scene, value: Value = (1.0, 1.0, 1.0), **_: Value) -> None:
 
 
 def _rotate(scene: Scene, value: Value = 0.0, orient_axis: Value = "Z", **_: Value) -> None:
-    # Without a view, which is how scripts are run, the operator turns clockwise about the axis.
+    # Scripts run without a view; then the operator turns clockwise about the axis.
     angles = [-real(value, "the angle") if axis == orient_axis else 0.0 for axis in "XYZ"]
     _about_middle(scene, rotation_matrix(angles))
 
@@ -205,12 +205,12 @@ def _origin_set(scene: Scene, type: Value = "GEOMETRY_ORIGIN", center: Value = "
         if isinstance(item.data, Mesh) and item.data.shape is not None:
             origin = _origin(scene, item, text(type, "the type"), center)
             item.data.matrix = affine(np.eye(3), -origin) @ item.data.matrix
-            if type != "GEOMETRY_ORIGIN":  # its surface stays where it is
+            if type != "GEOMETRY_ORIGIN":  # its surface stays in place
                 item.location.change((item.local() @ [*origin, 1.0])[:3].tolist())
 
 
 def _origin(scene: Scene, item: SceneObject, type: str, center: Value) -> np.ndarray:
-    """Where the origin of an object goes [3], in its own axes."""
+    """The new origin of an object [3], in its own axes."""
     if type == "ORIGIN_CURSOR":
         return np.asarray((np.linalg.pinv(item.world()) @ [*scene.cursor.numbers, 1.0])[:3])
     if type not in ("ORIGIN_GEOMETRY", "GEOMETRY_ORIGIN") or center not in ("MEDIAN", "BOUNDS"):
@@ -221,7 +221,7 @@ def _origin(scene: Scene, item: SceneObject, type: str, center: Value) -> np.nda
 
 
 def _roots(scene: Scene) -> list[SceneObject]:
-    """The selected objects that are not moved by a selected parent."""
+    """The selected objects without a selected parent."""
     return [item for item in scene.objects.selection if item.parent not in scene.objects.selection]
 
 
@@ -238,7 +238,7 @@ def _about_middle(scene: Scene, linear: np.ndarray) -> None:
     middle = (origins.min(axis=0) + origins.max(axis=0)) / 2
     change = affine(linear, middle - linear @ middle)
     for item, world in zip(items, worlds, strict=True):
-        # Blender does not shear: an axis of the object keeps its direction, and becomes as long as the change makes it.
+        # Blender does not shear: each axis of the object keeps its direction and gets its new length.
         turned = linear @ world[:3, :3]
         crooked = turned.T @ turned - np.diag(np.diag(turned.T @ turned))
         if abs(crooked).max() > 1e-6 * abs(turned.T @ turned).max():
@@ -249,8 +249,8 @@ def _about_middle(scene: Scene, linear: np.ndarray) -> None:
 
 
 def _transform_vertices(scene: Scene, linear: np.ndarray, offset: np.ndarray) -> None:
-    """Turn or stretch the vertices of the active mesh about their middle [3, 3], and move them [3], both along the axes
-    of the world."""
+    """Turn or stretch the vertices of the active mesh about their middle [3, 3], then move them [3], along the axes of
+    the world."""
     item = scene.objects.active
     if item is None or not isinstance(item.data, Mesh) or item.data in scene.edited:
         raise RefusalError("the edit mode transforms a mesh that bmesh does not have open, and nothing else")

@@ -1,4 +1,4 @@
-"""`bpy.data` and `bpy.context`: the scene that a script fills, its collections, and what it is asked about it."""
+"""`bpy.data` and `bpy.context`: the scene that a script fills, its collections, and its queries."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from lidardraft.drafting.blender.script.values import (
 )
 
 VERSION = (4, 5, 0)  # of Blender, for scripts that ask
-# What may be made and is passed over: no shape depends on it, or it is a shape that is not read.
+# Blocks that may be made and are ignored: no shape depends on them, or their shapes are unsupported.
 _PASSED_OVER = ("lights", "cameras", "worlds", "curves", "fonts", "metaballs", "images", "textures", "actions")
 _UNKNOWN = (
     *("armatures", "lattices", "node_groups", "particles", "linestyles", "palettes", "grease_pencils", "speakers"),
@@ -49,7 +49,7 @@ class Collection(Block):
         self.children: dict[Collection, None] = {}
 
     def members(self) -> list[SceneObject]:
-        """The objects that are in the collection itself, in the order in which they came into it."""
+        """The objects directly in the collection, in the order of their links."""
         items = self.all_objects.all()
         found = [item for item in items if self in item.collections]
         return sorted(found, key=lambda item: item.collections[self])
@@ -65,7 +65,7 @@ class Collection(Block):
                 waiting.extend(reversed(collection.children))
 
     def link(self, item: Value) -> None:
-        """Put an object into it."""
+        """Link an object to it."""
         if self in of_kind(item, SceneObject, "what is linked").collections:
             raise RaisedError("RuntimeError", f"the object {item.name!r:.60} is in this collection already")
         self.all_objects.links += 1
@@ -84,7 +84,7 @@ class Collection(Block):
         del links[block]
 
     def _set_all(self, attr: Value, seq: Value) -> None:
-        """Give three numbers to every object, one object after the other."""
+        """Set three numbers of each object, one object after another."""
         items, numbers = self.members(), elements(seq, self.script)
         if attr not in ("location", "scale", "rotation_euler") or len(numbers) != 3 * len(items):
             raise RefusalError(f"foreach_set of {describe(attr)} for {len(items)} objects to {len(numbers)} numbers")
@@ -112,7 +112,7 @@ class Collection(Block):
 
 
 class LayerCollection(Listed):
-    """A collection as the view layer shows it, or the children of one by their names."""
+    """A collection in the view layer; also its children by name."""
 
     def __init__(self, collection: Collection) -> None:
         self.kind = f"the layer collection {collection.name!r:.60}"
@@ -135,7 +135,7 @@ class LayerCollection(Listed):
 
 
 class Scene:
-    """The blocks of a file that holds nothing yet: no cube, camera or light."""
+    """The blocks of an empty file: no cube, camera or light."""
 
     def __init__(self, script: Script) -> None:
         self.script = script
@@ -148,12 +148,12 @@ class Scene:
         self.current = CurrentScene(self)
         self.active_collection = self.master
         self.edit_mode = False
-        self.edits_all = True  # whether all vertices are selected there, or none
-        self.edited: dict[Mesh, Any] = {}  # what is edited in the edit mode
+        self.edits_all = True  # whether all vertices are selected in the edit mode, or none
+        self.edited: dict[Mesh, Any] = {}  # the edited meshes of the edit mode
         self.cursor = Vector([0.0, 0.0, 0.0])
 
     def add(self, name: str, data: Value) -> SceneObject:
-        """A new object in the scene, which is then the only selected one, and active."""
+        """A new object in the scene, which becomes the only selected one, and active."""
         if self.edit_mode:
             raise RefusalError("operators add objects in the object mode; leave the edit mode first")
         item: SceneObject = self.objects.new(name, data)
@@ -162,20 +162,20 @@ class Scene:
         return item
 
     def collection(self) -> Collection:
-        """The one that new objects come into."""
+        """The collection of new objects."""
         if self.collections.by_name.get(self.active_collection.name) is not self.active_collection:
-            self.active_collection = self.master  # it has been removed
+            self.active_collection = self.master  # the active one was removed
         return self.active_collection
 
     def leave_edit_mode(self) -> None:
-        """Let what was edited become the meshes."""
+        """Write the edited meshes back."""
         self.edit_mode = False
         for mesh, edited in self.edited.items():
             edited.to_mesh(mesh)
         self.edited.clear()
 
     def clear(self) -> None:
-        """Forget all there is."""
+        """Remove all blocks."""
         for blocks in (self.objects, self.meshes, self.materials, self.collections):
             blocks.by_name.clear()
         self.objects.selection.clear()
@@ -184,7 +184,7 @@ class Scene:
         self.active_collection = self.master
 
     def modules(self) -> dict[str, Value]:
-        """`bpy.data`, `bpy.context` and so on by their names."""
+        """`bpy.data`, `bpy.context` and so on, by name."""
         blocks = (self.objects, self.meshes, self.materials, self.collections)
         data: dict[str, Value] = {each.kind.removeprefix("bpy.data."): each for each in blocks}
         data |= {name: _other_blocks(name, self.script) for name in (*_PASSED_OVER, *_UNKNOWN)}
@@ -196,7 +196,7 @@ class Scene:
 
 
 def _other_blocks(name: str, script: Script) -> Listing:
-    """Blocks of a kind that is not read: none of them is there, and only those that no shape depends on can be made."""
+    """Blocks of an unsupported kind: always empty, and only those in `_PASSED_OVER` can be made."""
     kind = f"bpy.data.{name}"
 
     def new(*_: Value, **__: Value) -> Unread:
@@ -234,7 +234,7 @@ class CurrentScene(Block):
 
 
 class Cursor(Record):
-    """The 3D cursor, where new objects go that are given no location."""
+    """The 3D cursor: the place of new objects without a location."""
 
     kind = "the cursor"
 

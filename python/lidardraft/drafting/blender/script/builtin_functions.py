@@ -1,4 +1,4 @@
-"""The functions that Python has without an import, those that a script may call."""
+"""Python's built-in functions that a script may call."""
 
 from __future__ import annotations
 
@@ -29,15 +29,15 @@ from lidardraft.drafting.blender.script.values import (
     whole,
 )
 
-_CELLS_OF_COLUMN = 20  # of `zip` and `map`
-_LONGEST_NUMBER = 40  # characters of a text that becomes a number
+_CELLS_OF_COLUMN = 20  # the cost of a column of `zip` and `map`
+_LONGEST_NUMBER = 40  # characters of a text to convert to a number
 _TYPES: dict[str, tuple[type, ...]] = {kind.__name__: (kind,) for kind in (bool, int, float, str, list, tuple, dict)}
 _TYPES |= dict.fromkeys(("set", "frozenset"), (Set,))
 _NUMBERS: dict[str, type[int] | type[float]] = {"int": int, "float": float}
 
 
 def builtin_functions(script: Script) -> dict[str, Value]:
-    """The functions, and the names of classes, by their names."""
+    """The functions, and the built-in classes, by name."""
     tables = _of_numbers() | _of_values(script) | _of_collections(script) | _of_functions(script)
     types = {name: TypeFunction(name, tables[name], kinds) for name, kinds in _TYPES.items()}
     return CLASS_NAMES | builtins("", tables) | types
@@ -98,7 +98,7 @@ def _type(value: Value) -> Value:
 
 
 def has(value: Value, name: str) -> bool:
-    """What `hasattr` says: whether a script that reads the attribute is read on."""
+    """The result of `hasattr`: whether the reader supports the attribute."""
     if isinstance(value, Instance):  # a property is not run
         return value.has_private(name) and value.has(name)
     if not isinstance(value, Record) or name.startswith("_"):
@@ -185,7 +185,7 @@ def _of_functions(script: Script) -> Methods:
 
 
 def _numbers_of(make: type[int] | type[float], texts: list[Value]) -> list[Value] | None:
-    """The numbers that texts say; None where these are not all short texts that say one."""
+    """The numbers of texts; None unless all are short texts of one number."""
     if not set(map(type, texts)) <= {str} or max(map(len, texts), default=0) > _LONGEST_NUMBER:
         return None
     try:

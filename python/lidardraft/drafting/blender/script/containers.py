@@ -1,4 +1,4 @@
-"""What text, lists, dicts and sets of a script can do, and iterators, whose values are made as they are asked for."""
+"""Methods of a script's text, lists, dicts and sets, and iterators, which make their values on demand."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from lidardraft.drafting.blender.script.values import (
     whole,
 )
 
-_WIDEST = 200  # characters that a text is padded to
+_WIDEST = 200  # characters of padded text
 _CELLS_OF_ITERATOR = 20
-_PYTHONS: dict[type, tuple[str, ...]] = {  # methods of Python's own, which make no more than they are given
+_PYTHONS: dict[type, tuple[str, ...]] = {  # Python's methods with results no larger than their input
     str: (
         *("upper", "lower", "title", "capitalize", "strip", "lstrip", "rstrip", "isdigit", "isalpha", "isalnum"),
         *("startswith", "endswith", "find", "rfind", "index", "count", "removeprefix", "removesuffix"),
@@ -38,7 +38,7 @@ _COMBINED |= {"symmetric_difference": operator.xor}
 
 
 class Lazy(Record):
-    """An iterator: each value is made when it is asked for, as all else may happen between two of them."""
+    """An iterator: each value is made on demand, since other code may run between two values."""
 
     kind = "an iterator"
 
@@ -59,7 +59,7 @@ class Lazy(Record):
         self._is_running = True
         try:
             value = next(self._values)
-        except ValueError as error:  # of columns that must be of one length
+        except ValueError as error:  # columns of different lengths
             raise RaisedError("ValueError", str(error)) from None
         finally:
             self._is_running, script.levels = False, levels
@@ -68,8 +68,7 @@ class Lazy(Record):
 
 
 def iterate(value: Value, script: Script) -> Iterator[Value]:
-    """What takes one value after the other out of it: a list may change meanwhile; all who share an iterator go on with
-    it."""
+    """An iterator over a value. A list may change meanwhile; all users of an iterator share its position."""
     if isinstance(value, Lazy):
         return value
     if not isinstance(value, list):
@@ -79,7 +78,7 @@ def iterate(value: Value, script: Script) -> Iterator[Value]:
 
 
 class Set(Record, MutableSet[Value]):
-    """Members, each of them once, in the order in which they came, so that a script gives the same layout again."""
+    """A set in insertion order, so that a script always gives the same layout."""
 
     kind = "a set"
     only_alike = True
@@ -171,13 +170,13 @@ def _sort(script: Script, value: list[Value], *, key: Value = None, reverse: Val
 
 
 def ordered(items: Value, key: Value, reverse: Value, script: Script) -> list[Value]:
-    """What `sorted` gives: of numbers, of texts, or of flat tuples of them."""
+    """The result of `sorted`: for numbers, texts, or flat tuples of them."""
     found = elements(items, script)
     keys = found if key is None else [call(key, [item], {}, script) for item in found]
     return [found[place] for place in in_order(partial(sorted, reverse=bool(reverse)), keys, script)]
 
 
-_OWN: dict[type, Methods] = {  # the methods that are written here, which get the script and the value first
+_OWN: dict[type, Methods] = {  # own implementations, which get the script and the value first
     str: {
         **{"join": _join, "format": _format, "replace": _replace},
         **{
@@ -222,7 +221,7 @@ def _counted(function: Callable[..., Value], script: Script, /, *arguments: Valu
 
 
 def to_dict(pairs: Value, keywords: dict[str, Value], script: Script) -> dict[Value, Value]:
-    """What `dict` gives: of another dict, or of pairs of key and value."""
+    """The result of `dict`: from another dict, or from pairs of key and value."""
     found: dict[Value, Value] = pairs
     if not isinstance(pairs, dict):
         rows = [elements(pair, script) for pair in elements(pairs, script)]

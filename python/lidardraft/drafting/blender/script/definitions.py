@@ -1,4 +1,4 @@
-"""Names and what they stand for, and the functions and classes that a script defines."""
+"""Names and their values, and the functions and classes that a script defines."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _ERRORS = (
 
 
 class Frame:
-    """The names of a module, a class, a function or a comprehension; what is not in it is looked for in `outer`."""
+    """The names of a module, a class, a function or a comprehension; missing names are looked up in `outer`."""
 
     __slots__ = ("elsewhere", "home", "outer", "script", "variables")
 
@@ -27,17 +27,17 @@ class Frame:
         self.outer = outer
         self.variables = variables
         self.script = script
-        self.home = self  # where := sets a name; of a comprehension, that around it
-        self.elsewhere: dict[str, Frame] = {}  # names declared `global` or `nonlocal`, with the frame that has them
+        self.home = self  # the frame in which := sets a name; for a comprehension, that around it
+        self.elsewhere: dict[str, Frame] = {}  # names declared `global` or `nonlocal`, with their frames
 
     def within(self) -> Frame:
-        """The frame of a comprehension in it."""
+        """The frame of a comprehension inside it."""
         frame = Frame(self, {}, self.script)
         frame.home = self.home
         return frame
 
     def get(self, name: str) -> Value:
-        """What a name stands for."""
+        """The value of a name."""
         scope: Frame | None = self
         while scope is not None:
             if name in scope.variables:
@@ -46,18 +46,18 @@ class Frame:
         raise RefusalError(f"the name {name!r:.60} is not known")
 
     def set(self, name: str, value: Value) -> None:
-        """Let a name stand for a value."""
+        """Set the value of a name."""
         if name.startswith("__"):
             raise RefusalError(f"the name {name!r:.60} cannot be set")
         self.elsewhere.get(name, self).variables[name] = value
 
     def delete(self, name: str) -> None:
-        """Forget a name."""
+        """Delete a name."""
         if self.elsewhere.get(name, self).variables.pop(name, self) is self:
             raise RefusalError(f"the name {name!r:.60} is not known")
 
     def declare(self, name: str, nonlocal_: bool) -> None:
-        """Let assignments to a name go to the module, or to the function around this one."""
+        """Direct assignments to a name to the module, or to the function around this one."""
         if self.is_module() and not nonlocal_:
             return
         frame = self.outer
@@ -68,12 +68,12 @@ class Frame:
         self.elsewhere[name] = frame
 
     def is_module(self) -> bool:
-        """Whether it holds the names of the whole script: only the built-in ones are outside."""
+        """Whether it is the frame of the whole script, with only the built-in names outside."""
         return self.outer is not None and self.outer.outer is None
 
 
 class ClassFrame(Frame):
-    """The names of a class, as its body sets them; `annotated` are those with a type, in order."""
+    """The names that a class body sets; `annotated` are those with a type, in order."""
 
     __slots__ = ("annotated",)
 
@@ -89,8 +89,8 @@ class ClassFrame(Frame):
 
 
 class Function(Record):
-    """A function or lambda of the script: its arguments with the values of their defaults (those of keyword-only ones
-    last, None where there is none), the frame that it is defined in, and what carries its body out."""
+    """A function or lambda of the script: its arguments, the values of their defaults (those of keyword-only ones last,
+    None without one), the frame of its definition, and `run`, which executes its body."""
 
     kind = "a function of the script"
 
@@ -98,7 +98,7 @@ class Function(Record):
         self, name: str, given: ast.arguments, defaults: list[Value], frame: Frame, run: Callable[[Frame], Value]
     ) -> None:
         self.name = name
-        self.owner: Record | None = None  # the class that it is a method of
+        self.owner: Record | None = None  # the class of a method
         # A method does not see the names beside it.
         self._frame = frame.outer or frame if isinstance(frame, ClassFrame) else frame
         self._given = given
@@ -137,13 +137,13 @@ class Function(Record):
         for name in (*names, *only):
             if name not in found:
                 raise RefusalError(f"{self.name}() is not given {name!r:.60}")
-        if self.owner is not None and names:  # what `super()` needs
+        if self.owner is not None and names:  # for `super()`
             found |= {"__class__": self.owner, "__self__": found[names[0]]}
         return found
 
 
 class Decorator(Record):
-    """What may stand behind an @."""
+    """A decorator."""
 
     kind = "a decorator"
 
@@ -151,12 +151,12 @@ class Decorator(Record):
         self.around = around
 
     def __call__(self, /, *arguments: Value, **keywords: Value) -> Value:
-        """Itself, as in `@dataclass(frozen=True)`; what stands in the brackets changes no shape."""
+        """Itself, as in `@dataclass(frozen=True)`; the arguments change no shape."""
         return self if keywords or not arguments else self.around(arguments[0])
 
 
 class Method(Record):
-    """A function of a class: one that is called with the instance or the class first, or with neither."""
+    """A property, class method or static method of a class."""
 
     kind = "a method"
 
@@ -172,7 +172,7 @@ class Method(Record):
 
 
 class FieldDefault(Record):
-    """What `field(...)` of a dataclass says."""
+    """`field(...)` of a dataclass."""
 
     kind = "a field of a dataclass"
 
@@ -188,8 +188,7 @@ class AutoValue(Record):
 
 
 class BaseMarker(Record):
-    """A class of Python's own that others may be derived from: "object", "Enum" or "NamedTuple"; `error` is the name of
-    a class of errors."""
+    """A built-in class to derive from: "object", "Enum" or "NamedTuple"; `error` is the name of a class of errors."""
 
     is_key = True
 
@@ -200,7 +199,7 @@ class BaseMarker(Record):
 
 
 class ScriptClass(Type):
-    """A class: its members by their names, and the fields that its instances are made from, if it says them."""
+    """A class: its members by name, and the fields of its instances, if declared."""
 
     def __init__(self, name: str, base: Value, body: ClassFrame) -> None:
         super().__init__(f"the class {name:.40}", self._holds)
@@ -221,7 +220,7 @@ class ScriptClass(Type):
             self.take_fields()
 
     def take_fields(self) -> None:
-        """Let instances be made from the annotated names, after those of the class that it is derived from."""
+        """Make the annotated names the fields of instances, after those of the base class."""
         self.made_from = list(dict.fromkeys([*(self.made_from or ()), *self.annotated]))
 
     def _enumerate(self) -> None:
@@ -236,7 +235,7 @@ class ScriptClass(Type):
                 self.members[name] = member
 
     def find(self, name: str) -> Value:
-        """The member of that name, of the class or of those that it is derived from, or `_MISSING`."""
+        """The member of that name in the class or its base classes, or `_MISSING`."""
         scope: ScriptClass | None = self
         while scope is not None:
             if name in scope.members:
@@ -262,7 +261,7 @@ class ScriptClass(Type):
         return BoundMethod(found, instance) if isinstance(found, Function) and instance else found
 
     def run(self, function: Value, *arguments: Value) -> Value:
-        """What a function of it returns."""
+        """The result of one of its functions."""
         return call(function, list(arguments), {}, self.script)
 
     def attribute(self, name: str) -> Value:
@@ -321,7 +320,7 @@ class ScriptClass(Type):
 
 
 class Instance(Record):
-    """An instance of a class of the script; a key of a dict by its values, where Python's is and they are plain."""
+    """An instance of a class of the script; as in Python, a dict key by its values if these are plain."""
 
     is_key = True
 
@@ -329,7 +328,7 @@ class Instance(Record):
         self.of = of
         self.kind = f"an instance of {of.kind}"
         self.values: dict[str, Value] = {}
-        self._key: Value = None  # what it is a key as, once that is asked for
+        self._key: Value = None  # its value as a key, made on demand
 
     def __eq__(self, other: object) -> bool:
         return self is other or (isinstance(other, Instance | tuple) and self._as_key() == _as_key(other))
@@ -361,7 +360,7 @@ class Instance(Record):
         return name == "__class__" or not (name.startswith("__") and name.endswith("__"))
 
     def has(self, name: str) -> bool:
-        """Whether it, or its class, has an attribute of that name."""
+        """Whether the instance or its class has an attribute of that name."""
         return name in self.values or name == "__class__" or self.of.find(name) is not _MISSING
 
     def attribute(self, name: str) -> Value:
@@ -397,7 +396,7 @@ def _as_key(value: Value) -> Value:
 
 
 class BoundMethod(Record):
-    """A function together with the value that it gets first."""
+    """A function with the value of its first argument."""
 
     kind = "a method"
 
@@ -410,7 +409,7 @@ class BoundMethod(Record):
 
 
 class Super(Record):
-    """`super()` in a method of the class `of`: what those have that it is derived from."""
+    """`super()` in a method of the class `of`: the members of its base classes."""
 
     kind = "super()"
 
@@ -430,7 +429,7 @@ class Super(Record):
 
 
 def dataclass(of: Value) -> Value:
-    """The class, of which the instances are made from its annotated names."""
+    """The class with its annotated names as fields of its instances."""
     if not isinstance(of, ScriptClass):
         raise RefusalError(f"{describe(of)} is no class")
     of.take_fields()
@@ -438,7 +437,7 @@ def dataclass(of: Value) -> Value:
     return of
 
 
-CLASS_NAMES: dict[str, Value] = {  # that Python has without an import
+CLASS_NAMES: dict[str, Value] = {  # Python's built-in ones
     "property": Decorator(lambda function: Method(function, "property")),
     "staticmethod": Decorator(lambda function: Method(function, "nothing")),
     "classmethod": Decorator(lambda function: Method(function, "class")),

@@ -1,5 +1,5 @@
-"""The value of each kind of expression, and what an assignment does: functions of a node of the syntax tree and the
-frame that its names are looked up in. Each node counts as a step and a level each time it is gone through."""
+"""The values of expressions, and assignments: functions of a node of the syntax tree and the frame of its names. Each
+node counts as a step and a level each time it is evaluated."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from lidardraft.drafting.blender.script.values import (
 
 
 def value_of(node: ast.expr, frame: Frame) -> Value:
-    """The value of an expression. Raises `RefusalError` naming the innermost line that is not understood."""
+    """The value of an expression. Raises `RefusalError` naming the innermost unsupported line."""
     script = frame.script
     script.go_deeper(node.lineno)
     try:
@@ -41,7 +41,7 @@ def value_of(node: ast.expr, frame: Frame) -> Value:
 
 
 def not_supported(node: ast.AST) -> RefusalError:
-    """The error for a part of Python's language that scripts may not use, in Python's own words."""
+    """The error for a part of Python's language that scripts may not use."""
     try:
         said = ast.unparse(node).partition("\n")[0]
     except RecursionError:
@@ -69,7 +69,7 @@ def _attribute(node: ast.Attribute, frame: Frame) -> Value:
 
 
 def attribute_of(owner: Value, name: str, script: Script) -> Value:
-    """What stands behind a dot."""
+    """The value of an attribute of any value."""
     is_record = isinstance(owner, Record)
     if name.startswith("_") and not (is_record and owner.has_private(name)):
         raise RefusalError(f"the attribute {name!r:.60} is not supported")
@@ -99,7 +99,7 @@ def _call(node: ast.Call, frame: Frame) -> Value:
 
 
 def values_of(nodes: list[ast.expr], frame: Frame) -> list[Value]:
-    """The values of expressions, of which some may have a star."""
+    """The values of expressions; some may have a star."""
     items: list[Value] = []
     for node in nodes:
         if isinstance(node, ast.Starred):
@@ -110,7 +110,7 @@ def values_of(nodes: list[ast.expr], frame: Frame) -> list[Value]:
 
 
 def item_of(owner: Value, key: Value, script: Script) -> Value:
-    """What stands in square brackets behind a value."""
+    """The value of an item, `owner[key]`."""
     if isinstance(owner, Record):
         return owner[key]
     if isinstance(owner, dict):
@@ -128,7 +128,7 @@ def item_of(owner: Value, key: Value, script: Script) -> Value:
 
 
 def _slice(node: ast.Slice, frame: Frame) -> slice:
-    """A slice of Python's own."""
+    """A slice as Python's own."""
     parts = [None if part is None else value_of(part, frame) for part in (node.lower, node.upper, node.step)]
     bounds = [None if part is None else whole(part, "a bound of a slice") for part in parts]
     if bounds[2] == 0:
@@ -172,7 +172,7 @@ def _lambda(node: ast.Lambda, frame: Frame) -> Value:
 
 
 def defaults_of(arguments: ast.arguments, frame: Frame) -> list[Value]:
-    """The values of the defaults of a function, those of keyword-only arguments last."""
+    """The values of a function's defaults, those of keyword-only arguments last."""
     nodes = (*arguments.defaults, *arguments.kw_defaults)
     return [None if node is None else value_of(node, frame) for node in nodes]
 
@@ -210,8 +210,8 @@ def _dict_comprehension(node: ast.DictComp, frame: Frame) -> Value:
 
 
 def _rounds(loops: list[ast.comprehension], frame: Frame) -> Iterator[Frame]:
-    """The frame of a comprehension, once for each of its rounds; what the first loop goes through is looked up at once,
-    as Python does."""
+    """The frame of a comprehension, once for each round. The iterable of the first loop is evaluated at once, as in
+    Python."""
     first, rest = loops[0], loops[1:]
     if first.is_async:
         raise RefusalError("`async` is not supported in a script")
@@ -227,7 +227,7 @@ def _rounds(loops: list[ast.comprehension], frame: Frame) -> Iterator[Frame]:
 
 
 def loop_over(value: Value, script: Script) -> Iterator[Value]:
-    """What a loop goes through, one after the other: a range is not made a list of, a list may grow meanwhile."""
+    """The values of a loop, one after another: a range makes no list, and a list may grow meanwhile."""
     return iter(value) if isinstance(value, list | tuple | range) else iterate(value, script)
 
 
@@ -267,7 +267,7 @@ _EXPRESSIONS: dict[type[ast.expr], Callable[[Any, Frame], Value]] = {
 
 
 def place_of(node: ast.expr, frame: Frame) -> tuple[Callable[[], Value], Callable[[Value], None]]:
-    """What reads the value where an assignment goes, and what sets it; owner and key are looked up once."""
+    """The getter and the setter of an assignment's target; owner and key are evaluated once."""
     if isinstance(node, ast.Name):
         return partial(frame.get, node.id), partial(frame.set, node.id)
     if not isinstance(node, ast.Attribute | ast.Subscript):
@@ -280,7 +280,7 @@ def place_of(node: ast.expr, frame: Frame) -> tuple[Callable[[], Value], Callabl
 
 
 def assign(node: ast.expr, value: Value, frame: Frame) -> None:
-    """What an assignment to the target `node` does."""
+    """Assign a value to the target `node`."""
     if isinstance(node, ast.Name):
         frame.set(node.id, value)
         return

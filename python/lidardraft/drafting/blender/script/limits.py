@@ -1,7 +1,7 @@
-"""What reading a script may cost, the errors that end it, and what is left of its budget.
+"""The limits of reading a script, the errors that end it, and the rest of its budget.
 
-A node of the syntax tree is a step, and works on values of bounded length: their elements are counted where many are
-made at once, and the clock bounds what takes long. So every script ends, in bounded time and memory.
+A node of the syntax tree is a step, and works on values of bounded length. Elements that are made together are counted,
+and a clock bounds long steps. So every script ends, in bounded time and memory.
 """
 
 from __future__ import annotations
@@ -10,25 +10,25 @@ import time
 from dataclasses import dataclass, fields
 from typing import Any
 
-_STEPS_OF_CLOCK = 7  # a power of 2, less 1: the clock is looked at where the steps left are a multiple of that power
+_STEPS_OF_CLOCK = 7  # a power of 2, less 1: the clock is checked if the steps left are a multiple of that power
 _COMPARED_IN_A_STEP = 10_000  # characters
 _MOST_NOTES = 100
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ScriptLimits:
-    """The most that one script may ask for; what goes beyond is refused, whatever it is for.
+    """The limits of one script; anything beyond is refused.
 
     The defaults keep a script within a second and tens of megabytes on a laptop.
     """
 
     file: int = 4_000_000  # characters of the script
     code: int = 125_000  # characters outside of comments and strings
-    steps: int = 175_000  # nodes of the syntax tree that are evaluated, one for each time
+    steps: int = 175_000  # evaluations of nodes of the syntax tree
     seconds: int | float = 3  # of processor time
     levels: int = 150  # of nesting: of the script's text, and of calls within calls
     length: int = 250_000  # elements of one value, or eighths of the characters of a text
-    cells: int = 1_000_000  # elements of all values that are made or copied as a whole
+    cells: int = 1_000_000  # elements of all values made or copied as a whole
     objects: int = 5_000
     vertices: int = 500_000  # of all meshes together
 
@@ -40,21 +40,21 @@ class ScriptLimits:
 
 
 class RefusalError(Exception):
-    """Why a script is not read on; `line` is the innermost line that it is about, once known."""
+    """The reason why a script is refused; `line` is the innermost line that it is about, once known."""
 
     def __init__(self, message: str, line: int | None = None) -> None:
         super().__init__(message)
         self.line = line
 
     def at(self, line: int) -> RefusalError:
-        """It, with a line where it has none yet."""
+        """This error, with a line if it had none."""
         self.line = self.line or line
         return self
 
 
 class RaisedError(RefusalError):
-    """An error that Python too would raise, by the `name` of its class: one that the script may catch, and of which
-    `str` is `said`: the message, where it is None."""
+    """An error that Python would raise too, by the `name` of its class: the script may catch it. `said` is its `str`,
+    by default the message."""
 
     def __init__(self, name: str, message: str, said: str | None = None) -> None:
         super().__init__(message)
@@ -63,9 +63,9 @@ class RaisedError(RefusalError):
 
 
 class Script:
-    """A script that is being carried out: where it is, what was passed over, and what is left of its limits.
+    """A script in execution: its line, notes on ignored parts, and the rest of its limits.
 
-    `notes` are lines about what was passed over, each with the line of the script where that was met first.
+    `notes` are messages about ignored parts, each with the line of its first occurrence.
     """
 
     def __init__(self, limits: ScriptLimits) -> None:
@@ -73,19 +73,19 @@ class Script:
         self.steps = limits.steps
         self.end = time.thread_time() + limits.seconds
         self.cells = limits.cells
-        self.levels = 0  # of nodes within nodes, in all functions and iterators that are being carried out
+        self.levels = 0  # of nested nodes, in all running functions and iterators
         self.line = 1
         self.notes: dict[str, int] = {}
-        self.modules: dict[str, Any] = {}  # that it may import
-        self.handled: RaisedError | None = None  # what a bare `raise` raises again
+        self.modules: dict[str, Any] = {}  # the modules that it may import
+        self.handled: RaisedError | None = None  # the error that a bare `raise` raises again
 
     def note(self, message: str, line: int | None = None) -> None:
-        """Keep a line about what is passed over."""
+        """Note an ignored part."""
         if len(self.notes) < _MOST_NOTES:
             self.notes.setdefault(message, line or self.line)
 
     def take_step(self) -> None:
-        """Count a node that is evaluated, or what takes as long."""
+        """Count the evaluation of a node, or work that takes as long."""
         self.steps -= 1
         if self.steps < 0:
             raise RefusalError(f"the script takes more than {self.limits.steps} steps; `limits` allows more")
@@ -93,19 +93,19 @@ class Script:
             self.check_time()
 
     def check_time(self) -> None:
-        """Refuse a script that has taken its processor time."""
+        """Raises `RefusalError` if the script has used up its processor time."""
         if time.thread_time() > self.end:
             raise RefusalError(f"the script takes more than {self.limits.seconds} s; `limits` allows more")
 
     def go_deeper(self, line: int) -> None:
-        """Count a step, and one level more of nodes within nodes; whoever goes back takes 1 from `levels`."""
+        """Count a step and a level of nested nodes; the caller takes 1 from `levels` on return."""
         if self.levels >= self.limits.levels:
             raise RefusalError(f"nested more than {self.limits.levels} levels deep, with calls within calls", line)
         self.take_step()
         self.levels += 1
 
     def take_cells(self, count: int) -> None:
-        """Count so many elements of a value that is made as a whole."""
+        """Count the elements of a value that is made as a whole."""
         if count > self.limits.length:
             raise RefusalError(f"a value of {count} elements; the limit is {self.limits.length}")
         self.cells -= max(count, 0)
@@ -119,7 +119,7 @@ class Script:
         self.take_cells(characters // 8 + 1)
 
     def take_made(self, value: object) -> None:
-        """Count the elements of what a function or an operator has made."""
+        """Count the elements of the result of a function or an operator."""
         if isinstance(value, str):
             self.take_text(len(value))
         elif isinstance(value, list | tuple):
@@ -128,7 +128,7 @@ class Script:
             self.take_cells(3 * len(value))
 
     def take_compared(self, values: list[Any]) -> None:
-        """Count the characters of texts that one step compares with many others."""
+        """Count the characters of texts in one step with many comparisons."""
         long = sum([len(value) for value in values if isinstance(value, str)])
         self.steps -= long // _COMPARED_IN_A_STEP
         self.take_step()

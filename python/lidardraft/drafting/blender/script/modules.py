@@ -1,5 +1,5 @@
-"""The modules that a script may import: those of Python's own library that compute, and stubs of those that talk to its
-surroundings. No file is read, what is logged goes nowhere, the clock stands still, arguments have their defaults."""
+"""The modules that a script may import: modules of Python's library that compute, and stubs of those that access its
+surroundings. No file is read, logs are dropped, the clock stands still, and arguments have their defaults."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ _DRAWS = (
 )
 _CELLS_OF_GENERATOR = 300
 _WIDEST = 16
-SCRIPT_FILE = "/script.py"  # the name that a script sees of its own file
+SCRIPT_FILE = "/script.py"  # the script's file name, as the script sees it
 _LONGEST_PATH = 4096  # characters
 _DEFAULTS = {"store_true": False, "store_false": True, "store": None, "append": None, "count": None}
 _MESSAGES = ("debug", "info", "warning", "warn", "error", "critical", "exception", "log")
@@ -61,7 +61,7 @@ _OF_LOGGERS = (*_MESSAGES, "setLevel", "addHandler", "removeHandler", "setFormat
 
 
 def modules(script: Script) -> dict[str, Value]:
-    """The modules by their names."""
+    """The modules by name."""
     tables: dict[str, dict[str, Value]] = {
         "math": _math(script),
         "itertools": {**builtins("", _itertools(script)), "chain": _chain(script)},
@@ -142,8 +142,8 @@ def _math(script: Script) -> dict[str, Value]:
 
 
 class RandomNumbers(Record):
-    """`random`, or a `random.Random`: the numbers that Python's generator gives for a seed, which is 0 until it is set;
-    a number that is drawn before that is noted."""
+    """`random`, or a `random.Random`: the numbers of Python's generator for a seed, by default 0; drawing without a set
+    seed gives a note."""
 
     kind = "random"
 
@@ -259,7 +259,7 @@ def _suppress(*errors: Value) -> Suppress:
 
 
 class Annotations(Record):
-    """`typing` and `__future__`, and all that is in them: what is said of types is passed over."""
+    """`typing` and `__future__` with all their contents: annotations are ignored."""
 
     kind = "an annotation"
 
@@ -356,7 +356,7 @@ class Parser(Record):
         dest: Value = None,
         required: Value = False,
         nargs: Value = None,
-        type: Value = None,  # the name that Python has for it
+        type: Value = None,  # Python's name for it
         **_: Value,
     ) -> None:
         names = [text(flag, "the name of an argument") for flag in flags]
@@ -371,7 +371,7 @@ class Parser(Record):
         key = text(longest.lstrip("-").replace("-", "_") if dest is None else dest, "the name of an argument")
         if default is None:
             default = [] if nargs == "*" and not is_option else _DEFAULTS[action]
-        elif isinstance(default, str) and type is not None:  # as it would stand in the command
+        elif isinstance(default, str) and type is not None:  # as in a command line
             default = call(type, [default], {}, self._script)
         self._defaults[key] = default
 

@@ -1,4 +1,4 @@
-"""What is calculated, compared and written of values of a script: what Python makes of them, if it is not too large."""
+"""Operators, comparisons and text of a script's values: Python's results, if they are not too large."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError,
 from lidardraft.drafting.blender.script.values import Record, Value, checked, describe, elements, is_key, is_number
 
 _LONGEST_SHIFT = 64
-_WIDEST = 200  # characters that a number or a name is padded to, and digits behind the point
+_WIDEST = 200  # characters of a padded number or name, and digits after the point
 _PERCENT = re.compile(r"%[-+ #0]*([\d.*]*)[^\d.*]")
 _OPERATORS: dict[type[ast.operator], tuple[str, Callable[[Value, Value], Value], Callable[[Value, Value], Value]]] = {
     ast.Add: ("+", operator.add, operator.iadd),
@@ -35,8 +35,8 @@ _ORDERS = {ast.Lt: operator.lt, ast.LtE: operator.le, ast.Gt: operator.gt, ast.G
 
 
 def binary(kind: type[ast.operator], left: Value, right: Value, script: Script, in_place: bool = False) -> Value:
-    """The result of an operator between two values; one with = behind it changes a list, a dict, a set or a vector
-    itself, whoever else has it."""
+    """The result of an operator between two values. With `in_place` it changes a list, dict, set or vector itself, for
+    all its users."""
     if kind is ast.Mod and isinstance(left, str):
         return percent_format(left, right, script)
     sign, plain, changing = _OPERATORS[kind]
@@ -57,8 +57,8 @@ def binary(kind: type[ast.operator], left: Value, right: Value, script: Script, 
 
 
 def _is_bounded(kind: type[ast.operator], left: Value, right: Value, script: Script) -> bool:
-    """Whether the operator is one of these values, and what it makes of them no larger than they are together; what it
-    repeats is counted here. Raises `RefusalError` for what is too large."""
+    """Whether the values support the operator, with a result no larger than both together; repetitions are counted
+    here. Raises `RefusalError` for too large a result."""
     if records := [each for each in (left, right) if isinstance(each, Record)]:
         return type(left) is type(right) or not any(each.only_alike for each in records)
     if is_number(left) and is_number(right):
@@ -106,7 +106,7 @@ def _ordered(order: Callable[[Value, Value], bool], left: Value, right: Value) -
 
 
 def in_order(choose: Callable[..., Value], keys: list[Value], script: Script) -> Value:
-    """What `sorted`, `min` or `max` makes of the places of keys; raises `RefusalError` where these have no order."""
+    """The result of `sorted`, `min` or `max` on the indices of keys; raises `RefusalError` if these have no order."""
     if all(is_key(each) and each is not None for each in keys):
         script.take_compared([part for each in keys for part in (each if isinstance(each, tuple) else (each,))])
         with contextlib.suppress(TypeError):
@@ -115,7 +115,7 @@ def in_order(choose: Callable[..., Value], keys: list[Value], script: Script) ->
 
 
 def equal(left: Value, right: Value, script: Script, level: int = 0) -> bool:
-    """Whether two values are equal; lists and the like by their elements, a limited way down."""
+    """Whether two values are equal; containers are compared by elements, to a limited depth."""
     script.take_step()
     left, right = (each.compared_as() if isinstance(each, Record) else each for each in (left, right))
     alike = [kind for kind in (list, tuple, dict) if isinstance(left, kind) and isinstance(right, kind)]
@@ -148,7 +148,7 @@ def contains(container: Value, value: Value, script: Script) -> bool:
 
 
 def to_text(value: Value, script: Script, level: int = 0) -> str:
-    """What `str` makes of a value; what is in a list looks as in Python's own."""
+    """The `str` of a value; items of containers are written as in Python."""
     if isinstance(value, Record):
         return value.text(level > 0)
     if not isinstance(value, list | tuple | dict):
@@ -168,12 +168,12 @@ def to_text(value: Value, script: Script, level: int = 0) -> str:
 
 
 def to_repr(value: Value, script: Script) -> str:
-    """What `repr` makes of a value."""
+    """The `repr` of a value."""
     return to_text([value], script)[1:-1]
 
 
 def format_value(value: Value, spec: str, script: Script) -> str:
-    """What an f-string makes of a value with what stands behind its colon."""
+    """The text of a value in an f-string with a format `spec`."""
     _check_widths(spec)
     if spec and not isinstance(value, str | int | float):
         raise RefusalError(f"{describe(value)} cannot be formatted as {spec!r}")
@@ -182,7 +182,7 @@ def format_value(value: Value, spec: str, script: Script) -> str:
 
 
 def brace_format(template: str, arguments: tuple[Value, ...], keywords: dict[str, Value], script: Script) -> str:
-    """What `template.format(...)` gives; a field is a number or a name, and nothing of what it stands for."""
+    """The result of `template.format(...)`; fields are numbers or names, without attributes or items."""
     script.take_cells(4 * template.count("{"))
     for _, field, spec, conversion in string.Formatter().parse(template):
         if conversion or "{" in (spec or "") or not re.fullmatch(r"\w*", field or ""):
@@ -195,7 +195,7 @@ def brace_format(template: str, arguments: tuple[Value, ...], keywords: dict[str
 
 
 def percent_format(template: str, values: Value, script: Script) -> str:
-    """What `template % values` gives."""
+    """The result of `template % values`."""
     for match in _PERCENT.finditer(template):
         _check_widths(match[1].replace("*", str(10 * _WIDEST)))
     given = values if isinstance(values, tuple) else (values,)
@@ -214,7 +214,7 @@ def _telling() -> Iterator[None]:
 
 
 def _plain(value: Value, script: Script) -> str | int | float:
-    """The value as one that Python itself can write."""
+    """The value in a form that Python itself can format."""
     return value if isinstance(value, str | int | float) else to_text(value, script)
 
 

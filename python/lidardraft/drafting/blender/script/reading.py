@@ -1,5 +1,5 @@
-"""The text of a script becomes a syntax tree, if it is small enough to be parsed, which is carried out value by value.
-Nothing of it is ever run by Python."""
+"""The text of a script is parsed to a syntax tree, if it is small enough, and the tree is evaluated value by value.
+Python never runs any of it."""
 
 from __future__ import annotations
 
@@ -15,8 +15,7 @@ from lidardraft.drafting.blender.script.modules import SCRIPT_FILE
 from lidardraft.drafting.blender.script.statements import result_of
 from lidardraft.drafting.blender.script.values import lone_surrogate
 
-# Code, a comment, or a string; one that does not end goes on to the end of its line or of the text. Whatever follows,
-# its end is found: it is never gone through a second time.
+# Code, a comment, or a string; an open string ends with its line or the text. In any case the end is found in one pass.
 _PART = re.compile(
     r"""(?P<code>[^"'#]+)|(?P<comment>\#[^\n]*)"""
     r"""|"{3}(?:[^"\\]+|\\.|"(?!""))*(?:"{3}|\\?\Z)|'{3}(?:[^'\\]+|\\.|'(?!''))*(?:'{3}|\\?\Z)"""
@@ -25,17 +24,17 @@ _PART = re.compile(
 )
 # Blocks between the fences of Markdown, whether the last one is closed or not.
 _FENCED = re.compile(r"^[ \t]*(```|~~~)[^\n]*\n(.*?)(?:^[ \t]*\1[`~]*[ \t\r]*$|\Z)", re.MULTILINE | re.DOTALL)
-_IS_FORMATTED = re.compile(r"[fF][rR]?\Z")  # what stands before an f-string
+_IS_FORMATTED = re.compile(r"[fF][rR]?\Z")  # the prefix of an f-string
 
 
 def fenced(text: str) -> str | None:
-    """The longest block between fences of Markdown, in its lines; None where there is none."""
+    """The longest block between Markdown fences, at its line numbers; None if there is none."""
     block = max(_FENCED.finditer(text), key=lambda block: len(block[2]), default=None)
     return block and "\n" * text.count("\n", 0, block.start(2)) + block[2]
 
 
 def parse(text: str, limits: ScriptLimits) -> ast.Module:
-    """The syntax tree of a script. Raises `RefusalError` naming the line where it is too long or no Python."""
+    """The syntax tree of a script. Raises `RefusalError` naming the line if it is too long or no Python."""
     if len(text) > limits.file:
         line = text.count("\n", 0, limits.file) + 1
         raise RefusalError(f"the script has {len(text)} characters; {limits.file} are read", line)
@@ -45,7 +44,7 @@ def parse(text: str, limits: ScriptLimits) -> ast.Module:
         raise RefusalError(f"half a character, {text[wrong]!r}", text.count("\n", 0, wrong) + 1)
     _check_code(text, limits)
     try:
-        with warnings.catch_warnings():  # of escapes that will be wrong in a later Python
+        with warnings.catch_warnings():  # about escapes that later Pythons reject
             warnings.simplefilter("ignore")
             return ast.parse(text)
     except SyntaxError as error:
@@ -57,7 +56,7 @@ def parse(text: str, limits: ScriptLimits) -> ast.Module:
 
 
 def _check_code(text: str, limits: ScriptLimits) -> None:
-    """Refuse more code than a syntax tree of bounded size can be made from; a text or a comment counts as one sign."""
+    """Raises `RefusalError` for too much code for a syntax tree of bounded size; a string or comment counts as 1."""
     size = 0
     for part in _PART.finditer(text):
         is_code = part["code"] is not None or (
@@ -70,9 +69,9 @@ def _check_code(text: str, limits: ScriptLimits) -> None:
 
 
 def read(text: str, script: Script) -> None:
-    """Go through a whole script. Raises `RefusalError` naming the line of what is not understood or too much."""
+    """Evaluate a whole script. Raises `RefusalError` naming an unsupported line, or one beyond the limits."""
     collecting = gc.isenabled()
-    gc.disable()  # it would go through the tree again and again; what is made is bounded
+    gc.disable()  # it would scan the tree again and again; memory is bounded anyway
     try:
         try:
             tree = parse(text, script.limits)

@@ -1,5 +1,5 @@
-"""What each kind of statement of a script does: functions of a node of the syntax tree and the frame that its names are
-looked up in. They give what ends the statements around them early, or None."""
+"""The statements of a script: functions of a node of the syntax tree and the frame of its names. They return a value
+that ends the statements around them early, or None."""
 
 from __future__ import annotations
 
@@ -45,14 +45,14 @@ _KINDS = {
 
 
 class _Returned:
-    """What a `return` hands on, through the statements around it."""
+    """The value of a `return`, on its way through the statements around it."""
 
     def __init__(self, value: Value) -> None:
         self.value = value
 
 
 def block(nodes: list[ast.stmt], frame: Frame) -> object:
-    """Carry out statements one after the other. Raises `RefusalError` naming the line of what is not understood."""
+    """Execute statements one after another. Raises `RefusalError` naming an unsupported line."""
     script = frame.script
     script.go_deeper(nodes[0].lineno if nodes else script.line)
     try:
@@ -69,7 +69,7 @@ def block(nodes: list[ast.stmt], frame: Frame) -> object:
 
 
 def result_of(nodes: list[ast.stmt], frame: Frame) -> Value:
-    """What the statements of a function return."""
+    """The return value of a function's statements."""
     ended = block(nodes, frame)
     return ended.value if isinstance(ended, _Returned) else None
 
@@ -185,7 +185,7 @@ def _delete(node: ast.Delete, frame: Frame) -> None:
 
 
 class Suppress(Record):
-    """What alone may stand behind `with`: errors of these names end the block, and nothing more."""
+    """The only context manager for `with`: errors of these names end the block without further effect."""
 
     kind = "suppress"
 
@@ -265,7 +265,7 @@ def _is_caught(error: RaisedError, names: list[str]) -> bool:
 
 
 def _names(node: ast.expr | None) -> list[str]:
-    """The names of classes of errors, as they stand behind `except` or `raise`."""
+    """The names of classes of errors after `except` or `raise`."""
     if isinstance(node, ast.Tuple):
         return [name for part in node.elts for name in _names(part)]
     if isinstance(node, ast.Attribute):
@@ -302,7 +302,7 @@ def _module(path: str, frame: Frame) -> Value:
 
 
 def _name_in(owner: Value, name: str) -> Value:
-    """What a module has under a name: nothing that can be used, where it is not known."""
+    """The value of a name in a module; an unusable one if it is unknown."""
     try:
         return owner.attribute(name) if isinstance(owner, Record) else Outside(name)
     except RefusalError:

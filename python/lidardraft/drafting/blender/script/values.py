@@ -1,7 +1,7 @@
-"""What a value of a script can be: None, numbers, text, lists, tuples, dicts, ranges, and records.
+"""The values of a script: None, numbers, text, lists, tuples, dicts, ranges, and records.
 
-Nothing of Python itself is a value: an attribute is looked up in a table of the record, never with `getattr`. What
-operators, brackets, loops and calls do, records say as Python's own values do.
+No value gives access to Python itself: attributes are looked up in tables of records, never with `getattr`. Records
+define their operators, items, loops and calls with Python's special methods.
 """
 
 from __future__ import annotations
@@ -13,29 +13,29 @@ from typing import Any, ClassVar, TypeVar
 
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
 
-Value = Any  # one of the types above; mypy has no way to say it that helps here
-LARGEST = 2**63  # of whole numbers
+Value = Any  # one of the types above; mypy has no useful type for it
+LARGEST = 2**63  # the largest whole number
 _SURROGATE = re.compile("[\ud800-\udfff]")
-_NUMBER = (int, float)  # asked for so often that a union, which is slower, shows
+_NUMBER = (int, float)  # checked so often that a slower union would show
 _SEQUENCES = (str, list, tuple, dict, range)
 Methods = dict[str, Callable[..., Value]]
 
 
 class Record:
-    """A value with attributes, items or operators of its own; here it has none.
+    """A value that may have attributes, items or operators; the base class has none.
 
-    `fields` give the attributes that can be read, `setters` set some, and `methods` get the record first.
+    `fields` read attributes, `setters` set some of them, and `methods` get the record first.
     """
 
     kind = "a value"
-    is_key = False  # whether it can be a key of a dict: what is the same only as itself
-    only_alike = False  # whether operators take it with its like alone
+    is_key = False  # whether it can be a key of a dict, equal to itself only
+    only_alike = False  # whether operators combine it only with its own type
     fields: ClassVar[Methods] = {}
     setters: ClassVar[Methods] = {}
     methods: ClassVar[Methods] = {}
 
     def has_private(self, _name: str) -> bool:
-        """Whether a name that begins with an underscore may be read and set in it."""
+        """Whether an attribute that begins with an underscore may be read and set."""
         return False
 
     def attribute(self, name: str) -> Value:
@@ -47,17 +47,17 @@ class Record:
         raise RefusalError(f"{self.kind} has no {name!r} that is supported")
 
     def set_attribute(self, name: str, value: Value) -> None:
-        """Give an attribute another value."""
+        """Set an attribute."""
         if name not in self.setters:
             raise RefusalError(f"{name!r} of {self.kind} cannot be set to {describe(value)}")
         self.setters[name](self, value)
 
     def text(self, _as_repr: bool) -> str:
-        """What `str`, or `repr`, makes of it."""
+        """Its `str`, or its `repr`."""
         return f"<{self.kind}>"
 
     def compared_as(self) -> Value:
-        """The value of Python's that it is compared as: itself, where == decides."""
+        """The Python value that represents it in comparisons; itself if == decides."""
         return self
 
     def __getitem__(self, key: Value) -> Value:
@@ -80,8 +80,8 @@ AnyRecord = TypeVar("AnyRecord", bound=Record)
 
 
 class Builtin(Record):
-    """A function of the reader's; it gets what the script passes, and may raise what Python's functions raise. `own`
-    are functions that stand behind a dot of it."""
+    """A function of the reader. It gets the script's arguments, and may raise the errors of Python's functions. `own`
+    are functions that are its attributes."""
 
     kind = "a function"
 
@@ -94,7 +94,7 @@ class Builtin(Record):
         return Builtin(name, self._own[name]) if name in self._own else super().attribute(name)
 
     def __call__(self, /, *arguments: Value, **keywords: Value) -> Value:
-        """Its result. Raises `RefusalError` for wrong arguments, which cannot be caught: Python might take them."""
+        """Its result. Wrong arguments raise `RefusalError`, which no script can catch: Python might accept them."""
         try:
             return self._call(*arguments, **keywords)
         except TypeError:
@@ -105,12 +105,12 @@ class Builtin(Record):
 
 
 def builtins(module: str, functions: Methods) -> dict[str, Value]:
-    """Functions by their names, as those of a module ("math.") or, for "", of none."""
+    """Functions by name, as those of a module ("math.") or, for "", of none."""
     return {name: Builtin(module + name, function) for name, function in functions.items()}
 
 
 class Type(Record):
-    """What `isinstance` asks for; | joins it with others, and with None."""
+    """A type for `isinstance`; | joins it with others, and with None."""
 
     is_key = True
 
@@ -127,18 +127,18 @@ class Type(Record):
 
 
 def is_of(value: Value, kinds: Value) -> bool:
-    """What `isinstance` says."""
+    """The result of `isinstance`."""
     asked = kinds if isinstance(kinds, tuple) else (kinds,)
     return any(value is None if kind is None else isinstance(kind, Type) and kind.holds(value) for kind in asked)
 
 
 def type_of(records: type[Record]) -> Type:
-    """A class of Blender's that a script may only ask about, with `isinstance`."""
+    """A class of Blender that a script may use with `isinstance` only."""
     return Type("a class of Blender", lambda value: isinstance(value, records))
 
 
 class TypeFunction(Type, Builtin):
-    """A function that is also a type: `list`, `float`. What is said of types in brackets is passed over."""
+    """A function that is also a type: `list`, `float`. Types in brackets are ignored."""
 
     def __init__(self, name: str, call: Callable[..., Value], types: tuple[type, ...]) -> None:
         Builtin.__init__(self, name, call)
@@ -149,7 +149,7 @@ class TypeFunction(Type, Builtin):
 
 
 class Namespace(Record):
-    """A module, or what has fixed attributes like one."""
+    """A module, or another value with fixed attributes."""
 
     def __init__(self, name: str, values: dict[str, Value]) -> None:
         self.kind = name
@@ -167,11 +167,11 @@ class Namespace(Record):
 
 
 def nothing(*_: Value, **__: Value) -> None:
-    """What a function does that changes nothing."""
+    """A function without effect."""
 
 
 class Outside(Record):
-    """A module that is not known, or a part of one: it may be imported, and all that is known of it is its name."""
+    """An unknown module, or a part of one: it may be imported, but only its name is known."""
 
     def __init__(self, name: str) -> None:
         self.kind = name[:60]
@@ -193,7 +193,7 @@ class Outside(Record):
 
 
 def call(function: Value, arguments: list[Value], keywords: dict[str, Value], script: Script) -> Value:
-    """What a function returns."""
+    """The result of a function."""
     if not isinstance(function, Record):
         raise RefusalError(f"{describe(function)} cannot be called")
     script.take_step()
@@ -201,12 +201,12 @@ def call(function: Value, arguments: list[Value], keywords: dict[str, Value], sc
 
 
 def is_number(value: Value) -> bool:
-    """Whether it is an int, a float or a bool."""
+    """Whether a value is an int, a float or a bool."""
     return isinstance(value, _NUMBER)
 
 
 def checked(value: Value) -> Value:
-    """The value, which is no number or one that is not too large."""
+    """The value; raises `RefusalError` for a complex number or a whole number of more than 63 bits."""
     if isinstance(value, int) and not -LARGEST <= value <= LARGEST:
         raise RefusalError("a whole number of more than 63 bits")
     if isinstance(value, complex):
@@ -215,7 +215,7 @@ def checked(value: Value) -> Value:
 
 
 def whole(value: Value, what: str, least: int = -LARGEST, most: int = LARGEST) -> int:
-    """The value, which is a whole number from `least` to `most`."""
+    """The value as a whole number from `least` to `most`; raises `RefusalError` otherwise."""
     if not isinstance(value, int):
         raise RefusalError(f"{what} is {describe(value)}; it must be a whole number")
     if not least <= value <= most:
@@ -227,41 +227,41 @@ def whole(value: Value, what: str, least: int = -LARGEST, most: int = LARGEST) -
 
 
 def place(value: Value, count: int, what: str) -> int:
-    """The value, which is a place among so many, counted from the end where it is below 0."""
+    """The value as an index below `count`, from the end if negative; raises `RaisedError` out of range."""
     if not -count <= whole(value, "a place") < count:
         raise RaisedError("IndexError", f"{what} of {count} has no place {value}")
     return int(value)
 
 
 def of_kind(value: Value, kind: type[AnyRecord], what: str) -> AnyRecord:
-    """The value, which is a record of that kind."""
+    """The value; raises `RefusalError` unless it is a record of that kind."""
     if not isinstance(value, kind):
         raise RefusalError(f"{what} is {describe(value)}; it must be {kind.kind}")
     return value
 
 
 def real(value: Value, what: str) -> float:
-    """The value as a float, which is a finite number."""
+    """The value as a float; raises `RefusalError` unless it is a finite number."""
     if not is_number(value) or not -1e300 < value < 1e300:
         raise RefusalError(f"{what} is {describe(value)}; it must be a finite number")
     return float(value)
 
 
 def text(value: Value, what: str) -> str:
-    """The value, which is a text."""
+    """The value; raises `RefusalError` unless it is a text."""
     if not isinstance(value, str):
         raise RefusalError(f"{what} is {describe(value)}; it must be a text")
     return value
 
 
 def lone_surrogate(text: str) -> int | None:
-    """The place of the first half of a character that stands alone, which no file in UTF-8 can hold."""
+    """The index of the first lone surrogate, which UTF-8 cannot encode, or None."""
     match = None if text.isascii() else _SURROGATE.search(text)
     return match.start() if match else None
 
 
 def reals(value: Value, count: int, what: str) -> tuple[float, ...]:
-    """The value as so many finite floats."""
+    """The value as `count` finite floats; raises `RefusalError` otherwise."""
     numbers = list(value) if isinstance(value, Record) else value
     if not isinstance(numbers, list | tuple) or len(numbers) != count:
         raise RefusalError(f"{what} is {describe(value)}; it must be {count} numbers")
@@ -269,7 +269,7 @@ def reals(value: Value, count: int, what: str) -> tuple[float, ...]:
 
 
 def elements(value: Value, script: Script) -> list[Value]:
-    """What a loop over the value goes through, as a list of its own; raises `RefusalError` where it is none."""
+    """The elements of the value as a new list; raises `RefusalError` if it is not iterable."""
     if isinstance(value, Record):
         found = []
         for each in value:
@@ -283,7 +283,7 @@ def elements(value: Value, script: Script) -> list[Value]:
 
 
 def length(value: Value) -> int:
-    """The number of its elements or characters."""
+    """The number of a value's elements or characters."""
     if not hasattr(type(value), "__len__"):
         raise RefusalError(f"{describe(value)} has no length")
     try:
@@ -300,14 +300,14 @@ def is_key(value: Value) -> bool:
 
 
 def dict_key(key: Value) -> Value:
-    """The value, which can be a key of a dict."""
+    """The value; raises `RefusalError` unless it can be a key of a dict."""
     if not is_key(key):
         raise RefusalError(f"{describe(key)} cannot be a key")
     return key
 
 
 def describe(value: Value) -> str:
-    """The value, for a message: short, whatever it is."""
+    """A short description of any value, for messages."""
     if isinstance(value, Record):
         return value.kind
     if isinstance(value, str):
