@@ -63,6 +63,8 @@ from small_recordings import METADATA as OUSTER
 
 CAR = Primitive(shape="box", center=(9, 0, 1), size=(4, 2, 1.5), label="car", id="car_1", instance=1)
 LAYOUT = Layout((CAR,), {"seed": 1})
+ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(90, 90, 0), label="road", id="road")
+STREET = Layout((CAR, ROAD))
 SENSOR = Sensor(name="few", elevations=(0.1, 0.0, -0.1), columns=16)
 SCENARIO = Scenario(Waypoints(((0, 0, 0, 0), (1, 5, 0, 0.1))), {"car_*": Straight(3.0)})
 RECIPE = b"""
@@ -334,7 +336,7 @@ def readers() -> dict[str, Reader]:
         "calibration": Reader(read_intrinsics, ".txt", b"P2: 9 0 4 0 0 9 3 0 0 0 1 0\n"),
         "obj": Reader(lidardraft.layout_from_obj, ".obj", written(lambda p: write_obj(p, LAYOUT), ".obj")),
         "glb": Reader(lidardraft.layout_from_glb, ".glb", written(lambda p: write_glb(p, LAYOUT), ".glb")),
-        "world": Reader(WorldState.load, ".json", written(World(LAYOUT, SENSOR).state().save, ".json")),
+        "world": Reader(WorldState.load, ".json", written(World(STREET, SENSOR).state().save, ".json")),
         "rig": Reader(Rig.load, ".json", written(Rig({"top": Mount(SENSOR, (0.0, 0.0, 1.8, 0.0))}).save, ".json")),
         "scenario": Reader(Scenario.load, ".json", SCENARIO.to_json().encode()),
         "recipe": Reader(Recipe.load, ".toml", RECIPE),

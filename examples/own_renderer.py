@@ -51,8 +51,9 @@ def main() -> None:
         image = lidardraft.observe_cast(depth, label, sensor, instance=instance, seed=number)
         scan = Scan(image=image, layout=world.layout(), pose=pose, seed=number, time=world.time)
         returns = {box.id: count for box, count in zip(scan.boxes(), scan.returns_per_box(), strict=True) if count}
-        inside = [box.contains(scan.points()[scan.instances() == box.instance], 0.1).mean() for box in scan.boxes()]
-        print(f"{world.time:.1f} s: {len(scan.labels())} returns, of boxes {returns}, {np.nanmean(inside):.0%} within")
+        inside = [box.contains(scan.points()[scan.instances() == box.instance], 0.1) for box in scan.boxes()]
+        share = np.concatenate(inside).mean()
+        print(f"{world.time:.1f} s: {len(scan.labels())} returns, of boxes {returns}, {share:.0%} within")
 
 
 if __name__ == "__main__":

@@ -525,7 +525,7 @@ def write_semantic_ply(path: Path, columns: Columns) -> None:
 def test_the_other_lidar_of_carla_is_told(folder: Path) -> None:
     write_ply(folder / "a.ply", columns_of(I=DIM))
     with pytest.warns(
-        UserWarning, match=r"x y z I are the fields of CARLA's LiDAR, whose y points right; y is read as"
+        UserWarning, match=r"x y z I are the fields of CARLA's LiDAR, whose y points right; y is read unchanged"
     ):
         np.testing.assert_array_equal(read_points(folder / "a.ply")[0], POINTS)
 

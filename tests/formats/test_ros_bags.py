@@ -31,7 +31,7 @@ from lidardraft.scene.scenario import Scenario, Straight, Waypoints
 SENSOR = Sensor(name="few", elevations=tuple(np.deg2rad(np.linspace(2, -24, 8)).tolist()), columns=128)
 LAYOUT = Layout((
     Primitive(shape="plane", center=(0, 0, 0), size=(300, 300, 0), label="road", id="road"),
-    Primitive(shape="box", center=(9, 4, 0.8), size=(4.4, 1.9, 1.5), yaw=0.5, label="car", id="car_1", instance=1),
+    Primitive(shape="box", center=(9, 6, 0.8), size=(4.4, 1.9, 1.5), yaw=0.5, label="car", id="car_1", instance=1),
 ))  # fmt: skip
 BEND = Waypoints(tuple((t, 8 * t, 1.5 * t * t, 0.375 * t) for t in (0.0, 0.25, 0.5, 0.75, 1.0)))
 STORE = message_types()
