@@ -425,7 +425,7 @@ def _attributes(annotation: Annotation) -> list[str]:
     """The name of its attribute; an empty list if its motion is unknown."""
     kind, moves = _category(annotation).split(".")[:2], annotation.moves()
     if kind[1] in _CYCLES:
-        return ["cycle.with_rider" if annotation.ridden else "cycle.without_rider"]
+        return ["cycle.with_rider" if annotation.box.label == "rider" else "cycle.without_rider"]
     if annotation.box.velocity is None:
         return []
     if kind[0] == "vehicle":
