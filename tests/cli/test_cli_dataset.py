@@ -156,7 +156,7 @@ train = 0.6
 val = 0.2
 test = 0.2
 [[scene]]
-street = ["urban", "village"]
+street = ["downtown", "village"]
 riders = 2.0
 [[scene]]
 text = "a bus 20 m ahead, two cyclists behind it"
