@@ -218,7 +218,8 @@ def write_nuscenes(folder: Path, drives: Drives, first: int) -> None:
         name = f"scene-{number:04d}"
         start, splits[name] = _write_scene(folder, tables, name, scene, start)
     if parts := by_split(splits):
-        (folder / VERSION / "splits.json").write_text(json.dumps(parts))  # as nuscenes.utils.splits reads it
+        own = {f"lidardraft_{split}": names for split, names in parts.items()}  # "train" is nuScenes' in its devkit
+        (folder / VERSION / "splits.json").write_text(json.dumps(own))  # as nuscenes.utils.splits reads it
     for name, rows in tables.items():
         (folder / VERSION / f"{name}.json").write_text(json.dumps(rows, indent=0))
 
