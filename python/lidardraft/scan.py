@@ -7,7 +7,7 @@ import math
 import os
 import warnings
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from html import escape
 from pathlib import Path
@@ -150,7 +150,7 @@ class Scan:
     def _boxes(self) -> list[Box]:
         still = None if self.time is None else (0.0, 0.0, 0.0)
         velocities = (self.velocities.get(box.id.split(".", 1)[0], still) for box in self.layout.boxes())
-        return [replace(box, velocity=each) for box, each in zip(self.layout.boxes(), velocities, strict=True)]
+        return [box.moving(each) for box, each in zip(self.layout.boxes(), velocities, strict=True)]
 
     def returns_per_box(self) -> list[int]:
         """The number of points of each of `boxes()`."""

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -189,6 +190,19 @@ def test_vehicles_face_the_way_of_their_lane():
                 else (placed.along - 20.0) * math.sin(placed.angle)
             )
             assert right > 0, placed
+
+
+def test_wide_vehicles_keep_off_the_kerbs_of_narrow_lanes():
+    road, found = Road(lane_width=2.9), 0
+    lanes = lanes_of(road)
+    for seed in range(10):
+        occupancy = empty(road)
+        place_traffic(occupancy, replace(DISTRICTS["urban"], heavy=1.0), tuple(lanes), np.random.default_rng(seed))
+        for placed in (placed for placed in occupancy._placed if placed.size[1] > 2.4):
+            off = min(abs(placed.across - lane.across) for lane in lanes)
+            assert off <= max(0.0, (lanes[0].width - placed.size[1]) / 2 - 0.2) + 1e-9, placed
+            found += 1
+    assert found > 10
 
 
 def test_vehicles_wait_at_the_line_of_a_red_light():

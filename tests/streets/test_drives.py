@@ -1,13 +1,15 @@
 """Drives through streets: everything moves, what is scanned is what the layouts say, and each call gives the same."""
 
 import dataclasses
+import json
 import math
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from lidardraft import Scan, Sensor, StreetConfig, StreetMix, street_drive
+from lidardraft import Scan, Sensor, StreetConfig, StreetMix, export, street_drive
 from lidardraft.arranging.street_mix import only
 from lidardraft.errors import LidarDraftError
 from lidardraft.semantics import BY_NAME
@@ -91,3 +93,31 @@ def test_traffic_passes_under_crowns_on_hills_too() -> None:
         tracks = street_drive(number, seed=2, config=dataclasses.replace(CONFIG, sensor=few), frames=120).tracks
         late = tracks.ego.at(np.array([8.0, 11.5]))[:, :2]
         assert math.dist(*late) > 10.0
+
+
+def test_drives_of_riders_as_scenes_of_nuscenes(tmp_path: Path) -> None:
+    """Velocities are displacements over time, riders and their cycles are one object, scenes have what they are of."""
+    config = dataclasses.replace(CONFIG, mix=StreetMix(**only("urban"), riders=6.0))
+    drives = [street_drive(number, seed=1, config=config, frames=3) for number in range(2)]
+    scans = [list(each) for each in drives]
+    export(scans, "nuscenes", tmp_path / "out")
+    tables = {path.stem: json.loads(path.read_text()) for path in (tmp_path / "out/v1.0-trainval").iterdir()}
+    assert [(scene["description"], scene["nbr_samples"]) for scene in tables["scene"]] == [("urban", 3)] * 2
+    times = {row["token"]: row["timestamp"] * 1e-6 for row in tables["sample"]}
+    rows = {row["token"]: row for row in tables["sample_annotation"]}
+    names = {row["token"]: row["name"] for table in ("attribute", "category") for row in tables[table]}
+    kinds, found, speeds = {row["token"]: names[row["category_token"]] for row in tables["instance"]}, set(), {}
+    for middle in (row for row in rows.values() if row["prev"] and row["next"]):
+        before, after = rows[middle["prev"]], rows[middle["next"]]
+        span = times[after["sample_token"]] - times[before["sample_token"]]
+        speed = math.dist(after["translation"][:2], before["translation"][:2]) / span
+        (said,) = (names[token] for token in middle["attribute_tokens"])
+        found.add((kind := kinds[middle["instance_token"]], said))
+        speeds.setdefault(said, []).append(speed)
+        assert kind.split(".")[0] in ("vehicle", "human")
+    assert ("vehicle.bicycle", "cycle.with_rider") in found
+    assert min(*speeds["cycle.with_rider"], *speeds["vehicle.moving"]) > 0.2
+    assert max(*speeds["cycle.without_rider"], *speeds["vehicle.parked"]) < 1e-6
+    known = sorted(math.hypot(*box.velocity[:2]) for each in scans for box in each[1].boxes() if box.label == "car")
+    driven = sorted(speeds["vehicle.moving"] + speeds["vehicle.parked"] + speeds.get("vehicle.stopped", []))
+    assert driven[-1] == pytest.approx(known[-1], rel=0.02)

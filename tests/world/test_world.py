@@ -255,6 +255,34 @@ def test_move_places_at_once_and_an_added_thing_moves_as_it_is_told() -> None:
     assert min(part.center[2] - part.size[2] / 2 for part in world.layout() if part.id.startswith(tree)) == 0.0
 
 
+def test_people_step_on_kerbs_and_their_velocities_stay_level() -> None:
+    curb = Primitive(shape="box", center=(0, 6, 0.06), size=(40, 4, 0.12), label="sidewalk", id="sidewalk")
+    person = Primitive(
+        shape="box", center=(8, 3.5, 0.9), size=(0.6, 0.6, 1.8), label="person", id="person_1", instance=1
+    )
+    world = World(Layout((ROAD, curb, person)), SMALL, relief=False)
+    world["person_1"].motion = Walk((8.0, 6.0), 1.4)
+    rates = []
+    for _ in range(20):
+        world.step(0.05)
+        rates.append(world["person_1"].velocity[2])
+        for box in (*world.boxes(), *world.scan().boxes()):
+            assert box.velocity is not None
+            assert box.velocity[2] == 0.0
+    assert max(rates) > 1.0
+    assert world.boxes()[0].center[2] == pytest.approx(0.9 + 0.12, abs=1e-3)
+
+
+@pytest.mark.parametrize("motion", [Walk((8.0, 300.0)), Waypoints(((0.0, 12.0, 4.0), (60.0, 12.0, 300.0)))])
+def test_a_motion_that_leaves_the_map_is_reported(motion: Walk | Waypoints) -> None:
+    world = World(Layout((ROAD, car(12, 4))), SMALL)
+    with pytest.warns(UserWarning, match=r"car_1 goes off the map, to x .*, y 300\.0 m; without ground it keeps"):
+        world["car_1"].motion = motion
+    for _ in range(4):
+        world.step(60.0)
+    assert world["car_1"].pose[1] == pytest.approx(300.0)
+
+
 def test_a_stopped_car_holds_up_those_behind_it() -> None:
     layout = layout_from_text("a straight road, a car 20 m ahead", seed=0)
     world = World(layout, SMALL, seed=0)

@@ -66,6 +66,7 @@ _GAP_MEDIAN, _GAP_SPREAD = 1.4, 0.45
 _LEAST_GAP = 2.0  # m, of followers
 _FREE_GAP, _FREE_TIME = 5.0, 0.8  # m and s, of free vehicles
 _OFF_MIDDLE, _MOST_OFF = 0.12, 0.25  # m off the middle of the lane: deviation and limit
+_TO_EDGE = 0.2  # m from a vehicle to the edge of its lane, where the lane is wide enough
 _WEAVE = 0.012  # rad against the lane, deviation
 _TRAFFIC_MARGIN = 0.2  # m
 
@@ -197,7 +198,8 @@ def _place_flow(occupancy: Occupancy, district: District, lane: Path, rng: np.ra
 def _place_in_lane(
     occupancy: Occupancy, lane: Path, kind: str, size: Size, distance: float, rng: np.random.Generator
 ) -> None:
-    left = min(max(rng.normal(0.0, _OFF_MIDDLE), -_MOST_OFF), _MOST_OFF)
+    most = min(_MOST_OFF, max(0.0, (lane.width - size[1]) / 2 - _TO_EDGE))
+    left = min(max(rng.normal(0.0, _OFF_MIDDLE), -most), most)
     along, across, angle = lane.at(distance, left)
     occupancy.place(kind, along, across, size, angle=angle + rng.normal(0.0, _WEAVE), margin=_TRAFFIC_MARGIN)
 

@@ -165,16 +165,12 @@ def add_inputs(parser: argparse.ArgumentParser, *many: str, required: bool = Tru
 
 
 def district_named(word: str) -> str:
-    """The street district of that name, or of a word in sentences, as in "downtown"."""
-    from lidardraft.drafting.text.lexicon import lexicon
+    """As `district_of`; raises `FormatError` where there is none."""
+    from lidardraft.drafting.text.lexicon import district_of
 
-    if word in STREET_DISTRICTS:
-        return word
-    parts = tuple(word.split())
-    for entry, meaning in lexicon().get(parts[0], ()) if parts else ():
-        if entry == parts and "district" in meaning.features:
-            return str(meaning.features["district"])
-    raise FormatError(f"--street is {word!r}; it must be {one_of(('any', *STREET_DISTRICTS), word)}")
+    if (name := district_of(word)) is None:
+        raise FormatError(f"--street is {word!r}; it must be {one_of(('any', *STREET_DISTRICTS), word)}")
+    return name
 
 
 def check_inputs(arguments: argparse.Namespace) -> None:

@@ -28,5 +28,6 @@ def card(recipe: Recipe, total: dict[str, Any]) -> str:
         boxes = total["boxes"].get(name, 0)
         counts = f"{boxes} | {boxes / scans:.2f}" if BY_NAME[name].is_thing else " | "
         lines.append(f"| {name} | {total['points'][name] / points:.2%} | {counts} |")
-    lines += ["", "| Boxes by distance | |", "|---|---|", *(f"| {name} | {n} |" for name, n in total["ranges"].items())]
+    ranges = sorted(total["ranges"].items(), key=lambda row: int(row[0].split()[1]))  # "from 10 m"
+    lines += ["", "| Boxes by distance | |", "|---|---|", *(f"| {name} | {n} |" for name, n in ranges)]
     return "\n".join(lines) + "\n"

@@ -22,7 +22,8 @@ import lidardraft
 from lidardraft.arranging.district import STREET_DISTRICTS
 from lidardraft.arranging.street_mix import StreetMix, only
 from lidardraft.dataset.table import Table, Values, all_drawn, drawn, every
-from lidardraft.errors import FormatError
+from lidardraft.drafting.text.lexicon import district_of
+from lidardraft.errors import FormatError, one_of
 from lidardraft.files import MAX_BYTES, expecting, named, read_bytes, read_sentences, read_text
 from lidardraft.formats.frame import FORMATS
 from lidardraft.json_fields import is_number
@@ -198,7 +199,7 @@ class Recipe:
 
     def _config(self, scene: Scene, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> StreetConfig:
         district, more = drawn(scene.values, rng), all_drawn(scene.numbers, rng)
-        mix = StreetMix(**only(district), **more)
+        mix = StreetMix(**only(str(district_of(district))), **more)
         return StreetConfig(sensor=sensor, poses_per_street=self.poses, mix=mix, weather=weather)
 
     def _of_layout(self, scene: Scene, number: int, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> Scan:
@@ -346,7 +347,9 @@ def _scene(table: Table, folder: Path) -> Scene:
         raise FormatError(f"{table.place}one of text, text_file, layout and street is needed; there are {len(sources)}")
     source, values, words = sources[0], None, {}
     if source == "street":
-        values = table.names(source, list(STREET_DISTRICTS))
+        values = table.texts(source)
+        if None in (named := list(map(district_of, every(values)))):
+            table.refuse(source, one_of(STREET_DISTRICTS, every(values)[named.index(None)]))
         more = {field.name: 1.0 for field in dataclasses.fields(StreetMix) if field.name not in STREET_DISTRICTS}
         return Scene(source=source, values=values, numbers=_numbers(table, more, 0.0))
     if source == "layout":

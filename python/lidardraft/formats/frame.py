@@ -75,10 +75,10 @@ class Annotation:
 
 
 def with_riders_merged(annotations: Sequence[Annotation]) -> tuple[Annotation, ...]:
-    """The annotations with each rider and its vehicle merged, as data sets count them: the parts ID.rider and
-    ID.bicycle of a layout become ID."""
-    vehicles = {a.box.id.partition(".")[0]: a for a in annotations if a.box.label in _RIDDEN and "." in a.box.id}
-    riders = {a.box.id.partition(".")[0]: a for a in annotations if a.box.label == "rider" and "." in a.box.id}
+    """The annotations with each rider and its vehicle merged, as data sets count them: the parts of one object ID of a
+    layout, as ID.rider and ID.bicycle, become ID."""
+    vehicles = {a.box.id.partition(".")[0]: a for a in annotations if a.box.label in _RIDDEN}
+    riders = {a.box.id.partition(".")[0]: a for a in annotations if a.box.label == "rider"}
     pairs = {name: (riders[name], vehicle) for name, vehicle in vehicles.items() if name in riders}
     alone = [a for a in annotations if a.box.id.partition(".")[0] not in pairs]
     return (*alone, *(_merged(name, *pair) for name, pair in pairs.items()))

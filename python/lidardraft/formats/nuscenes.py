@@ -218,7 +218,8 @@ def write_nuscenes(folder: Path, drives: Drives, first: int) -> None:
         name = f"scene-{number:04d}"
         start, splits[name] = _write_scene(folder, tables, name, scene, start)
     if parts := by_split(splits):
-        (folder / VERSION / "splits.json").write_text(json.dumps(parts))  # as nuscenes.utils.splits reads it
+        own = {f"lidardraft_{split}": names for split, names in parts.items()}  # "train" is nuScenes' in its devkit
+        (folder / VERSION / "splits.json").write_text(json.dumps(own))  # as nuscenes.utils.splits reads it
     for name, rows in tables.items():
         (folder / VERSION / f"{name}.json").write_text(json.dumps(rows, indent=0))
 
@@ -425,7 +426,7 @@ def _attributes(annotation: Annotation) -> list[str]:
     """The name of its attribute; an empty list if its motion is unknown."""
     kind, moves = _category(annotation).split(".")[:2], annotation.moves()
     if kind[1] in _CYCLES:
-        return ["cycle.with_rider" if annotation.ridden else "cycle.without_rider"]
+        return ["cycle.with_rider" if annotation.box.label == "rider" else "cycle.without_rider"]
     if annotation.box.velocity is None:
         return []
     if kind[0] == "vehicle":

@@ -21,7 +21,10 @@ _SHORTEST = 1e6  # ns
 def cloud_fields(frame: Frame) -> dict[str, Any]:
     """All of a PointCloud2 except its header: `fields` are rows of name, offset, datatype and count."""
     packed = point_records(frame)
-    records = packed.astype(np.dtype(packed.dtype.descr, align=True))  # the alignment that readers in C++ need
+    # the alignment that readers in C++ need, with zeros between: `astype` leaves what was in memory there
+    records = np.zeros(len(packed), np.dtype(packed.dtype.descr, align=True))
+    for name in packed.dtype.names or ():
+        records[name] = packed[name]
     rows = {name: (_CODES[kind.str[1:]], offset) for name, (kind, offset, *_) in (records.dtype.fields or {}).items()}
     fields = [{"name": name, "offset": at, "datatype": code, "count": 1} for name, (code, at) in rows.items()]
     step = records.dtype.itemsize

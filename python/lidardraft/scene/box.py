@@ -48,6 +48,12 @@ class Box:
         if self.velocity is not None:
             object.__setattr__(self, "velocity", checked_vector(self.id, "velocity", self.velocity))
 
+    def moving(self, velocity: tuple[float, float, float] | None) -> Box:
+        """The box with a velocity in its frame; that of a person is level, as kerbs are stepped on within a moment."""
+        if velocity is not None and self.label == "person":
+            velocity = (*velocity[:2], 0.0)
+        return replace(self, velocity=velocity)
+
     def seen_from(self, pose: np.ndarray) -> Box:
         """The box in the frame of world_from_sensor `pose` [4, 4]; the tilt of the pose is left out."""
         center = pose[:3, :3].T @ (np.array(self.center) - pose[:3, 3])

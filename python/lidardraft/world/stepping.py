@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
@@ -15,7 +16,7 @@ from lidardraft.scene.layout import Layout, Primitive
 from lidardraft.scene.scenario import AlongLane, Motion, Straight, Walk, Waypoints
 from lidardraft.scene.solids import Solid, penetration
 from lidardraft.simulation.motion.driver import Driver, driver_of
-from lidardraft.simulation.motion.driving import Seen, Traffic, boxes_of, extents_in, settle
+from lidardraft.simulation.motion.driving import STEP, Seen, Traffic, boxes_of, extents_in, settle
 from lidardraft.simulation.motion.motions import Ground, usual_motions
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.motion.tracks import through
@@ -24,6 +25,7 @@ from lidardraft.simulation.sweeps import Spot
 from lidardraft.world.state import Actor, Collision, Drive, WorldState
 from lidardraft.world.things import Thing
 
+_AWAY = 0.5  # m from an object to its way-points at most
 _FORESEEN = 60.0  # s of a walk whose way is checked
 _KEPT = ("along", "left", "yaw", "start", "speed", "beside", "returns", "waited")  # a driver's fields in a state
 ThingOf = Callable[[str, Actor], Thing]
@@ -101,6 +103,22 @@ class Stepping:
             return after
         stands = motion is None or motion == Straight(0.0)
         return dataclasses.replace(actor, motion=None if stands else motion, drive=None, goal=None)
+
+    def told(self, name: str, actor: Actor, motion: Motion | None, time: float) -> Actor:
+        """The actor with a motion that a user gives it; a `UserWarning` reports one off the map. Raises `LayoutError`
+        also where its way-points are elsewhere at that time [s]."""
+        goals = [motion.to] if isinstance(motion, Walk) else []
+        if isinstance(motion, Waypoints):
+            goals = [(row[1], row[2]) for row in motion.points]
+            (x, y, *_), _ = through(np.array(motion.points), 0.0, time + np.array([0.0, STEP])).places.tolist()
+            if (away := math.dist((x, y), actor.spot[:2])) > _AWAY:
+                raise LayoutError(f"{name}: its way-points are {away:.1f} m away at {time:.2f} s; move it first")
+        after = self.commanded(name, actor, motion)
+        if goals and self._ground is not None and not (on := self._ground.at(np.array(goals))[1] > 0).all():
+            x, y = goals[int(np.argmin(on))]
+            said = f"{name} goes off the map, to x {x:.1f}, y {y:.1f} m; without ground it keeps its height"
+            warnings.warn(said, stacklevel=4)
+        return after
 
     def along(
         self, name: str, actor: Actor, motion: AlongLane, among: Sequence[Lane], *, to_middle: bool = False

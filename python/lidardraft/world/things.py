@@ -79,7 +79,7 @@ class Thing:
         for part in self.parts_at(spot):
             if part.instance and BY_NAME[part.label].is_thing:
                 parts.setdefault(part.instance, []).append(part)
-        return [dataclasses.replace(box_around(some), velocity=velocity) for some in parts.values()]
+        return [box_around(some).moving(velocity) for some in parts.values()]
 
     def _moved(self, x: float, y: float, spot: Spot) -> tuple[float, float]:
         return point_at((spot[0], spot[1], spot[3] - self.home[3]), x - self.home[0], y - self.home[1])

@@ -42,7 +42,6 @@ from lidardraft.scene.weather import Weather, weather_of
 from lidardraft.semantics import BY_NAME, GROUND
 from lidardraft.simulation.motion.driving import STEP
 from lidardraft.simulation.motion.motions import DRIVES
-from lidardraft.simulation.motion.tracks import through
 from lidardraft.simulation.on_relief import on_relief
 from lidardraft.simulation.recorded.solid_object import sampled_parts
 from lidardraft.simulation.roads import with_known_roads
@@ -57,7 +56,6 @@ _POLICIES = ("allow", "refuse", "stop")
 _MOST_THINGS = 5000  # if all of them drive, a step and a scan take a second together
 _MOST_INSTANCES = 2**16 - 1
 _LONGEST = 60.0  # s, of a step
-_AWAY = 0.5  # m from an object to its way-points at most
 
 
 class Handle:
@@ -110,7 +108,7 @@ class Handle:
     @property
     def motion(self) -> Motion | None:
         """Its motion until the next command, None if it stands; times are those of the world. Set it to move as in a
-        scenario; `Straight` and `Waypoints` also run into others."""
+        scenario; `Straight` and `Waypoints` also run into others or, with a `UserWarning`, off the map."""
         return self._world._actor(self.id).motion
 
     @motion.setter
@@ -457,12 +455,8 @@ class World:
         with self._alone():
             if motion is not None:
                 check_type("motion", motion, Straight, AlongLane, Walk, Waypoints)
-            actor, time = self._movable(id), self._state.time
-            if isinstance(motion, Waypoints):
-                (x, y, *_), _ = through(np.array(motion.points), 0.0, time + np.array([0.0, STEP])).places.tolist()
-                if (away := math.dist((x, y), actor.spot[:2])) > _AWAY:
-                    raise LayoutError(f"{id}: its way-points are {away:.1f} m away at {time:.2f} s; move it first")
-            self._state = self._state.but({id: self._stepping.commanded(id, actor, motion)})
+            after = self._stepping.told(id, self._movable(id), motion, self._state.time)
+            self._state = self._state.but({id: after})
 
     def step(self, seconds: float) -> None:
         """Advance, in steps of 0.05 s or less. Raises `LayoutError` if `seconds` is not over 0, or over 60."""

@@ -9,6 +9,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from lidardraft.arranging.district import STREET_DISTRICTS
 from lidardraft.drafting.text.positions import Position, place_named
 from lidardraft.drafting.text.tokens import NUMBER_WORDS
 
@@ -43,6 +44,13 @@ def lexicon() -> dict[str, tuple[tuple[tuple[str, ...], Word], ...]]:
 def vocabulary() -> frozenset[str]:
     """All words of the lexicon, and those of numbers."""
     return frozenset(NUMBER_WORDS).union(*(parts for entries in lexicon().values() for parts, _ in entries))
+
+
+def district_of(word: str) -> str | None:
+    """The street district of that name, or of a word in sentences, as in "downtown"; None if there is none."""
+    parts = tuple(word.split())
+    said = (row.features.get("district") for entry, row in lexicon().get("".join(parts[:1]), ()) if entry == parts)
+    return word if word in STREET_DISTRICTS else next((str(name) for name in said if name), None)
 
 
 def rows(name: str) -> Iterator[str]:
