@@ -15,7 +15,7 @@ help: ## list the targets
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 16
 
 demo: $(if $(wildcard $(STAMP)),$(STAMP),$(CORE)) ## a sentence becomes labelled LiDAR scans, a picture and a page, in out/demo/
-	$(BIN)/lidardraft simulate --text $(SENTENCE) --sensor os1-128 --seed 20 -n 4 --overwrite -o out/demo
+	$(BIN)/lidardraft simulate --text $(SENTENCE) --sensor os1-128 --seed 14 -n 4 --overwrite -o out/demo
 	$(BIN)/lidardraft view out/demo/000000.bin -o out/demo/scan.html
 	@echo 'The diffusion model needs torch: make demo-generate, or pip install ".[generate]" and'
 	@echo '  lidardraft generate --text $(SENTENCE) --weights paper-small -o out/generated'
