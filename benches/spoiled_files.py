@@ -218,7 +218,7 @@ def odd_paths(folder: Path, ending: str) -> Iterator[tuple[str, Path]]:
     device.symlink_to("/dev/zero")
     empty.symlink_to("/dev/null")
     loop.symlink_to(loop)
-    locked.write_bytes(b"\0")
+    locked.write_bytes(b"\xff\0")  # which root reads, and no reader takes
     locked.chmod(0)
     large.touch()
     os.truncate(large, 6 * 2**30)

@@ -242,7 +242,7 @@ def test_the_table_of_changes_is_true() -> None:
     table = PAGE.read_text().split("## I want to change")[1].split("\n## ")[0]
     rows = [[cell.strip(" `") for cell in line.split("|")[2:4]] for line in table.splitlines() if line.startswith("| ")]
     rows = rows[1:]
-    assert len(rows) == 20
+    assert len(rows) >= 20
     for file, name in rows:
         path = ROOT / file if file.startswith("rust/") else PACKAGE / file
         last = name.split("::")[-1].split(".")[-1]
