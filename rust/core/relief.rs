@@ -74,9 +74,9 @@ impl Relief<'_> {
 
 /// The pieces of a convex polygon between lines of one axis.
 fn pieces(polygon: Polygon, lines: &[f64], axis: impl Fn([f64; 3]) -> f64) -> Vec<Polygon> {
-    let (low, high) = polygon.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| {
-        (low.min(axis(p)), high.max(axis(p)))
-    });
+    let (low, high) = polygon
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &p| (low.min(axis(p)), high.max(axis(p))));
     let first = lines.partition_point(|&line| line <= low + SAME);
     let (mut rest, mut found) = (polygon, Vec::new());
     for &line in lines[first..].iter().take_while(|&&line| line < high - SAME) {

@@ -266,7 +266,6 @@ fn read_obj(
 }
 
 #[pyfunction]
-#[expect(clippy::type_complexity, reason = "the tuple of the stub file")]
 fn lay<'py>(
     py: Python<'py>,
     mesh: (Bound<'py, PyAny>, Bound<'py, PyAny>),
