@@ -47,14 +47,13 @@ from lidardraft.scene.pose import inverse
 from lidardraft.scene.scenario import Scenario
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.weather import Weather
-from lidardraft.streets import StreetConfig
-from lidardraft.streets.drives import HALF_LENGTH
 
 if TYPE_CHECKING:
     from lidardraft.pipeline import Pipeline
     from lidardraft.scan import Scan
     from lidardraft.scene.range_image import RangeImage
     from lidardraft.simulation.motion.sequence import SequenceSimulator as Drive
+    from lidardraft.streets import StreetConfig
 
 _POSES = 4  # scans of a street
 _HZ = 10.0  # frames of a sequence
@@ -237,6 +236,9 @@ def _scan_of_world(arguments: argparse.Namespace, sensor: Sensor, weather: Weath
 
 
 def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None, poses: int) -> StreetConfig:
+    from lidardraft.streets import StreetConfig
+    from lidardraft.streets.drives import HALF_LENGTH
+
     check_inputs(arguments)
     for option in ("speed", "surroundings", "scenario"):
         if getattr(arguments, option):
