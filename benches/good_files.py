@@ -134,7 +134,7 @@ def _label_2(path: Path) -> object:
 
 
 def _points(path: Path) -> object:
-    """Without the lines on what was applied."""
+    """The points, without warnings on applied fields."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)
         return read_points(path)

@@ -5,7 +5,7 @@
 "streets" are scored as by `lidardraft evaluate`, which explains the columns. "recordings" holds scans of the layouts of
 labelled recordings in FOLDER (by default LIDARDRAFT_DATA), at most `-n` a sensor, against these (`report_simulate.py`
 explains the rows). "speed" is the time and memory of a scan. In each table of scores stand what is passed through and
-the same network untrained. Last comes what was to be reached. `--only` takes the parts whose names hold PART.
+the same network untrained. The goals come last. `--only` takes the parts whose names hold PART.
 """
 
 from __future__ import annotations

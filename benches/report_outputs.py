@@ -5,7 +5,7 @@
 - Frames a second of 64 x 2048 rays of a crossroads with traffic, with the threads that there are.
 - Rolling shutter: casts of frames beside casts in which every body stands where it is when the column fires, one scene
   a column; the largest difference of ranges, and the share of returns from other objects.
-- Flicker: of frames a tenth of a second or three apart, brought into one frame, the returns of what stands within
+- Flicker: of frames a tenth of a second or three apart, brought into one frame, the returns of standing objects within
   30 m: the median distance of a return from the plane through the eight nearest of the other frame, and the median
   difference of the mean intensities of cells of 0.5 m that hold eight returns of both, over the mean of all.
   Independent samples are frames of one layout, each with details and brightness of a seed of its own. Recordings are
@@ -146,7 +146,7 @@ def flicker(pairs: Iterable[tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray
 
 
 def standing(scan: Scan, moving: Sequence[str]) -> tuple[np.ndarray, np.ndarray]:
-    """Points in the world and intensities of what stands near the sensor."""
+    """Points in the world and intensities of standing objects near the sensor."""
     gone = {box.instance for box in scan.layout.boxes() if box.id.split(".")[0] in moving}
     points = scan.points().astype(np.float64)
     kept = ~np.isin(scan.instances(), list(gone)) & (np.linalg.norm(points, axis=1) < FAR)

@@ -16,7 +16,7 @@ METADATA = {
     "prod_line": "OS-1-16",
     "prod_sn": "1",
     "lidar_mode": "512x10",
-    "beam_altitude_angles": np.linspace(-15, 15, BEAMS).tolist(),  # from the lowest: the rows of ours are turned over
+    "beam_altitude_angles": np.linspace(-15, 15, BEAMS).tolist(),  # from the lowest: our rows are turned over
     "beam_azimuth_angles": [3.0, 1.0, -1.0, -3.0] * (BEAMS // 4),
     "lidar_origin_to_beam_origin_mm": 15.8,
     "lidar_to_sensor_transform": [-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 36.18, 0, 0, 0, 1],

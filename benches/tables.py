@@ -19,7 +19,7 @@ def table(rows: Mapping[str, Row]) -> str:
 
 
 def digits(value: float) -> str:
-    """Three digits, or all of those before the point; "-" for what is not a number."""
+    """Three digits, or all of those before the point; "-" for NaN."""
     if math.isnan(value):
         return "-"
     return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"

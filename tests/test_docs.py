@@ -170,7 +170,7 @@ def test_the_tutorial(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_every_command_of_the_pages_is_known() -> None:
-    """Also of those that run elsewhere: the first word is a program of ours, or is said to run elsewhere."""
+    """Also of those that run elsewhere: the first word is one of our programs, or is listed in ELSEWHERE."""
     for page in PAGES:
         for language, _, text in blocks(page):
             for line in text.splitlines() if language == "sh" else ():

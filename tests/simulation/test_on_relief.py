@@ -1,4 +1,4 @@
-"""Layouts on their relief, by an independent look at both: the plan stays, and what stands keeps its height."""
+"""Layouts on their relief, by an independent look at both: the plan stays, and objects keep their height."""
 
 import dataclasses
 import math
