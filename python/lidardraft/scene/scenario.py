@@ -115,7 +115,7 @@ _KINDS: dict[str, type[Motion]] = {"straight": Straight, "lane": AlongLane, "wal
 
 @dataclass(frozen=True, slots=True)
 class Scenario:
-    """The motions of the ego vehicle and of objects, by names or by patterns of them ("around/*"). A name takes
+    """The motions of the ego vehicle and of objects, by names or by patterns of them (`around/*`). A name takes
     precedence over patterns, then the first match counts. Objects without a match move by their kind."""
 
     ego: Motion | None = None
