@@ -14,7 +14,9 @@ from lidardraft.semantics import BY_NAME
 from lidardraft.training.augmentation import Augmentation, augmented
 from lidardraft.training.sources import PairFolder
 
-ROAD, POLE = (BY_NAME[name].id for name in ("road", "pole"))
+ROAD, SIDEWALK, BUILDING, VEGETATION, POLE = (
+    BY_NAME[name].id for name in ("road", "sidewalk", "building", "vegetation", "pole")
+)
 STILL = Augmentation(
     **{field.name: 0.0 for field in dataclasses.fields(Augmentation)}
 )  # rotated and mirrored all the same
@@ -46,8 +48,8 @@ def test_scans_are_changed_as_asked(pairs: PairFolder) -> None:
         for s in range(40)
     ]
     assert 0.7 < np.mean(dropped) / count < 0.9
-    hilly = augmented(pairs, 0, np.random.default_rng(2), dataclasses.replace(STILL, hills=0.5))
-    flat = augmented(pairs, 0, np.random.default_rng(2), STILL)
+    hilly = augmented(pairs, 0, np.random.default_rng(3), dataclasses.replace(STILL, hills=0.5))
+    flat = augmented(pairs, 0, np.random.default_rng(3), STILL)
     moved = np.abs(hilly.points - flat.points)
     far = np.linalg.norm(flat.points, axis=1) > 12
     assert moved[far, 2].max() > 2 * moved[~far, 2].max() > 0  # nothing changes under the sensor
@@ -58,6 +60,44 @@ def test_scans_are_changed_as_asked(pairs: PairFolder) -> None:
         augmented(pairs, 0, np.random.default_rng(s), dataclasses.replace(STILL, no_intensity=0.5)) for s in range(40)
     ]
     assert 8 < sum(scan.intensity is None for scan in unknown) < 32
+
+
+@pytest.fixture
+def strips(tmp_path: Path) -> PairFolder:
+    """A scan of a quarter road, sidewalk, building and tree each, all 10 m away."""
+    flat = np.full(SENSOR.shape, 10, dtype=np.float32)
+    label = np.broadcast_to(np.repeat([ROAD, SIDEWALK, BUILDING, VEGETATION], 32).astype(np.uint8), SENSOR.shape)
+    instance = np.zeros(SENSOR.shape, dtype=np.uint32)
+    scan = RangeImage(sensor=SENSOR, depth=flat, label=label, instance=instance, intensity=flat / 20)
+    list(write_pairs(tmp_path / "strips", [(Pair(scan, scan, scan), {})]))
+    return PairFolder(tmp_path / "strips")
+
+
+def test_bare_scans_lack_buildings_plants_or_all_but_the_ground(strips: PairFolder) -> None:
+    bare = dataclasses.replace(STILL, bare=1.0)
+    left = {frozenset(augmented(strips, 0, np.random.default_rng(seed), bare).label.tolist()) for seed in range(30)}
+    assert left == {
+        frozenset({ROAD, SIDEWALK, VEGETATION}),
+        frozenset({ROAD, SIDEWALK, BUILDING}),
+        frozenset({ROAD, SIDEWALK}),
+    }
+
+
+def test_a_scan_of_poles_alone_keeps_them(two: PairFolder) -> None:
+    bare = dataclasses.replace(STILL, bare=1.0)
+    assert all(len(augmented(two, 1, np.random.default_rng(seed), bare).points) == 16 * 64 for seed in range(10))
+
+
+def test_sidewalks_are_higher_or_lower_beside_the_road(strips: PairFolder) -> None:
+    def rise(seed: int, label: int) -> float:
+        level, still = (
+            augmented(strips, 0, np.random.default_rng(seed), dataclasses.replace(STILL, levels=levels))
+            for levels in (0.1, 0.0)
+        )
+        return float((level.points - still.points)[level.label == label, 2].mean())
+
+    assert np.std([rise(seed, SIDEWALK) for seed in range(60)]) == pytest.approx(0.1, rel=0.35)
+    assert rise(0, ROAD) == 0
 
 
 def test_surfaces_are_brighter_or_darker_class_by_class(two: PairFolder) -> None:

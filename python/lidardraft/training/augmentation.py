@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from lidardraft.scene.sensor import Sensor
-from lidardraft.semantics import BY_NAME, NUM_CLASSES
+from lidardraft.semantics import BY_NAME, GROUND, NUM_CLASSES
 from lidardraft.training.sources import PairFolder
 
 # Classes that are rare in a street and small in an image: pasted from one scan into another.
@@ -15,6 +15,12 @@ _PASTED = [
     BY_NAME[name].id
     for name in ("person", "rider", "bicycle", "motorcycle", "truck", "bus", "train", "pole", "traffic-sign")
 ]
+# What a bare scan lacks: buildings, plants, or all but the ground. Context that streets always have is not learned.
+_BARED = tuple(
+    [BY_NAME[name].id for name in names]
+    for names in (("building",), ("vegetation", "trunk"), BY_NAME.keys() - set(GROUND))
+)
+_BESIDE_ROADS = [BY_NAME[name].id for name in ("sidewalk", "terrain")]
 _HILLS = (25.0, 100.0)  # m, shortest and longest wave
 
 
@@ -24,9 +30,10 @@ class Augmentation:
 
     `mix` is the probability that a sector comes from another scan, `paste` that rare objects come from another scan.
     `tilt` [rad] and `height` [m] are standard deviations of the sensor's pose, `hills` [m] that of each of two waves of
-    25 to 100 m that bend the ground, `beam` [rad] that of each beam's elevation. The ranges of a scan scatter by up to
+    25 to 100 m that bend the ground, `levels` [m] that of the height of sidewalks and terrain beside the road, `beam`
+    [rad] that of each beam's elevation. The ranges of a scan scatter by up to
     `noise` [m], with another deviation for each scan. Up to about `drop` of the returns are removed at random, and up
-    to `drop_rows` of the beams.
+    to `drop_rows` of the beams. `bare` is the probability that all buildings, all plants or all but the ground go.
 
     Intensities are raised to a power of spread `gamma`, scaled class by class with the spread `surface` and return by
     return with `speckle`, all in natural logarithms. They are unknown with the probability `no_intensity`. Roads of
@@ -39,10 +46,12 @@ class Augmentation:
     tilt: float = 0.015
     height: float = 0.1
     hills: float = 0.25
+    levels: float = 0.03
     beam: float = 0.0015
     noise: float = 0.03
     drop: float = 0.3
     drop_rows: float = 0.1
+    bare: float = 0.2
     gamma: float = 0.25
     surface: float = 0.4
     speckle: float = 0.25
@@ -75,13 +84,16 @@ def augmented(pairs: PairFolder, i: int, random: np.random.Generator, how: Augme
             for image, source in zip(scan, other, strict=True):
                 image[nearer] = source[nearer]
     depth[_dropped(depth.shape, random, how)] = 0
+    if random.random() < how.bare:
+        bared = np.isin(label, _BARED[random.integers(len(_BARED))])
+        depth[bared] = 0 if (depth[~bared] > 0).any() else depth[bared]  # a scan keeps some return
     valid = depth > 0
     known = (
         None
         if random.random() < how.no_intensity
         else _with_other_intensities(intensity[valid], label[valid], random, how)
     )
-    return LabelledPoints(_displaced(pairs.sensor, depth, random, how)[valid], label[valid], known)
+    return LabelledPoints(_displaced(pairs.sensor, depth, label, random, how)[valid], label[valid], known)
 
 
 def _another(pairs: PairFolder, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -121,8 +133,11 @@ def _with_other_intensities(
     return np.minimum(intensity ** np.float32(np.exp(random.normal(0, how.gamma))) * gain, np.float32(1))
 
 
-def _displaced(sensor: Sensor, depth: np.ndarray, random: np.random.Generator, how: Augmentation) -> np.ndarray:
-    """The points f32 [H, W, 3] of a depth image, with beams and a pose of the sensor that are a little off."""
+def _displaced(
+    sensor: Sensor, depth: np.ndarray, label: np.ndarray, random: np.random.Generator, how: Augmentation
+) -> np.ndarray:
+    """The points f32 [H, W, 3] of a depth image, with beams, a pose of the sensor and levels of the ground that are a
+    little off."""
     noise = random.standard_normal(depth.shape, dtype=np.float32) * np.float32(random.uniform(0, how.noise))
     points = sensor.pattern.points(np.maximum(depth + noise, np.float32(0.1))).astype(np.float32)
     x, y = points[..., 0], points[..., 1]
@@ -131,6 +146,8 @@ def _displaced(sensor: Sensor, depth: np.ndarray, random: np.random.Generator, h
         0, how.beam, (len(depth), 1)
     )  # small angles: a shear is a rotation
     points[..., 2] += pitch * x + roll * y + random.normal(0, how.height)
+    for ground in _BESIDE_ROADS:
+        points[label == ground, 2] += random.normal(0, how.levels)
     for _ in range(2):
         amplitude, length = random.normal(0, how.hills), random.uniform(*_HILLS)
         towards, phase = random.uniform(0, 2 * np.pi, 2)
