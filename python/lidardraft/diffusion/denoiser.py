@@ -137,8 +137,8 @@ class Denoiser(Network):
     ) -> Tensor:
         """The loss of each sample [B]: the `error` of D over the pixels that count, as `weight` weights it.
 
-        With D - x = sigma^2 S this is about the paper's `sigma^2 |S - target|^2` at low noise. Range, intensity and class
-        count only in pixels with a return; for weights with the open pixels in their condition, only those count.
+        With D - x = sigma^2 S this is about the paper's `sigma^2 |S - target|^2` at low noise. Range, intensity and
+        class count only in pixels with a return; for weights with the open pixels in their condition, only those count.
         """
         counts = what_counts(clean)
         if condition is not None and self.config.completes:
