@@ -65,7 +65,7 @@ def smaller(words: list[str]) -> list[str]:
         words += ["--batch", "1"]
         if rest[0] == "street":  # a network for tests, of one street
             at = words.index("--init") if "--init" in words else len(words)
-            words = [*words[:at], *words[at + 2 :], "--recipe", "tiny-paper", "--steps", "1", "--evaluate", "1"]
+            words = [*words[:at], *words[at + 2 :], "--recipe", "tiny", "--steps", "1", "--evaluate", "1"]
         return words
     if rest[0] == "dataset":
         return [*words, "-n", "3"]

@@ -98,10 +98,10 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
     assert all(torch.equal(scored[0][name], weight) for name, weight in shipped.items())
 
     card = weight_file.read_card("tiny.safetensors")
-    assert [stage["step"] for stage in card["stages"]] == [2]
+    assert [stage["step"] for stage in card["stages"]] == [2, 2]
     assert SensorLimits.from_dict(card["sensors"]) == SensorLimits.from_sensor(Sensor.load("small.json"))
     names = [scores["name"] for scores in card["scores"]]
-    assert names == ["detailed scan", "other streets", "bare", "simulated", "generated", "untrained"]
+    assert names == ["detailed scan", "other streets", "condition image", "simulated", "generated", "untrained"]
     assert train.main([*ARGV, *SHORT, "--seed", "5"]) == 2  # the run is of another seed
     assert "use another folder" in capsys.readouterr().err
     generate = ["generate", "--text", "a car ahead", "--sensor", "small.json", "--steps", "2"]
@@ -109,7 +109,7 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
 
 
 def test_the_papers_stages_follow_one_another(capsys: pytest.CaptureFixture[str]) -> None:
-    argv = ["street", "--recipe", "tiny-paper", "--sensor", "small.json", "--work", "work", "-o", "paper.safetensors"]
+    argv = ["street", "--recipe", "tiny", "--sensor", "small.json", "--work", "work", "-o", "paper.safetensors"]
     assert train.main([*argv, *SHORT]) == 0
     denoiser = weight_file.load("paper.safetensors", Denoiser)
     assert denoiser.controlnet is not None
@@ -117,20 +117,17 @@ def test_the_papers_stages_follow_one_another(capsys: pytest.CaptureFixture[str]
     assert base.controlnet is None
     assert weight_file.read_card("paper.safetensors")["scores"][2]["name"] == "condition image"
     capsys.readouterr()
-    # the last stage alone, on the base of the weights to begin with, or a network that completes
+    # the last stage alone, on the base of the weights to begin with
     go_on = ["--init", "paper.safetensors", "--sensor", "small.json", *SHORT]
-    for recipe in ("tiny-paper", "tiny"):
-        argv = ["street", "--recipe", recipe, "--work", f"more-{recipe}", "-o", f"more-{recipe}.safetensors"]
-        assert train.main([*argv, *go_on]) == 0
-        assert [path.name for path in Path(f"more-{recipe}").iterdir() if path.is_dir()] == ["stage-1"]
-    assert weight_file.load("more-tiny.safetensors", Denoiser).config.completes
+    assert train.main(["street", "--recipe", "tiny", "--work", "more", "-o", "more.safetensors", *go_on]) == 0
+    assert [path.name for path in Path("more").iterdir() if path.is_dir()] == ["stage-1"]
     assert train.main(["street", "--work", "wide", "-o", "wide.safetensors", *go_on]) == 2
     err = "the weights to begin with are of another form: widths is (8, 8, 16, 16), not (64, 96, 128, 128)\n"
     assert capsys.readouterr().err.endswith(f"\nlidardraft-train: {err}")
 
 
 def test_the_base_of_given_weights_learns_on_and_then_their_controlnet(capsys: pytest.CaptureFixture[str]) -> None:
-    *_, form = recipes.tiny_paper()
+    *_, form = recipes.tiny()
     torch.manual_seed(1)
     given = Denoiser.from_config(form.denoiser)
     assert given.controlnet is not None
@@ -138,7 +135,7 @@ def test_the_base_of_given_weights_learns_on_and_then_their_controlnet(capsys: p
         given.controlnet.encoder.stem.weight.neg_()  # no copy of the encoder, as after a training
     sampling = {"steps": 3, "guidance": 1.5, "last_noise": 0.2}
     weight_file.save(given, "given.safetensors", {"sampling": sampling})
-    argv = ["street", "--recipe", "tiny-paper", "--sensor", "small.json", "--init", "given.safetensors"]
+    argv = ["street", "--recipe", "tiny", "--sensor", "small.json", "--init", "given.safetensors"]
     argv += ["--base-steps", "3", "--batch", "1", "--evaluate", "1", "--work", "work", "-o", "further.safetensors"]
     assert train.main([*argv, "--steps", "7", "--minutes", "0.0001"]) == 0
     assert "stage-1: stopped after 0.0001 minutes; the same call goes on" in capsys.readouterr().out
@@ -147,7 +144,7 @@ def test_the_base_of_given_weights_learns_on_and_then_their_controlnet(capsys: p
     cards = [weight_file.read_card(path) for path in stages]
     assert [(card["step"], card["training"]["learning_rate"]) for card in cards] == [(3, 0.3 * 0.01), (7, 0.3 * 0.01)]
     base, control = (weight_file.load(path, Denoiser) for path in stages)
-    assert base.config == recipes.tiny_paper()[0].denoiser
+    assert base.config == recipes.tiny()[0].denoiser
     learned = base.network.state_dict()
     assert all(torch.equal(learned[name], weight) for name, weight in control.network.state_dict().items())
     assert not torch.equal(learned["encoder.stem.weight"], given.network.encoder.stem.weight)
@@ -192,10 +189,10 @@ def test_a_data_set_becomes_the_papers_training(capsys: pytest.CaptureFixture[st
     argv = ["pairs", "--dataset", "semantickitti", "set", "--split", "train", "--sensor", "tiny.json", "-o", "pairs"]
     assert cli.main(argv) == 0
     assert "pairs: 2 pairs, 2 of them new" in capsys.readouterr().out
-    argv = ["street", "--data", "pairs=1", "--recipe", "tiny-paper", "--work", "work", "-o", "paper.safetensors"]
+    argv = ["street", "--data", "pairs=1", "--recipe", "tiny", "--work", "work", "-o", "paper.safetensors"]
     assert train.main([*argv, "--steps", "1", "--batch", "1", "--evaluate", "1"]) == 0
     denoiser, card = weight_file.load("paper.safetensors", Denoiser), weight_file.read_card("paper.safetensors")
-    assert denoiser.config == recipes.tiny_paper()[-1].denoiser
+    assert denoiser.config == recipes.tiny()[-1].denoiser
     assert [stage["step"] for stage in card["stages"]] == [1, 1]
     assert card["data"] == "recordings, tiny"
 
@@ -204,7 +201,7 @@ def test_a_data_set_becomes_the_papers_training(capsys: pytest.CaptureFixture[st
 def test_real_scans_become_a_training() -> None:
     Path("set").symlink_to(DATA / "kitti/object")
     assert cli.main(["pairs", "--dataset", "kitti", "set", "-o", "pairs"]) == 0
-    argv = ["street", "--data", "pairs", "--recipe", "tiny-paper", "--work", "work", "-o", "real.safetensors"]
+    argv = ["street", "--data", "pairs", "--recipe", "tiny", "--work", "work", "-o", "real.safetensors"]
     assert train.main([*argv, "--steps", "2", "--batch", "1", "--evaluate", "1"]) == 0
 
 
@@ -252,7 +249,7 @@ def test_a_file_in_the_place_of_the_run_is_refused_before_the_pairs_are_read(
 
 
 def test_the_table_has_a_row_for_each_arm(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    tiny = recipes.tiny_paper()
+    tiny = recipes.tiny()
     monkeypatch.setattr(recipes, "paper_small", lambda: tiny)
     for alike in ("ControlNet not fine-tuned", "without classes", "semantic map alone"):
         monkeypatch.delitem(ARMS, alike)  # they differ in their configs alone
@@ -294,8 +291,8 @@ def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:
     captured = capsys.readouterr()
     assert captured.out.startswith("1 street, small, 2 steps\n")
     names = captured.out.splitlines()[1].split()
-    assert names == ["objects", "other", "all", "drop", "range", "height", "BEV", "classes", "holes", "lone", "own"]
-    rows = re.findall(r"^(\S.*?)(?: +(?:\d\.\d{3}|nan)){11}$", captured.out, re.MULTILINE)
+    assert names == ["objects", "other", "all", "drop", "range", "height", "BEV", "classes", "holes", "lone"]
+    rows = re.findall(r"^(\S.*?)(?: +(?:\d\.\d{3}|nan)){10}$", captured.out, re.MULTILINE)
     assert rows == ["detailed scan", "other streets", "condition image", "simulated", "generated", "untrained"]
     assert len(re.findall(r"^ {4}all, by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) == 6
     assert len(re.findall(r"^ {4}intensity \(JSD\), by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) >= 2

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from lidardraft.streets import StreetPair
 
 _SEED = 1_000_000  # of streets that no training used
-_COLUMNS = ("objects", "other", "overall", "drop", "range", "height", "bev", "classes", "holes", "lone", "own")
+_COLUMNS = ("objects", "other", "overall", "drop", "range", "height", "bev", "classes", "holes", "lone")
 _CALLED = {"overall": "all", "bev": "BEV"}  # columns with other names than the fields of `Scores`
 _SMALL = 0.01  # lower scores are printed x 1e-4, as in published tables
 
@@ -60,8 +60,7 @@ def _evaluate_weights(arguments: argparse.Namespace) -> None:
     sensor, num = read_sensor(arguments.sensor), arguments.num
     pipeline = read_pipeline(arguments)
     pairs = unseen_streets(num, sensor, arguments.seed)
-    half = ", half of each open" * pipeline.denoiser.config.completes
-    print(f"{num} street{'s' * (num > 1)}, {sensor.name}{half}, {pipeline.steps} steps")
+    print(f"{num} street{'s' * (num > 1)}, {sensor.name}, {pipeline.steps} steps")
     print(f"{'':16}{''.join(f'{_CALLED.get(name, name):>9}' for name in _COLUMNS)}", flush=True)
     for row in scores(pipeline, pairs):
         print(f"{row.name:16}{''.join(f'{getattr(row, field):9.3f}' for field in _COLUMNS)}")
@@ -100,11 +99,9 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
         "those on objects, with the layout of another street. drop: share of the rays that hit the layout and return "
         "nothing. range, height, BEV, classes: Jensen-Shannon distances of ranges, heights, top views and classes from "
         "those of the detailed scans; 0 is equal. holes: of the places between two returns of a surface within 20 m, "
-        "the share that returns nothing. lone: share of the returns that have no neighbour within 0.5 m and 3 %. own: "
-        "share of the returns that are not the simulated scan's. intensity (JSD): how far the intensities of a class "
-        "are from those of the detailed scans. Weights that complete are given half of each street: objects, other, "
-        "all and drop are then of the given halves, and the rest is of the open ones; bare is a lawn there. untrained: "
-        "the same network with random weights: what these and the rows before them reach too, training has not earned."
+        "the share that returns nothing. lone: share of the returns that have no neighbour within 0.5 m and 3 %. "
+        "intensity (JSD): how far the intensities of a class are from those of the detailed scans. untrained: the same "
+        "network with random weights: what these and the rows before them reach too, training has not earned."
     )
     text = "the tables of the LiDARDraft paper, of folders of scans given as --generated text=FOLDER image=FOLDER ..."
     parser.add_argument("table", nargs="?", choices=("table",), help=text)

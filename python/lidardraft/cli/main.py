@@ -90,7 +90,7 @@ COMMANDS = {
     ),
     "pairs": Command(
         _CLI + "pairs",
-        "Make training pairs of your recorded scans: each scan, with the cast and the simulated scan of its layout.",
+        "Make training pairs of your recorded scans: each scan, with the cast of its layout.",
         "lidardraft pairs recordings/ --sensor mine.json -o pairs/",
     ),
     "evaluate": Command(

@@ -38,7 +38,7 @@ def profile(arguments: argparse.Namespace) -> None:
     loaded = _timed(arguments, "weights into memory", lambda: read_pipeline(arguments))
     condition = scan.condition_image
     text = f"whole scan by the network, {loaded.steps} steps"
-    _timed(arguments, text, lambda: loaded.generate(condition, scan.image, seed=seed))
+    _timed(arguments, text, lambda: loaded.generate(condition, seed=seed))
 
 
 def _timed(arguments: argparse.Namespace, text: str, step: Callable[[], T]) -> T:

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from lidardraft.training.loop import Report
     from lidardraft.training.sources import PairSource
 
-_RECIPES = ("small", "paper", "paper-small", "paper-large", "paper-map", "small-map", "tiny", "tiny-paper")
+_RECIPES = ("paper-small", "paper", "paper-large", "small-map", "paper-map", "tiny")
 COMMANDS = {
     "segmenter": Command(
         __name__,
@@ -182,8 +182,8 @@ def _weighted(option: str, given: Sequence[str]) -> tuple[list[str], tuple[float
 
 def street_options(parser: argparse.ArgumentParser) -> None:
     """The options of `street`."""
-    text = "size of the network and length of the training (default small)"
-    parser.add_argument("--recipe", choices=_RECIPES, default="small", help=text)
+    text = "size of the network and length of the training (default paper-small)"
+    parser.add_argument("--recipe", choices=_RECIPES, default="paper-small", help=text)
     _add_data(parser)
     add_sensor(parser, default=None, of=" of streets (default: another one at each step, drawn at random)")
     text = "go on from these weights: packaged ones by name, or a .safetensors file; the last stage alone"

@@ -64,8 +64,8 @@ class Primitive:
     returns, or leaves it on the other side (law of Beer and Lambert). A large value is nearly solid, None is solid. A
     plane, or a mesh that is not closed, has no inside and cannot be a medium.
 
-    An `open` shape fills space that the source leaves open, such as the lawn around a sentence's road: a completed scan
-    may have anything there (`scene.visibility`).
+    An `open` shape fills space that the source leaves open, such as the lawn around a sentence's road: `surround` may
+    put anything there.
     """
 
     shape: str

@@ -29,7 +29,6 @@ from lidardraft.streets.worker_processes import worker_processes
 # the images of a pair, which worker processes send unchanged
 _SCAN = ("depth", "label", "instance", "intensity")
 _CONDITION_IMAGE = ("depth", "label", "instance")
-_SIMULATED = _SCAN
 _SCAN_STREAM = 1  # random numbers of a scan, apart from those of its street
 _Rest = tuple[ShapeTable, np.ndarray, Style, str, float, int, ShapeTable]
 
@@ -43,8 +42,7 @@ class StreetPair:
 
     The frame is that of the ego vehicle in the middle of the sweep: `pose` is ego_from_sensor [4, 4], and the sensor
     moves ahead with `speed` [m/s]. `district` is that of the street; `index` counts the pairs of one seed. `things` are
-    all objects with instances, in their true shapes, for any style of `shapes`. `simulated`, if asked for, is the
-    scan by the same unit of the sensor of the coarse layout in detail.
+    all objects with instances, in their true shapes, for any style of `shapes`.
     """
 
     scan: RangeImage
@@ -56,7 +54,6 @@ class StreetPair:
     speed: float
     index: int
     things: ShapeTable
-    simulated: RangeImage | None = None
 
     def poses(self) -> np.ndarray:
         """The pose of each column [W, 4, 4]; both images are without motion correction, as the sensor sends them."""
@@ -120,7 +117,7 @@ class _StreetRun:
 
     def pairs(self, threads: int | None) -> Iterator[StreetPair]:
         street, scanner = scanned_street(self.seed, self.config, self.number, threads)
-        return (_pair(street, scanner, self.config, index) for index in self.indices())
+        return (_pair(street, scanner, index) for index in self.indices())
 
 
 @lru_cache(maxsize=1)
@@ -136,7 +133,7 @@ def scanned_street(seed: int, config: StreetConfig, number: int, threads: int | 
 
 def _in_processes(runs: Iterator[_StreetRun], config: StreetConfig, workers: int) -> Generator[StreetPair, None, None]:
     sensor = config.sensor
-    pixel_bytes = sum(IMAGES[name].itemsize for name in _SCAN + _CONDITION_IMAGE + _SIMULATED * config.simulated)
+    pixel_bytes = sum(IMAGES[name].itemsize for name in _SCAN + _CONDITION_IMAGE)
     with worker_processes(workers, math.prod(sensor.shape) * pixel_bytes) as processes:
         turns = itertools.cycle(processes)
 
@@ -151,21 +148,19 @@ def _in_processes(runs: Iterator[_StreetRun], config: StreetConfig, workers: int
             street = ahead.popleft()
             while street:
                 arrays, rest = street.popleft().result()
-                scan, condition_image, *simulated = [
+                scan, condition_image = (
                     RangeImage.unchecked(sensor, **{name: arrays.pop(0) for name in names})
-                    for names in (_SCAN, _CONDITION_IMAGE, *[_SIMULATED] * config.simulated)
-                ]
-                yield StreetPair(scan, condition_image, *rest, *simulated)
+                    for names in (_SCAN, _CONDITION_IMAGE)
+                )
+                yield StreetPair(scan, condition_image, *rest)
             ahead.append(submit())
 
 
 def _pair_in_worker(run: _StreetRun, index: int) -> tuple[list[np.ndarray], _Rest]:
     """The images of a pair, and its other fields."""
-    pair = _pair(*scanned_street(run.seed, run.config, run.number, 1), run.config, index)
+    pair = _pair(*scanned_street(run.seed, run.config, run.number, 1), index)
     images = [getattr(pair.scan, name) for name in _SCAN]
     images += [getattr(pair.condition_image, name) for name in _CONDITION_IMAGE]
-    if pair.simulated is not None:
-        images += [getattr(pair.simulated, name) for name in _SIMULATED]
     return images, (pair.shapes, pair.pose, pair.style, pair.district, pair.speed, pair.index, pair.things)
 
 
@@ -186,7 +181,7 @@ def scan_street(street: Street, scanner: Scanner, index: int) -> tuple[Ego, Visi
     return ego, VisibleObjects(place_of(ego.pose), pose, scan, coarse.owners, len(coarse.objects)), rng
 
 
-def _pair(street: Street, scanner: Scanner, config: StreetConfig, index: int) -> StreetPair:
+def _pair(street: Street, scanner: Scanner, index: int) -> StreetPair:
     ego, visible, rng = scan_street(street, scanner, index)
     style = sample_style(rng)
     shapes = coarse_layout(street.coarse, style, rng, ego.pose, visible)
@@ -194,20 +189,7 @@ def _pair(street: Street, scanner: Scanner, config: StreetConfig, index: int) ->
     condition_image = shapes.scan(scanner.sensor, poses, threads=scanner.threads)
     things = street.coarse.standing(street.coarse.exact, street.coarse.instances > 0, ego.pose, relief=True)
     about = (shapes, visible.pose, style, street.district, ego.speed, index, things)
-    pair = StreetPair(as_sent(visible.scan), condition_image, *about)
-    if not config.simulated:
-        return pair
-    from lidardraft.simulation.simulate import Simulator  # pictures come with it, which pairs do not need
-
-    simulator = Simulator(
-        pair.layout,
-        scanner.sensor,
-        seed=index,
-        model=scanner.model,
-        weather=config.weather,
-        threads=scanner.threads,
-    )
-    return replace(pair, simulated=as_sent(simulator.scan(pair.pose, speed=pair.speed, seed=index).image))
+    return StreetPair(as_sent(visible.scan), condition_image, *about)
 
 
 def as_sent(scan: RangeImage) -> RangeImage:

@@ -19,15 +19,10 @@ _CONDITIONED: dict[str, Any] = {"sigma_mean": 0.5, "sigma_std": 1.4}
 def paper_small() -> Stages:
     """The paper's form for two CPU cores, on folded pixels: a base on every second beam and column, then on all, and
     its ControlNet."""
-    return _with_controlnet(_small_base(), steps=8_000, zero_conv_steps=200)
-
-
-def small() -> Stages:
-    """The recipe of the packaged weights for two CPU cores: the base of `paper_small`, then a network that completes
-    simulated scans."""
-    *base, last = _small_base()
-    denoiser = replace(last.denoiser, condition=("simulated", "open"))
-    return *base, last, replace(last, denoiser=denoiser, steps=8_000, **_CONDITIONED)
+    denoiser = DenoiserConfig(cell=(2, 4), widths=(64, 96, 128, 128), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2))
+    coarse = DenoisingConfig(denoiser=denoiser, steps=20_000, batch=2, learning_rate=0.01, thinnings=(2,))
+    base = coarse, replace(coarse, steps=10_000, thinnings=(1, 2))
+    return _with_controlnet(base, steps=8_000, zero_conv_steps=200)
 
 
 def paper() -> Stages:
@@ -73,12 +68,7 @@ def small_map() -> Stages:
 
 
 def tiny() -> Stages:
-    """`small`, an eighth as wide, for tests and a look at the loop: seconds."""
-    return (_tiny(small()[-1]),)
-
-
-def tiny_paper() -> Stages:
-    """`paper_small`, an eighth as wide, for tests."""
+    """`paper_small`, an eighth as wide, for tests and a look at the loop: seconds."""
     *_, base, control = paper_small()
     return _tiny(base), replace(_tiny(control), zero_conv_steps=5)
 
@@ -86,12 +76,6 @@ def tiny_paper() -> Stages:
 def _of_maps(stages: Stages) -> Stages:
     *base, control = stages
     return *base, replace(control, denoiser=replace(control.denoiser, condition=("class",)))
-
-
-def _small_base() -> Stages:
-    denoiser = DenoiserConfig(cell=(2, 4), widths=(64, 96, 128, 128), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2))
-    coarse = DenoisingConfig(denoiser=denoiser, steps=20_000, batch=2, learning_rate=0.01, thinnings=(2,))
-    return coarse, replace(coarse, steps=10_000, thinnings=(1, 2))
 
 
 def _with_controlnet(base: Stages, *, steps: int, zero_conv_steps: int) -> Stages:
