@@ -78,7 +78,7 @@ def smaller(words: list[str]) -> list[str]:
 
 def run(line: str, whole: bool, capsys: pytest.CaptureFixture[str]) -> None:
     words = shlex.split(line, comments=True)
-    if line.startswith(ELSEWHERE) or "--ray" in words or ("--image" in words and "--depth" not in words):
+    if line.startswith(ELSEWHERE) or ("--image" in words and "--depth" not in words):
         return
     if words[0] == "python":
         runpy.run_path(words[1], run_name="__main__")

@@ -1,4 +1,4 @@
-"""`lidardraft evaluate` of folders of scans, by published protocols and as the paper's tables; `lidardraft profile`."""
+"""`lidardraft evaluate` of folders of scans, by published protocols and as the paper's tables."""
 
 import json
 from collections.abc import Callable
@@ -63,18 +63,3 @@ def test_the_papers_tables(capsys: pytest.CaptureFixture[str]) -> None:
 def test_what_cannot_be_scored(refused: Callable[..., str], words: list[str], message: str) -> None:
     Path("empty").mkdir()
     assert message in refused("evaluate", *words)
-
-
-def test_a_profile_has_a_row_for_each_step(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["profile", "--sensor", "small.json", "--runs", "1", "--steps", "1"]) == 0
-    rows = [line for line in capsys.readouterr().out.splitlines()[2:] if float(line[36:47]) >= float(line[47:58]) / 100]
-    assert [row[:36].strip() for row in rows] == [
-        "sentence to layout",
-        "layout to condition image",
-        "layout to detailed objects",
-        "detailed objects to simulated scan",
-        "scan to layout",
-        "weights into memory",
-        "whole scan by the network, 1 steps",
-    ]
-    assert all(float(row[58:69]) > 50 for row in rows)

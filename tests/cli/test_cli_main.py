@@ -63,8 +63,8 @@ def test_help_declares_the_asked_command_alone(capsys: pytest.CaptureFixture[str
     code = f"import atexit, sys; atexit.register(lambda: print('numpy' in sys.modules)); {code}"
     assert run("-c", code).stdout.endswith("\nFalse\n")
     with pytest.raises(SystemExit, match="0"):
-        cli.main(["profile", "--help"])
-    assert "lidardraft profile --sensor" in capsys.readouterr().out
+        cli.main(["doctor", "--help"])
+    assert "lidardraft doctor --json" in capsys.readouterr().out
 
 
 def test_quiet_and_json(capsys: pytest.CaptureFixture[str]) -> None:

@@ -99,11 +99,6 @@ COMMANDS = {
         "published protocol.",
         "lidardraft evaluate --protocol lidm --real recordings/ --generated generated/",
     ),
-    "profile": Command(
-        _CLI + "profile",
-        "Print the time of each step from a sentence to a scan on this machine, and the memory it needs.",
-        "lidardraft profile --sensor os1-128 --weights paper-small",
-    ),
     "doctor": Command(
         _CLI + "doctor",
         "Check this installation: version, caster, threads, torch and GPU, extras, and how to get missing parts.",

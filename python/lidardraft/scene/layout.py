@@ -36,7 +36,6 @@ from lidardraft.json_fields import (
 )
 from lidardraft.scene.box import FURTHEST, THINNEST, Box, check_id, checked_instance, checked_vector, checked_yaw
 from lidardraft.scene.intent import NOTHING_ASKED, Intent
-from lidardraft.scene.layout_schema_1 import SCHEMA_1, converted
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.mesh import TriangleMesh, has_surface, unit_mesh, unit_vertices
 from lidardraft.scene.pose import point_at
@@ -289,7 +288,7 @@ class Layout:
     @classmethod
     def from_json(cls, text: str) -> Layout:
         """Raises `FormatError` if the text is not the JSON of a layout, `LayoutError` on an invalid value."""
-        head = parse_document(text, SCHEMA, ("primitives",), _HEAD, older=(SCHEMA_1,))
+        head = parse_document(text, SCHEMA, ("primitives",), _HEAD)
         rows = head.pop("primitives")
         if not isinstance(rows, list):
             raise FormatError(f"primitives is {rows!r:.50}; it must be a list of objects")
@@ -298,12 +297,10 @@ class Layout:
 
     @classmethod
     def with_head(cls, primitives: Iterable[Primitive], head: Mapping[str, Any]) -> Layout:
-        """The layout of primitives and a `head`, which an earlier version of lidardraft may have written."""
-        check_schema(head.get("schema", SCHEMA_1), SCHEMA, (SCHEMA_1,))
+        """The layout of primitives and a `head`, of this schema unless it says another one."""
+        check_schema(head.get("schema", SCHEMA), SCHEMA)
         check_fields(head, (), ("schema", *_HEAD))
         fields = {name: head[name] for name in _HEAD if name in head}
-        if head.get("schema", SCHEMA_1) == SCHEMA_1:
-            return replace(cls(tuple(primitives), **fields), **converted(fields.get("provenance", {})))
         for name, kind in (("roads", RoadNetwork), ("intent", Intent)):
             if name in fields:
                 with named(name):
