@@ -1,7 +1,7 @@
 """Scans for the paper's Table 1: of each input, by weights or by the same network untrained.
 
     python benches/paper_table.py [WEIGHTS] [--untrained] -n 16 -o out/table
-    lidardraft evaluate table --real RECORDINGS --generated text=out/table/text image=out/table/image ...
+    python benches/published_tables.py --real RECORDINGS --generated text=out/table/text image=out/table/image ...
 
 Unseen streets are given as a sentence, a picture or a clustered scan would give them (`streets/coarse/`), as semantic
 maps of their detailed scans, and not at all; `streets` holds the detailed scans. Weights that see classes alone, as

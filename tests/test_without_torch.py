@@ -57,7 +57,6 @@ for run, command in (
     (main, "pairs scan.bin --sensor vlp16 -o out/pairs"),
     (train, "street --steps 1"),
     (train, "segmenter --pairs out/pairs -o out/run"),
-    (train, "ablation"),
 ):
     assert run.main(command.split()) == 2, command
 for name in ("Pipeline",):

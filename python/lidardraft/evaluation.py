@@ -10,7 +10,6 @@ from typing import TypeVar
 import numpy as np
 import torch
 
-from lidardraft.diffusion.codec import encode_rays, encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.metrics.adherence import Adherence, adherence
 from lidardraft.metrics.comparisons import bev_histogram
@@ -18,7 +17,6 @@ from lidardraft.metrics.lifelike import CLASS_SETS, class_counts, mean_known, po
 from lidardraft.metrics.profiles import height_histogram, intensity_histogram, range_histogram
 from lidardraft.metrics.returns import lone_returns, near_holes
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.networks.layers import reduced_precision
 from lidardraft.pipeline import Pipeline
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
@@ -28,7 +26,6 @@ from lidardraft.streets import StreetConfig, StreetPair, streets
 
 _Item = TypeVar("_Item")
 _FEWEST = 100  # returns of a class for a comparison of intensities
-_HEEDED_LEVELS = (0.1, 0.3, 1.0, 3.0)  # of noise: at lower ones the scan itself suffices
 OTHER_STREETS = 3_000_000  # a seed, neither for training nor for scores
 
 
@@ -88,35 +85,6 @@ def simulated(pair: StreetPair) -> RangeImage:
     sensor = pair.scan.sensor
     unit = replace(sensor.assumed_model, unit=pair.index)
     return simulate(pair.layout, sensor, seed=pair.index, model=unit, pose=pair.pose, speed=pair.speed).image
-
-
-def sample_scans(
-    denoiser: Denoiser, condition_images: list[RangeImage], *, on_scan: Callable[[], object] | None = None
-) -> list[RangeImage]:
-    """The scans that a denoiser generates from each condition image."""
-    pipeline = Pipeline(denoiser)
-    scans = (pipeline.generate(image, seed=seed) for seed, image in enumerate(condition_images))
-    return list(_counted(scans, on_scan))
-
-
-@torch.inference_mode()
-def loss_by_other_layouts(denoiser: Denoiser, scans: list[RangeImage], condition_images: list[RangeImage]) -> float:
-    """The loss of scans by the next one's condition image over that by their own: 1 if a denoiser ignores its
-    condition. It rises long before scans show it."""
-    device = next(denoiser.parameters()).device
-    losses = dict.fromkeys((0, 1), 0.0)
-    for seed, scan in enumerate(scans):
-        sigma = torch.tensor(_HEEDED_LEVELS, device=device)
-        clean = torch.from_numpy(encode_scan(scan)).to(device).expand(len(sigma), -1, -1, -1)
-        noise = torch.randn(clean.shape, generator=torch.Generator().manual_seed(seed)).to(device)
-        rays = torch.from_numpy(encode_rays(scan.sensor)).to(device)
-        for shift in losses:
-            encoded = encode_scan(condition_images[(seed + shift) % len(scans)])
-            condition = torch.from_numpy(encoded).to(device).expand(len(sigma), -1, -1, -1)
-            with reduced_precision(device):
-                loss = denoiser.loss(clean, sigma, noise, rays, condition, wraps=scan.sensor.wraps)
-            losses[shift] += loss.mean().item()
-    return losses[1] / losses[0]
 
 
 def _counted(items: Iterable[_Item], on_item: Callable[[], object] | None) -> Iterator[_Item]:

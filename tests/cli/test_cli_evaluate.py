@@ -1,4 +1,4 @@
-"""`lidardraft evaluate` of folders of scans, by published protocols and as the paper's tables."""
+"""`lidardraft evaluate` of folders of scans, by published protocols."""
 
 import json
 from collections.abc import Callable
@@ -36,18 +36,6 @@ def test_scores_of_folders_with_their_cards(capsys: pytest.CaptureFixture[str]) 
     assert cards[2]["value"] is None
 
 
-def test_the_papers_tables(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["evaluate", "table", "--real", "real", "--generated", "text=made", "full=real", "mine=made"]) == 0
-    first, second = capsys.readouterr().out.split("Table 2")
-    second, own = second.split("Not in the paper")
-    assert "mine\n  these 4 scans" in own
-    assert "Text2LiDAR (published)" in first
-    (ours,) = (line.split() for line in first.splitlines() if "these 4 scans" in line)
-    assert ours[3] == ours[6] == "-"
-    (ours,) = (line.split() for line in second.splitlines() if "these 4 scans" in line)
-    assert ours[4:6] == ["0", "0"]  # the recorded scans themselves
-
-
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -56,8 +44,6 @@ def test_the_papers_tables(capsys: pytest.CaptureFixture[str]) -> None:
         (["--protocol", "lidm", "--real", "none.bin", "--generated", "made"], "lidardraft: none.bin: no such file"),
         (["--protocol", "lidm", "--real", "empty", "--generated", "made"], "empty: there is no .bin"),
         (["--protocol", "lidm", *FOLDERS, "-o", "empty"], "empty cannot be written: it exists"),
-        (["table"], "the tables take --real SCANS and --generated NAME=FOLDER"),
-        (["table", *FOLDERS], "--generated is 'made'; it must be NAME=FOLDER"),
     ],
 )
 def test_what_cannot_be_scored(refused: Callable[..., str], words: list[str], message: str) -> None:

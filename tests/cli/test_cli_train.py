@@ -1,4 +1,4 @@
-"""`lidardraft-train`, from nothing to weights and to the table of the ablation; and `lidardraft evaluate`."""
+"""`lidardraft-train`, from nothing to weights; and `lidardraft evaluate`."""
 
 import dataclasses
 import os
@@ -28,7 +28,6 @@ from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetPair
 from lidardraft.training import recipes
-from lidardraft.training.recipes import ARMS
 
 DATA = Path(os.environ.get("LIDARDRAFT_DATA", "nowhere"))
 ARGV = ["street", "--recipe", "tiny", "--sensor", "small.json", "--work", "work", "-o", "tiny.safetensors"]
@@ -214,9 +213,6 @@ def test_a_run_that_is_stopped_goes_on_with_the_same_call(capsys: pytest.Capture
     assert Path("tiny.safetensors").exists()
 
 
-ABLATION = ["ablation", "--sensor", "small.json", "--base-steps", "1", "--steps", "1", "-n", "1", "--work", "work"]
-
-
 def test_pairs_become_a_segmenter(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     sensor = Sensor(name="small", elevations=tuple(np.linspace(0.03, -0.4, 16).tolist()), columns=64)
     road = Primitive(shape="plane", center=(0, 0, 0), size=(60, 60, 0), label="road", id="road")
@@ -246,43 +242,6 @@ def test_a_file_in_the_place_of_the_run_is_refused_before_the_pairs_are_read(
     Path("m.obj").touch()
     assert train.main(["segmenter", "--pairs", "none", "-o", run]) == 2
     assert capsys.readouterr().err == "lidardraft-train: m.obj is a file; it must be a folder\n"
-
-
-def test_the_table_has_a_row_for_each_arm(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    tiny = recipes.tiny()
-    monkeypatch.setattr(recipes, "paper_small", lambda: tiny)
-    for alike in ("ControlNet not fine-tuned", "without classes", "semantic map alone"):
-        monkeypatch.delitem(ARMS, alike)  # they differ in their configs alone
-    assert train.main(ABLATION) == 0
-    shown = capsys.readouterr().out
-    assert shown.startswith("1 street, small; base 1 steps, each arm 1 steps\n")
-    number = r" +(?:\d+\.\d{3}|nan)"
-    rows = re.findall(rf"^(\S.*?){number}{number} +\d\.\d{{3}} +\d+\.\d{{3}} +\d\.\d{{3}}$", shown, re.MULTILINE)
-    assert rows == ["other streets", "cast passed through", "untrained", "no condition", *ARMS]
-    argv = ["evaluate", "table", "--real", "work/scans/other-streets", "--generated"]
-    assert cli.main([*argv, "full=work/scans/paper", "bird-eye=work/scans/top-view-not-cast"]) == 0
-    assert capsys.readouterr().out.count("these 1 scans") == 2
-    base = weight_file.load("work/base/weights.safetensors", Denoiser)
-    steps = {}
-    for weights in Path("work").glob("*/weights.safetensors"):
-        arm = weight_file.load(weights, Denoiser)
-        steps[weights.parent.name] = weight_file.read_card(weights)["step"]
-        if arm.controlnet is not None:
-            pairs = zip(arm.network.parameters(), base.network.parameters(), strict=True)
-            assert all(torch.equal(one, other) for one, other in pairs)
-    assert steps == dict.fromkeys(steps, 1)
-    assert len(steps) == len(ARMS) + 1  # and the base
-    assert weight_file.read_card("work/top-view-not-cast/weights.safetensors")["data"].endswith("from above")
-    assert train.main([*ABLATION, "--base", "work/base/weights.safetensors"]) == 0  # all of it is there already
-    assert capsys.readouterr().out.splitlines()[1:] == shown.splitlines()[1:]
-
-
-def test_an_ablation_that_cannot_be_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    assert train.main([*ABLATION, "--device", "abacus"]) == 2
-    assert "device is 'abacus'" in capsys.readouterr().err
-    Path("work").write_text("")
-    assert train.main(ABLATION) == 2
-    assert "work is a file; it must be a folder" in capsys.readouterr().err
 
 
 def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:

@@ -11,10 +11,11 @@ import pytest
 import torch
 from safetensors.torch import load_file
 
+from ablation import loss_by_other_layouts
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.errors import TrainingError
-from lidardraft.evaluation import loss_by_other_layouts, unseen_streets, untrained_weights
+from lidardraft.evaluation import unseen_streets, untrained_weights
 from lidardraft.formats.pairs import Pair, write_pairs
 from lidardraft.networks import weight_file
 from lidardraft.scene.sensor import Sensor

@@ -1,5 +1,4 @@
-"""`lidardraft evaluate`: scores of generated scans, of unseen streets or beside recordings by a published protocol; and
-the LiDARDraft paper's tables."""
+"""`lidardraft evaluate`: scores of generated scans, of unseen streets or beside recordings by a published protocol."""
 
 from __future__ import annotations
 
@@ -15,7 +14,6 @@ from lidardraft.cli.arguments import (
     add_seed,
     add_sensor,
     add_weights,
-    assignments,
     positive,
     read_pipeline,
     read_sensor,
@@ -25,7 +23,7 @@ from lidardraft.cli.command import progress
 from lidardraft.cli.inputs import scan_files
 from lidardraft.errors import FormatError
 from lidardraft.files import check_replaceable, write_text
-from lidardraft.protocols import NAMES, PROTOCOLS, Protocol, Score, compare, table_lines
+from lidardraft.protocols import PROTOCOLS, Protocol, Score, compare
 from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
@@ -43,11 +41,7 @@ def evaluate(arguments: argparse.Namespace) -> None:
     """Score generated scans: of weights on unseen streets, or folders of scans against recordings by a published
     protocol."""
     folders = (arguments.real, arguments.generated)
-    if arguments.table is not None:
-        if None in folders:
-            raise FormatError("the tables take --real SCANS and --generated NAME=FOLDER, as in text=scans/")
-        _print_tables(arguments)
-    elif (arguments.protocol, *folders) == (None,) * 3:
+    if (arguments.protocol, *folders) == (None,) * 3:
         _evaluate_weights(arguments)
     elif None in (arguments.protocol, *folders):
         raise FormatError("a published protocol takes all three: --protocol, --real and --generated")
@@ -103,8 +97,6 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
         "intensity (JSD): how far the intensities of a class are from those of the detailed scans. untrained: the same "
         "network with random weights: what these and the rows before them reach too, training has not earned."
     )
-    text = "the tables of the LiDARDraft paper, of folders of scans given as --generated text=FOLDER image=FOLDER ..."
-    parser.add_argument("table", nargs="?", choices=("table",), help=text)
     folders = parser.add_argument_group("scans in folders, beside recordings")
     text = "as these define their metrics; each is printed with its definition and its noise floor"
     folders.add_argument("--protocol", choices=PROTOCOLS, help=text)
@@ -167,15 +159,3 @@ def _shown(card: Score) -> str:
     scale, unit = (1e4, " x 1e-4") if abs(card.value) < _SMALL else (1.0, "")
     floor = f"   floor {scale * min(card.floor):.4g} to {scale * max(card.floor):.4g}" if card.floor else ""
     return f"{scale * card.value:10.4g}{floor}{unit}"
-
-
-def _print_tables(arguments: argparse.Namespace) -> None:
-    """Print both tables, with a further row for each folder of generated scans given as NAME=FOLDER."""
-    known = f"a row of the paper ({', '.join(NAMES)}) or a name of your own"
-    given = assignments(arguments.generated, "--generated", f"NAME=FOLDER, NAME {known}")
-    recorded = scan_files(arguments.real)
-    folders = {name: scan_files([folder]) for name, folder in given.items()}
-    ours = {name: _compared(arguments, PROTOCOLS["lidm"], recorded, files) for name, files in folders.items()}
-    print(f"by LiDM's metrics, {len(recorded)} recorded scans; (published): from other scans, by their authors' tools")
-    for line in table_lines(ours):
-        print(line)
