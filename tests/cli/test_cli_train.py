@@ -217,7 +217,7 @@ def test_pairs_become_a_segmenter(tmp_path: Path, capsys: pytest.CaptureFixture[
     sensor = Sensor(name="small", elevations=tuple(np.linspace(0.03, -0.4, 16).tolist()), columns=64)
     road = Primitive(shape="plane", center=(0, 0, 0), size=(60, 60, 0), label="road", id="road")
     image = raycast(Layout(primitives=(road,)), sensor)
-    list(write_pairs(tmp_path / "pairs", [(Pair(image, image, image), {})]))
+    list(write_pairs(tmp_path / "pairs", [(Pair(image, image), {})]))
     argv = ["segmenter", "--pairs", str(tmp_path / "pairs"), "--batch", "1", "-o", str(tmp_path / "run")]
     assert train.main([*argv, "--steps", "2", "--minutes", "1e-9"]) == 0
     assert train.main([*argv, "--steps", "2"]) == 0

@@ -169,7 +169,7 @@ def test_a_damaged_file_is_refused(
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"schema": "other"}, "schema is 'other'; this version reads 'lidardraft.pairs/4'"),
+        ({"schema": "other"}, "schema is 'other'; this version reads 'lidardraft.pairs/5'"),
         ({"classes": ["hedge"]}, r"index\.json: the pairs have another class table"),
         ({"shards": ["a"]}, "shards is .* it must be counts of 1 to"),
         ({"shards": [10**12]}, "shards is .* it must be counts"),
