@@ -24,12 +24,13 @@ def scans(folder: Path) -> None:
 
 
 def test_scores_of_folders_with_their_cards(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["evaluate", "--protocol", "r2dm", *FOLDERS, "-o", "scores.json"]) == 0
+    assert cli.main(["evaluate", "--protocol", "r2dm", *FOLDERS]) == 0
     out = capsys.readouterr().out
     assert out.startswith("r2dm: 4 generated beside 4 recorded scans; kazuto1011/r2dm")
     assert "Gaussian kernel of width 0.5 in the Euclidean norm" in out
     assert "FRD  needs darknet53-1024/backbone and darknet53-1024/segmentation_decoder in the folder of" in out
-    cards = json.loads(Path("scores.json").read_text())
+    assert cli.main(["evaluate", "--protocol", "r2dm", *FOLDERS, "--json"]) == 0
+    cards = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     assert [card["metric"] for card in cards] == ["JSD", "MMD", "FRD", "FPD"]
     shown = f"MMD  {1e4 * cards[1]['value']:10.4g}   floor {1e4 * min(cards[1]['floor']):.4g} to "
     assert shown in out
@@ -43,7 +44,6 @@ def test_scores_of_folders_with_their_cards(capsys: pytest.CaptureFixture[str]) 
         (["--real", "real", "--generated", "made"], "a published protocol takes all three"),
         (["--protocol", "lidm", "--real", "none.bin", "--generated", "made"], "lidardraft: none.bin: no such file"),
         (["--protocol", "lidm", "--real", "empty", "--generated", "made"], "empty: there is no .bin"),
-        (["--protocol", "lidm", *FOLDERS, "-o", "empty"], "empty cannot be written: it exists"),
     ],
 )
 def test_what_cannot_be_scored(refused: Callable[..., str], words: list[str], message: str) -> None:

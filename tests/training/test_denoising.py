@@ -120,13 +120,6 @@ def test_a_run_in_slices_is_the_run_in_one(stage: str, pairs: PairFolder, base: 
     assert list(train_denoiser(config, pairs, tmp_path / "sliced", begin=denoiser())) == []
 
 
-def test_zero_convolutions_that_stay_zero_are_reported(pairs: PairFolder, base: Path, tmp_path: Path) -> None:
-    # A learning rate of 0 is the simplest way to a ControlNet that adds nothing.
-    silent = dataclasses.replace(CONTROL, steps=20, batch=1, learning_rate=0.0)
-    with pytest.raises(TrainingError, match=r"zero convolution 'leave\.0' is still zero after 20 steps"):
-        list(train_denoiser(silent, pairs, tmp_path, begin=weight_file.load(base, Denoiser)))
-
-
 def test_a_sensor_that_is_no_whole_cells_is_refused(tmp_path: Path) -> None:
     odd = Sensor(name="odd", elevations=SENSOR.elevations, columns=66)
     list(write_pairs(tmp_path / "pairs", [noted(0, odd)]))

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import json
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,10 +17,9 @@ from lidardraft.cli.arguments import (
     read_sensor,
     whole_number,
 )
-from lidardraft.cli.command import progress
+from lidardraft.cli.command import add_json, progress, report
 from lidardraft.cli.inputs import scan_files
 from lidardraft.errors import FormatError
-from lidardraft.files import check_replaceable, write_text
 from lidardraft.protocols import PROTOCOLS, Protocol, Score, compare
 from lidardraft.scene.sensor import Sensor
 
@@ -54,14 +51,14 @@ def _evaluate_weights(arguments: argparse.Namespace) -> None:
     sensor, num = read_sensor(arguments.sensor), arguments.num
     pipeline = read_pipeline(arguments)
     pairs = unseen_streets(num, sensor, arguments.seed)
-    print(f"{num} street{'s' * (num > 1)}, {sensor.name}, {pipeline.steps} steps")
-    print(f"{'':16}{''.join(f'{_CALLED.get(name, name):>9}' for name in _COLUMNS)}", flush=True)
+    head = f"{num} street{'s' * (num > 1)}, {sensor.name}, {pipeline.steps} steps"
+    columns = f"{'':16}{''.join(f'{_CALLED.get(name, name):>9}' for name in _COLUMNS)}"
+    report(arguments, f"{head}\n{columns}", streets=num, sensor=sensor.name, steps=pipeline.steps)
     for row in scores(pipeline, pairs):
-        print(f"{row.name:16}{''.join(f'{getattr(row, field):9.3f}' for field in _COLUMNS)}")
-        print(f"    all, by class: {_by_class(row.by_class)}")
-        if row.intensity:
-            print(f"    intensity (JSD), by class: {_by_class(row.intensity)}")
-        sys.stdout.flush()
+        lines = [f"{row.name:16}{''.join(f'{getattr(row, field):9.3f}' for field in _COLUMNS)}"]
+        lines += [f"    all, by class: {_by_class(row.by_class)}"]
+        lines += [f"    intensity (JSD), by class: {_by_class(row.intensity)}"] if row.intensity else []
+        report(arguments, "\n".join(lines), **dataclasses.asdict(row))
 
 
 def _by_class(values: dict[str, float]) -> str:
@@ -107,33 +104,29 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
     folders.add_argument("--intensity-scale", type=positive, metavar="X", help=text)
     text = "folder of the public weights for FRD, FRID and FPD; without it, the command names their source"
     folders.add_argument("--networks", metavar="FOLDER", help=text)
-    text = "write values, floors and definitions as JSON too"
-    folders.add_argument("-o", "--output", metavar="FILE", help=text)
     add_sensor(parser)
     add_weights(parser)
     text = "streets to score (default 50)"
     parser.add_argument("-n", "--num", type=whole_number(1), default=50, metavar="N", help=text)
     add_seed(parser, default=_SEED)
+    add_json(parser)
 
 
 def _print_cards(arguments: argparse.Namespace) -> None:
-    """Print the metric cards of two sets of scans, and write them to a file if one is named."""
-    if arguments.output is not None:
-        check_replaceable(Path(arguments.output))  # before hours of work
+    """Print the metric cards of two sets of scans."""
     recorded, generated = scan_files(arguments.real), scan_files(arguments.generated)
     cards = _compared(arguments, PROTOCOLS[arguments.protocol], recorded, generated)
-    card = cards[0]
-    print(f"{card.protocol}: {card.generated} generated beside {card.recorded} recorded scans; {card.source}")
-    print(f"scans: {card.projection}")
-    if card.floor_scans > 1:
-        print(f"floor: {card.floor_scans} recorded scans beside as many others, the least and the most of 10 halvings")
+    first = cards[0]
+    head = f"{first.protocol}: {first.generated} generated beside {first.recorded} recorded scans; {first.source}\n"
+    head += f"scans: {first.projection}\n"
+    if first.floor_scans > 1:
+        head += (
+            f"floor: {first.floor_scans} recorded scans beside as many others, the least and the most of 10 halvings\n"
+        )
     for card in cards:
-        print(f"{card.metric:5}{card.left_out or _shown(card)}\n     {card.definition}")
-        if card.network:
-            print(f"     network: {card.network}")
-    if arguments.output is not None:
-        fields = [dataclasses.asdict(card) | ({"value": None} if card.left_out else {}) for card in cards]
-        write_text(arguments.output, json.dumps(fields, indent=1))
+        network = f"\n     network: {card.network}" if card.network else ""
+        text = f"{card.metric:5}{card.left_out or _shown(card)}\n     {card.definition}{network}"
+        report(arguments, f"{head if card is first else ''}{text}", **dataclasses.asdict(card))
 
 
 def _compared(

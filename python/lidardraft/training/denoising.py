@@ -35,7 +35,6 @@ _STREETS = 2
 _CALLS = 8  # of the network a scan, from noise
 _DEADLINE = 1_000  # steps after which a network must follow its condition
 BANDS = (0.0, 0.05, 0.2, 1.0, float("inf"))  # edges of the separately reported bands of noise
-_SILENT = 20  # steps after which a zero convolution must have changed
 
 
 class AdherenceWatch:
@@ -139,9 +138,7 @@ def train_denoiser(
         return losses, _by_band(batch.sigma, losses.detach()) | watched(step)
 
     batch = partial(_batch, source=source, processes=processes, device=on)
-    for report in train(config, denoiser, batch, loss, source, run, device=on, max_minutes=max_minutes):
-        _check_zero_convs(denoiser, report.step)
-        yield report
+    yield from train(config, denoiser, batch, loss, source, run, device=on, max_minutes=max_minutes)
 
 
 def beginning(config: DenoisingConfig, begin: Denoiser | None) -> Denoiser:
@@ -169,14 +166,6 @@ def _by_band(sigma: Tensor, losses: Tensor) -> Measures:
         f"loss, sigma {low:g} to {high:g}": losses.where((low <= sigma) & (sigma < high), torch.nan)
         for low, high in itertools.pairwise(BANDS)
     }
-
-
-def _check_zero_convs(denoiser: Denoiser, step: int) -> None:
-    """Stop a run that has failed, with a clear message, instead of wasting days."""
-    if denoiser.controlnet is not None and step >= _SILENT:
-        for name, conv in denoiser.controlnet.zero_convs():
-            if not conv.weight.any():
-                raise TrainingError(f"zero convolution {name!r} is still zero after {step} steps")
 
 
 class _Batch(NamedTuple):
