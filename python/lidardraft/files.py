@@ -9,9 +9,11 @@ import shutil
 import stat
 import sys
 import tempfile
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import TypeVar
 
 from lidardraft.errors import FormatError, LidarDraftError
 
@@ -29,6 +31,7 @@ else:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
+_Json = TypeVar("_Json", bound="JsonFile")
 MAX_BYTES = 2**32  # larger than any weight file that fits into memory together with its network
 MAX_WHOLE, MAX_TEXT = 2**27, 2**26  # of a file read at once, a scan or a model, and of a text file such as JSON
 LOCK = ".lock"  # the file of a folder that its writer holds
@@ -200,6 +203,32 @@ def read_sentences(path: str | os.PathLike[str]) -> dict[int, str]:
     if not (sentences := {number: line for number, line in lines if line}):
         raise FormatError(f"{os.fspath(path)} holds no sentence; it must hold one a line")
     return sentences
+
+
+class JsonFile(ABC):
+    """A value with a JSON text, in files."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def to_json(self) -> str:
+        """The value as JSON text."""
+
+    @classmethod
+    @abstractmethod
+    def from_json(cls: type[_Json], text: str) -> _Json:
+        """The inverse of `to_json`."""
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the JSON of `to_json`; raises `FormatError` if the file cannot be written."""
+        write_text(path, self.to_json())
+
+    @classmethod
+    def load(cls: type[_Json], path: str | os.PathLike[str]) -> _Json:
+        """The value in a JSON file, as in `from_json`; errors name the file."""
+        text = read_text(path)
+        with named(path):
+            return cls.from_json(text)
 
 
 @contextmanager

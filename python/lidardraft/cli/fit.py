@@ -118,8 +118,9 @@ def _report_sensor(arguments: argparse.Namespace, found: Fit, recordings: list[R
     weak = math.hypot(sensor.range_sigma, model.jitter * _NOISE_AT / reach)
     anyhow, at_edges = (1 - math.exp(-exponent) for exponent in (model.drop_exponent, model.edge_drop))
     hidden = float(sensor.blocked_pixels.mean())
+    off = f"{1e3 * table.residual:.2f} mm ({1e3 * table.angle_residual:.3f} mrad) off"
     lines = [
-        f"lasers: {len(table.rings)}, returns {1e3 * table.residual:.2f} mm ({1e3 * table.angle_residual:.3f} mrad) off",
+        f"lasers: {len(table.rings)}, returns {off}",
         f"points lost in projection: {moved:.2%}, {shared:.2%} more share a pixel at {sensor.columns} columns",
         f"ranges: {sensor.min_range:g} to {sensor.max_range:g} m; mounted {sensor.mount_height:.2f} m over the road",
         f"hidden by the vehicle: {hidden:.1%} of the firings",

@@ -24,7 +24,7 @@ from lidardraft.errors import (
     did_you_mean,
     one_of,
 )
-from lidardraft.files import named, read_text, write_text
+from lidardraft.files import JsonFile, named, write_text
 from lidardraft.json_fields import (
     check_brackets,
     check_fields,
@@ -193,7 +193,7 @@ _DEFAULTS = {row.name: row.default for row in fields(Primitive) if row.default i
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(JsonFile):
     """An ordered set of primitives with distinct ids.
 
     `provenance` is its origin (sentence, seed, source; JSON types only); nothing depends on it. `coverage` is the part
@@ -315,13 +315,6 @@ class Layout:
             text = self.to_json()
             check_brackets(text)
         write_text(path, text)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Layout:
-        """The layout in a JSON file, as in `from_json`; errors name the file."""
-        text = read_text(path)
-        with named(path):
-            return cls.from_json(text)
 
 
 def object_of(primitive: Primitive) -> str:
