@@ -23,7 +23,7 @@ LOSS, MEAN_LOSS = 0.1, 0.02  # how far a step's loss, and the mean of all, may b
 
 def losses(pairs: PairFolder, device: torch.device, *, in_bfloat16: bool) -> Tensor:
     """The loss of each of 20 steps on a device, from batches of a CPU, as each device draws its own noise."""
-    config = dataclasses.replace(CONDITIONED, steps=STEPS, batch=8, learning_rate=0.005)
+    config = dataclasses.replace(CONDITIONED, steps=STEPS, batch=8, learning_rate=0.02, thinnings=(1,))
     denoiser = denoising.beginning(config, None).to(device).train()
     learner, found = Learner(denoiser, config), []
     for step in range(STEPS):
