@@ -75,10 +75,8 @@ def street(arguments: argparse.Namespace) -> None:
     ends = time.monotonic() + 60 * arguments.minutes
     with source.running(processes, device):
         for config, run_folder in zip(stages, runs, strict=True):
-            if given and begin and begin is not given and config.denoiser == given.config:
-                begin = begin.under(given)  # the given ControlNet, on its base, which has been trained further
             options = {"device": str(device), "max_minutes": (ends - time.monotonic()) / 60}
-            reports = train_denoiser(config, source, run_folder, begin=begin, compiles=arguments.compile, **options)
+            reports = train_denoiser(config, source, run_folder, begin=begin, **options)
             if show(reports, config.steps, run_folder.name) not in (None, config.steps):
                 print(f"{run_folder}: stopped after {arguments.minutes:g} minutes; the same call goes on")
                 return
@@ -122,21 +120,16 @@ def _save_scored(
 
 
 def _stages(arguments: argparse.Namespace, begin: Denoiser | None) -> list[DenoisingConfig]:
-    """The stages of the recipe; with initial weights its last one alone, or the base before it too (--base-steps)."""
+    """The stages of the recipe; with initial weights its last one alone."""
     from lidardraft.training import recipes
 
     stages = list(getattr(recipes, arguments.recipe.replace("-", "_"))())
     given = {name: getattr(arguments, name) for name in ("steps", "batch", "learning_rate", "seed")}
     if begin is not None:
         given["learning_rate"] = given["learning_rate"] or _FURTHER_RATE * stages[-1].learning_rate
-        stages = [dataclasses.replace(stage, warmup=20) for stage in stages[-2 if arguments.base_steps else -1 :]]
+        stages = [dataclasses.replace(stages[-1], warmup=20)]
     given = {name: value for name, value in given.items() if value is not None}
-    *before, last = (dataclasses.replace(stage, **given) for stage in stages)
-    if arguments.base_steps:
-        if begin is None or not before:
-            raise TrainingError("--base-steps is of the weights of --init, and of a recipe with a base")
-        before = [dataclasses.replace(stage, steps=arguments.base_steps) for stage in before]
-    return [*before, last]
+    return [dataclasses.replace(stage, **given) for stage in stages]
 
 
 def _initial(name: str | None) -> Denoiser | None:
@@ -178,9 +171,7 @@ def street_options(parser: argparse.ArgumentParser) -> None:
     add_sensor(parser, default=None, of=" of streets (default: another one at each step, drawn at random)")
     text = "go on from these weights: packaged ones by name, or a .safetensors file; the last stage alone"
     parser.add_argument("--init", metavar="NAME", help=text)
-    text = "with --init: steps that the base of the weights learns first, the rest then (default: the base stays)"
-    parser.add_argument("--base-steps", type=whole_number(1), metavar="N", help=text)
-    text = "steps of each other stage (default: the recipe's)"
+    text = "steps of each stage (default: the recipe's)"
     parser.add_argument("--steps", type=whole_number(1), metavar="N", help=text)
     text = "scans of 64 x 1024 a step, fewer of larger ones (default: the recipe's)"
     parser.add_argument("--batch", type=whole_number(1), metavar="N", help=text)
@@ -192,8 +183,6 @@ def street_options(parser: argparse.ArgumentParser) -> None:
     text = "processes that make the streets of --sensor meanwhile; each step learns from the pairs made so far, for a "
     text += "GPU needs it (default: each step makes its own)"
     parser.add_argument("--workers", type=whole_number(0), default=0, metavar="N", help=text)
-    text = "compile the network first (torch.compile): a minute or more, worth it in long runs on a GPU"
-    parser.add_argument("--compile", action="store_true", help=text)
     text = "unseen streets to score the weights on (default 50)"
     parser.add_argument("--evaluate", type=whole_number(1), default=50, metavar="N", help=text)
     text = "folder for runs (default out/street)"

@@ -67,10 +67,6 @@ class Denoiser(Network):
         """The same network, frozen, with a fresh ControlNet of `config` that starts as a copy of its encoder."""
         return Denoiser(config, self.network, _controlnet(config, self.network))
 
-    def under(self, other: Denoiser) -> Denoiser:
-        """The same network, frozen, under the ControlNet of `other`."""
-        return Denoiser(other.config, self.network, other.controlnet)
-
     def with_condition(self, config: DenoiserConfig) -> Denoiser:
         """A network of `config`, with a condition beside the state, which at first ignores the condition."""
         denoiser = Denoiser.from_config(config)

@@ -107,10 +107,9 @@ def train_denoiser(
     begin: Denoiser | None = None,
     device: str | None = "cpu",
     max_minutes: float = float("inf"),
-    compiles: bool = False,
 ) -> Iterator[Report]:
     """Train a denoiser on pairs, from fresh weights, those of `begin` or of the base of `begin`. If it has a
-    ControlNet, train that alone, on a frozen base. `compiles` runs the loss through `torch.compile` first.
+    ControlNet, train that alone, on a frozen base.
 
     `training.loop.train` describes the contents of the folder `run`, and how a run continues; the loss is also reported
     by bands of noise. Raises `TrainingError` as that does, and if the pairs or the device do not fit.
@@ -119,7 +118,6 @@ def train_denoiser(
     on = device_for_training(device)
     processes = Processes.from_environment(on)
     denoiser = beginning(config, begin)
-    loss_of = torch.compile(denoiser.loss, dynamic=False) if compiles else denoiser.loss
     watches = config.watch_every and config.denoiser.condition
     watch = AdherenceWatch(source.sensor or Sensor.preset("hdl64e")) if watches else None
 
@@ -134,7 +132,9 @@ def train_denoiser(
         if denoiser.controlnet is not None:
             denoiser.controlnet.learn(everything=step >= config.zero_conv_steps)
         with reduced_precision(on):
-            losses = loss_of(batch.clean, batch.sigma, batch.noise, batch.rays, batch.condition, wraps=batch.wraps)
+            losses = denoiser.loss(
+                batch.clean, batch.sigma, batch.noise, batch.rays, batch.condition, wraps=batch.wraps
+            )
         return losses, _by_band(batch.sigma, losses.detach()) | watched(step)
 
     batch = partial(_batch, source=source, processes=processes, device=on)
