@@ -249,7 +249,7 @@ def expecting(what: str) -> Iterator[None]:
         raise
     except MemoryError:
         raise FormatError(f"not {what}: it asks for more memory than there is") from None
-    except Exception as error:  # parsers raise what they meet, a lack of depth too
+    except Exception as error:  # parsers raise anything, a lack of depth too
         lines = filter(str.strip, str(error).splitlines())
         said = getattr(error, "strerror", None) or next(lines, type(error).__name__)
         raise FormatError(f"not {what}: {said.strip():.200}") from None

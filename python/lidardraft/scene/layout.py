@@ -199,7 +199,7 @@ class Layout(JsonFile):
     `provenance` is its origin (sentence, seed, source; JSON types only); nothing depends on it. `coverage` is the part
     of the azimuth [rad] that the source covers, (from, to) counter-clockwise, or None for all of it. `roads` are the
     roads, if known; `intent` is the request. `notes`, a line each, say which input was not understood, left out or
-    assumed, and what a sensor cannot see. Raises `LayoutError` on invalid values.
+    assumed, and which objects a sensor cannot see. Raises `LayoutError` on invalid values.
     """
 
     primitives: tuple[Primitive, ...] = ()

@@ -137,7 +137,7 @@ class StreetScene(NamedTuple):
 
 @lru_cache(maxsize=1)
 def street_scene(seed: int, config: StreetConfig, number: int, threads: int | None) -> StreetScene:
-    """The scene of a street, with a sensor unit of its own; the last one is cached for the next pair of its run."""
+    """The scene of a street, with another unit of the sensor for each; the last one is cached for its next pair."""
     model = replace(config.sensor.assumed_model, unit=number)
     sweeper = Sweeper.of(config.sensor, model, config.weather, threads)
     return StreetScene.of(make_street(seed=seed, config=config, number=number), sweeper)
