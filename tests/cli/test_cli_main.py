@@ -132,7 +132,7 @@ def test_every_option_has_a_help_text(command: str, capsys: pytest.CaptureFixtur
         ("simulate --text car -o out -z 3", "not understood: -z 3"),
         ("draft --text car -o a.json --detail fin", "'fin' is not one of fine, objects; did you mean 'fine'?"),
         ("draft --sketch a.png --scale-bar long -o a.json", "argument --scale-bar: 'long' is not a number"),
-        ("street --recipe smal", "'smal' is not one of small, paper"),
+        ("street --recipe smal", "'smal' is not one of paper-small, paper"),
         ("segmenter --pair folder", "the following arguments are required: -o/--output"),
     ],
 )
