@@ -20,7 +20,7 @@ from torch.profiler import ProfilerActivity, profile
 from torch.utils.flop_counter import FlopCounterMode
 
 from lidardraft import Sensor
-from lidardraft.diffusion.channels import CONDITION_CHANNELS, STATE_CHANNELS
+from lidardraft.diffusion.channels import STATE_CHANNELS
 from lidardraft.diffusion.codec import encode_rays
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.networks import weight_file
@@ -35,7 +35,7 @@ class Bench:
         self.denoiser, self.batch, self.wraps = denoiser, batch, sensor.wraps
         self.rays = torch.from_numpy(encode_rays(sensor))
         self.clean, self.noise = torch.randn(2, batch, STATE_CHANNELS, *sensor.shape)
-        self.condition = torch.randn(batch, CONDITION_CHANNELS, *sensor.shape)
+        self.condition = torch.randn(batch, STATE_CHANNELS, *sensor.shape)
         self.sigma = torch.logspace(-2, 1, batch)
 
     @torch.inference_mode()

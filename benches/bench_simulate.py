@@ -22,8 +22,9 @@ from tempfile import TemporaryDirectory
 import numpy as np
 
 from lidardraft import Layout, Raycaster, Sensor, Simulator, layout_from_text, surround
-from lidardraft.scene.scanner import Scanner
+from lidardraft.scene.bodies import Bodies
 from lidardraft.simulation.detail.detail import detail
+from lidardraft.simulation.sweeps import Sweeper
 
 SENTENCE = "a busy street with parked cars on both sides, people on the sidewalks, trees, houses and a bus ahead"
 SPEED = 9.0  # m/s
@@ -68,12 +69,13 @@ def layouts_a_second(layouts: Sequence[Layout | str], sensor: Sensor, scans: int
         return scans / (time.perf_counter() - start), 1e3 * spent / scans
 
 
-def overhead(simulator: Simulator, scanner: Scanner, sensor: Sensor, count: int = 60) -> float:
+def overhead(simulator: Simulator, sweeper: Sweeper, bodies: Bodies, count: int = 60) -> float:
     """Milliseconds that `Simulator.scan` takes longer than a cast that is observed."""
+    sensor = sweeper.sensor
 
     def bare(number: int) -> None:
         poses = sensor.poses_in_motion(sensor.pose(x=STRETCH * number / count), (SPEED, 0.0, 0.0))
-        scanner.observe(scanner.cast(poses, number), poses, number)
+        sweeper.scan(bodies, poses, number)
 
     more = []
     for number in range(count):
@@ -88,9 +90,9 @@ def overhead(simulator: Simulator, scanner: Scanner, sensor: Sensor, count: int 
 def shares(layouts: list[Layout], sensor: Sensor) -> dict[str, float]:
     """Milliseconds of each step."""
     scenes = [detail(layout, seed=0) for layout in layouts]
-    scanners = [Scanner.from_layout(scene, sensor, by_id=True, threads=1) for scene in scenes]
+    sweeper, bodies = Sweeper.of(sensor, None, None, threads=1), [Bodies.of(scene) for scene in scenes]
     moving = sensor.poses_in_motion(sensor.pose(), (SPEED, 0.0, 0.0))
-    clean = [scanner.cast(moving, 0) for scanner in scanners]
+    clean = [sweeper.cast(each, (), moving, 0) for each in bodies]
     casters = [Raycaster(layout) for layout in layouts]
     count = len(layouts)
     return {
@@ -98,9 +100,9 @@ def shares(layouts: list[Layout], sensor: Sensor) -> dict[str, float]:
         "layout of the sentence": milliseconds(lambda k: layout_from_text(SENTENCE, seed=k), count),
         "street around it": milliseconds(lambda k: surround(layouts[k], seed=k), count),
         "detail": milliseconds(lambda k: detail(layouts[k], seed=0), count),
-        "compiling": milliseconds(lambda k: Scanner.from_layout(scenes[k], sensor, by_id=True, threads=1), count),
-        "cast of the sub-rays": milliseconds(lambda k: scanners[k].cast(moving, 0), count),
-        "sensor model": milliseconds(lambda k: scanners[k].observe(clean[k], moving, 0), count),
+        "compiling": milliseconds(lambda k: Bodies.of(scenes[k]), count),
+        "cast of the sub-rays": milliseconds(lambda k: sweeper.cast(bodies[k], (), moving, 0), count),
+        "sensor model": milliseconds(lambda k: sweeper.observe(clean[k], bodies[k].surfaces, moving, 0), count),
     }
 
 
@@ -114,7 +116,7 @@ def main() -> None:
     sensor = Sensor.preset(arguments.sensor)
     layouts = [layout_from_text(SENTENCE, seed=seed) for seed in range(12)]
     simulator = Simulator(layouts[0], sensor, threads=1)
-    scanner = Scanner.from_layout(simulator.scene, sensor, by_id=True, threads=1)
+    sweeper, bodies = Sweeper.of(sensor, None, None, threads=1), Bodies.of(simulator.scene)
     height, width = sensor.shape
     sizes = [len(detail(layout, seed=0)) for layout in layouts]
     shapes, workers = np.mean([len(layout) for layout in layouts]), arguments.workers
@@ -134,7 +136,7 @@ def main() -> None:
         for picture in (False, True):
             saved = milliseconds(lambda k, p=picture: scan.save(f"{folder}/{k}", picture=p))
             print(f"{'saved with a picture' if picture else 'saved':24} {saved:6.2f} ms")
-    print(f"{'overhead of a scan':24} {overhead(simulator, scanner, sensor):6.2f} ms over cast and sensor model")
+    print(f"{'overhead of a scan':24} {overhead(simulator, sweeper, bodies):6.2f} ms over cast and sensor model")
 
 
 if __name__ == "__main__":

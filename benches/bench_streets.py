@@ -22,8 +22,9 @@ from typing import Any
 
 from lidardraft import Scan, Sensor
 from lidardraft.cli.scan_folder import ScanFolder
-from lidardraft.scene.scanner import Scanner
+from lidardraft.scene.bodies import Bodies
 from lidardraft.scene.shape_table import ShapeTable
+from lidardraft.simulation.sweeps import Sweeper
 from lidardraft.streets import StreetConfig, pairs, streets
 from lidardraft.streets.scans import street_scan
 
@@ -31,9 +32,9 @@ MANY = 10**6  # scans, more than are ever written
 
 # What is timed: the owners and names of the functions that do it. None of them calls another.
 STAGES: dict[str, tuple[tuple[Any, str], ...]] = {
-    "building": ((pairs, "make_street"), (Scanner, "from_layout")),
-    "casting": ((Scanner, "cast"), (ShapeTable, "scan")),
-    "sensor model": ((Scanner, "observe"),),
+    "building": ((pairs, "make_street"), (Bodies, "of")),
+    "casting": ((Sweeper, "cast"), (ShapeTable, "scan")),
+    "sensor model": ((Sweeper, "observe"),),
     "coarse layout": ((pairs, "coarse_layout"),),
 }
 

@@ -134,7 +134,7 @@ def scans_of(case: Case, seed: int, generators: Mapping[str, Pipeline]) -> dict[
     scans["simulated"] = simulated(True)
     known = scans["simulated"], scans["cast"]
     for name, generator in generators.items():
-        made = generator.generate(scans["cast"], scans["simulated"], seed=seed)
+        made = generator.generate(scans["cast"], seed=seed)
         scans[name] = label_by_agreement(made, known, case.layout, poses)
     return scans
 

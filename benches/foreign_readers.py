@@ -160,34 +160,7 @@ def las(folder: Path) -> Iterator[Found]:
         yield Found(points, None, fields | {"classification": np.asarray(cloud.classification)})
 
 
-def mcap(folder: Path) -> Iterator[Found]:
-    """By mcap and mcap-protobuf-support."""
-    from mcap.reader import make_reader
-    from mcap_protobuf.decoder import DecoderFactory
-
-    kinds = {1: "u1", 3: "<u2", 5: "<u4", 7: "<f4"}  # PackedElementField.NumericType
-    for path in sorted(folder.glob("*.mcap")):
-        with path.open("rb") as file:
-            said = list(make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages())
-        clouds, updates = ([each[3] for each in said if each[1].topic == topic] for topic in ("/lidar", "/boxes"))
-        for cloud, update in zip(clouds, updates, strict=True):
-            layout = {
-                "names": [field.name for field in cloud.fields],
-                "formats": [kinds[field.type] for field in cloud.fields],
-                "offsets": [field.offset for field in cloud.fields],
-                "itemsize": cloud.point_stride,
-            }
-            records = np.frombuffer(cloud.data, np.dtype(layout))  # type: ignore[call-overload]
-            boxes = []
-            for entity in update.entities:
-                ((cube,), words) = entity.cubes, {pair.key: pair.value for pair in entity.metadata}
-                pose = mcap_pose(cube.pose.position, cube.pose.orientation)
-                size = np.array([cube.size.x, cube.size.y, cube.size.z])
-                boxes.append(Box(words["label"], pose[:3, 3], size, math.atan2(pose[1, 0], pose[0, 0])))
-            yield _columns(records, boxes)
-
-
-def mcap_pose(place: Any, turn: Any) -> np.ndarray:
+def pose_of(place: Any, turn: Any) -> np.ndarray:
     """The matrix [4, 4] of a position and a quaternion."""
     return _matrix(Rotation.from_quat([getattr(turn, axis) for axis in "xyzw"]), [place.x, place.y, place.z])
 
@@ -212,7 +185,7 @@ def ros2(folder: Path) -> Iterator[Found]:
             records = np.frombuffer(bytes(cloud.data), np.dtype(layout))  # type: ignore[call-overload]
             boxes = []
             for one in detections.detections:
-                pose = mcap_pose(one.bbox.center.position, one.bbox.center.orientation)
+                pose = pose_of(one.bbox.center.position, one.bbox.center.orientation)
                 size = np.array([one.bbox.size.x, one.bbox.size.y, one.bbox.size.z])
                 label = one.results[0].hypothesis.class_id
                 boxes.append(Box(label, pose[:3, 3], size, math.atan2(pose[1, 0], pose[0, 0])))
@@ -240,7 +213,6 @@ READERS = {
     "pcd": pcd,
     "ply": ply,
     "las": las,
-    "mcap": mcap,
     "ros2": ros2,
     "webdataset": webdataset,
 }

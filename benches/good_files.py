@@ -155,7 +155,7 @@ def _binary_ply(points: np.ndarray) -> bytes:
 def _pairs(folder: str) -> Path:
     """The first file of a folder of pairs."""
     image = lidardraft.raycast(LAYOUT, SENSOR)
-    list(write_pairs(folder, [(Pair(image, image, image), {})]))
+    list(write_pairs(folder, [(Pair(image, image), {})]))
     return Path(folder, "00000.npz")
 
 

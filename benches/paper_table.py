@@ -1,7 +1,7 @@
 """Scans for the paper's Table 1: of each input, by weights or by the same network untrained.
 
     python benches/paper_table.py [WEIGHTS] [--untrained] -n 16 -o out/table
-    lidardraft evaluate table --real RECORDINGS --generated text=out/table/text image=out/table/image ...
+    python benches/published_tables.py --real RECORDINGS --generated text=out/table/text image=out/table/image ...
 
 Unseen streets are given as a sentence, a picture or a clustered scan would give them (`streets/coarse/`), as semantic
 maps of their detailed scans, and not at all; `streets` holds the detailed scans. Weights that see classes alone, as
@@ -57,7 +57,7 @@ def main() -> None:
 def scans(pipeline: Pipeline, num: int, sensor: Sensor) -> Iterator[tuple[str, RangeImage, RangeImage]]:
     """The rows of the table, and the streets' own scans: a name, a scan and that of its street each."""
     given: dict[str, list[StreetPair]] = {name: [] for name in _SOURCES.values()}
-    for pair in streets(seed=_SEED, config=StreetConfig(sensor=sensor, poses_per_street=1, simulated=True)):
+    for pair in streets(seed=_SEED, config=StreetConfig(sensor=sensor, poses_per_street=1)):
         pairs = given.get(_SOURCES.get(pair.style.source, ""), [])
         if len(pairs) < num:
             pairs.append(pair)
@@ -71,10 +71,9 @@ def scans(pipeline: Pipeline, num: int, sensor: Sensor) -> Iterator[tuple[str, R
     bare = Pipeline(pipeline.denoiser.base(), steps=pipeline.steps)
     for name, pairs in given.items():
         for number, pair in enumerate(pairs):
-            assert pair.simulated is not None
-            yield name, pipeline.generate(pair.condition_image, pair.simulated, seed=number), pair.scan
+            yield name, pipeline.generate(pair.condition_image, seed=number), pair.scan
             if name == "text":
-                yield "none", bare.generate(pair.condition_image, pair.simulated, seed=number), pair.scan
+                yield "none", bare.generate(pair.condition_image, seed=number), pair.scan
 
 
 if __name__ == "__main__":

@@ -263,10 +263,9 @@ def generated(pipelines: dict[str, Pipeline], numbers: list[int]) -> Iterator[li
     """A row of pictures each street."""
     found = unseen_streets(max(numbers), sensor=Sensor.preset("hdl64e"))
     for pair in (found[number - 1] for number in numbers):
-        assert pair.simulated is not None
         scans = {"layout": pair.condition_image}
         for name, pipeline in pipelines.items():
-            scans[name] = pipeline.generate(pair.condition_image, pair.simulated, seed=pair.index)
+            scans[name] = pipeline.generate(pair.condition_image, seed=pair.index)
         scans["detailed scan"] = pair.scan
         yield [caption(render_scan(scan, pair.pose, by_label=True), name) for name, scan in scans.items()]
 

@@ -27,6 +27,7 @@ from lidardraft import (
     Intent,
     Layout,
     RangeImage,
+    Raycaster,
     Sensor,
     detail,
     layout_from_cloud,
@@ -37,11 +38,11 @@ from lidardraft import (
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.labelling import agrees
 from lidardraft.scene.layout import object_of
-from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES
+from lidardraft.simulation.sweeps import Sweeper
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, ClusterStyle, PictureStyle, TextStyle, coarse_layout
-from lidardraft.streets.pairs import scan_street
+from lidardraft.streets.pairs import StreetScene, scan_street
 from lidardraft.streets.scans import street_scan
 from lidardraft.streets.street import StreetConfig, make_street
 from object_labels import behind_skin, pandaset_frames
@@ -113,10 +114,11 @@ def of_sentences(counts: Counts, sentences: tuple[str, ...] = SENTENCES, seeds: 
 def of_streets(counts: Counts, number: int) -> None:
     """Add the coarse layouts of a street in every style, and its own detailed scene beside each."""
     street = make_street(seed=11, config=StreetConfig(sensor=SENSOR), number=number)
-    scanner = Scanner.from_layout(street.scene, SENSOR)
+    whole = StreetScene.of(street, Sweeper.of(SENSOR, None, None))
+    caster = Raycaster(street.scene)
     for index in range(POSES):
-        ego, visible, rng = scan_street(street, scanner, index)
-        scene = scanner.caster.scan(SENSOR, ego.pose @ visible.pose)
+        ego, visible, rng = scan_street(whole, index)
+        scene = caster.scan(SENSOR, ego.pose @ visible.pose)
         for style in STYLES:
             table = coarse_layout(street.coarse, style, rng, ego.pose, visible)
             layout = table.layout({"source": style.source}, intent=Intent(headed=style.source != "cloud"))

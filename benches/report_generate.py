@@ -37,8 +37,6 @@ def main() -> None:
     parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
     given = parser.parse_args()
     pipeline = read_pipeline(given)
-    if pipeline.denoiser.config.completes:
-        parser.error("these weights complete scans; the parts of this report are of whole ones")
     goals = list(printed(parts(pipeline, given)))
     if goals:
         print(f"### Goals\n\n{goal_table(goals)}")

@@ -28,10 +28,11 @@ from typing import Any
 import numpy as np
 
 import recordings
+from comparison import Comparison, compare
 from lidardraft import simulate
 from lidardraft.cli.arguments import read_sensor
 from lidardraft.metrics import lifelike
-from lidardraft.metrics.lifelike import CLASS_SETS, Comparison, Features, Property
+from lidardraft.metrics.lifelike import CLASS_SETS, Features, Property
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import PRESETS, Sensor
@@ -158,14 +159,14 @@ def report(recorded: Recordings, sensor: Sensor, num: int, text: str | None = No
     properties = {one.name: (one, recorded.plain) for one in plain}
     properties |= {one.name: (one, recorded.labelled) for one in labelled if recorded.labelled}
     groups = {name: _by_group(sweeps, one) for name, (one, sweeps) in properties.items()}
-    found = [lifelike.compare(properties[name][0], measured, generated[name]) for name, measured in groups.items()]
+    found = [compare(properties[name][0], measured, generated[name]) for name, measured in groups.items()]
     if recorded.labelled:
         shares = {
             name: [lifelike.class_counts(sweep) for sweep in sweeps] for name, sweeps in recorded.labelled.items()
         }
         # published shares are those of very many scans
         shares |= {name: [1e6 * lifelike.counts_by_set(share)] * num for name, share in recorded.shares.items()}
-        found += [lifelike.compare(one, shares, generated["class counts"]) for one in share_properties(shares)]
+        found += [compare(one, shares, generated["class counts"]) for one in share_properties(shares)]
         groups["class counts"] = shares
     pooled = {name: _pooled({**measured, "streets": generated[name]}) for name, measured in groups.items()}
     return sorted(found, key=lambda one: math.inf if math.isnan(one.ratio) else -one.ratio), pooled

@@ -8,7 +8,7 @@ to a drive that judges nothing, the scans of this drive, which no sensor that is
 and streets by the preset pandar64 beside PandaSet's two places. `--sensor` makes streets with a preset or a sensor of
 `lidardraft fit`; `--scans` takes scans that `simulate`, `generate` or another program wrote, all that are in the
 folder. A cell is the AUC: 0.5 is not told apart, 1 always; below the table, what tells most in each family alone.
-`metrics/two_sample.py` says how.
+`two_sample.py` says how.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from lidardraft.calibration.fit import fit_sensor
 from lidardraft.cli.arguments import read_sensor
 from lidardraft.formats.recording import read_recording
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.metrics.two_sample import ALL, FAMILIES, TwoSample, shown_pixels, two_sample
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.streets import StreetConfig, streets
 from recordings import Groups
+from two_sample import ALL, FAMILIES, TwoSample, shown_pixels, two_sample
 
 SEED = 777_000  # no training uses it
 FITTED_TO = "raw 0005"  # which judges no streets

@@ -162,7 +162,7 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
     many = ",".join(
         f'{{"shape":"box","center":[{k},0,1],"size":[4,2,1],"label":"car","id":"c{k}"}}' for k in range(400_000)
     )
-    yield "layout", "400,000 shapes", f'{{"schema":"lidardraft.layout/1","primitives":[{many}]}}'.encode()
+    yield "layout", "400,000 shapes", f'{{"schema":"lidardraft.layout/2","primitives":[{many}]}}'.encode()
     deep = '{"a":' * 900 + "1" + "}" * 900
     yield "layout", "a deep provenance", LAYOUT.to_json().replace('{"seed": 1}', deep).encode()
     yield "bin", "points that are no numbers", np.full((99, 4), np.nan, "<f4").tobytes()

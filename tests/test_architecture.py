@@ -125,12 +125,11 @@ def reads_of_provenance(tree: ast.AST) -> set[str]:
 
 
 def test_a_provenance_is_shown_and_saved_but_nothing_depends_on_it() -> None:
-    """What depends on where a layout came from has a field of its own; only files of the first schema have none."""
+    """What depends on where a layout came from has a field of its own."""
     shown = {"scene/layout.py": {"__repr__"}, "cli/inputs.py": {"around_it"}}
     for path, tree in TREES.items():
         name = path.relative_to(PACKAGE).as_posix()
-        if name != "scene/layout_schema_1.py":
-            assert reads_of_provenance(tree) == shown.get(name, set()), name
+        assert reads_of_provenance(tree) == shown.get(name, set()), name
     looks = "def f(layout):\n    return layout.provenance['a']\ndef g(x):\n    return 'b' in x.provenance\n"
     looks += "def h(x):\n    provenance = x.provenance\n    return provenance.get('c')\n"
     looks += "def i(x):\n    return x.provenance | {}"

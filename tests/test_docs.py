@@ -65,7 +65,7 @@ def smaller(words: list[str]) -> list[str]:
         words += ["--batch", "1"]
         if rest[0] == "street":  # a network for tests, of one street
             at = words.index("--init") if "--init" in words else len(words)
-            words = [*words[:at], *words[at + 2 :], "--recipe", "tiny-paper", "--steps", "1", "--evaluate", "1"]
+            words = [*words[:at], *words[at + 2 :], "--recipe", "tiny", "--steps", "1", "--evaluate", "1"]
         return words
     if rest[0] == "dataset":
         return [*words, "-n", "3"]
@@ -78,7 +78,7 @@ def smaller(words: list[str]) -> list[str]:
 
 def run(line: str, whole: bool, capsys: pytest.CaptureFixture[str]) -> None:
     words = shlex.split(line, comments=True)
-    if line.startswith(ELSEWHERE) or "--ray" in words or ("--image" in words and "--depth" not in words):
+    if line.startswith(ELSEWHERE) or ("--image" in words and "--depth" not in words):
         return
     if words[0] == "python":
         runpy.run_path(words[1], run_name="__main__")

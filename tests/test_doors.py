@@ -274,11 +274,9 @@ def test_generate(pipeline: Pipeline, sensor: Sensor) -> None:
         with pytest.raises(SensorError, match=r"is \(\d+, \d+\); these weights need multiples of \(2, 4\)"):
             pipeline(OPEN, sensor=sensor)
         return
-    made, simulated = pipeline(OPEN, sensor=sensor, seed=1), Simulator(OPEN, sensor, seed=1).scan(seed=1)
-    closed = (made.condition_image.label != BY_NAME["terrain"].id) & made.condition_image.valid
-    for name in IMAGES:
-        np.testing.assert_array_equal(getattr(made.image, name)[closed], getattr(simulated.image, name)[closed])
-    assert (made.image.depth != simulated.image.depth).any()
+    made, other = (pipeline(layout, sensor=sensor, seed=1) for layout in (OPEN, LAYOUT))
+    assert made.image.valid.any()
+    np.testing.assert_array_equal(made.image.depth, other.image.depth)  # weights that have learned nothing heed nothing
     assert not (made.image.valid & sensor.blocked_pixels).any()
 
 

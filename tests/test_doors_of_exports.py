@@ -27,8 +27,8 @@ from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.motion.sequence import SequenceSimulator
 
 SENSOR = Sensor(name="few", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=256)
-TIMED = ("pcd", "ply", "las", "mcap", "ros2", "webdataset")  # formats with a time for each point
-KEEP_UNSEEN = ("nuscenes", "mcap", "ros2", "webdataset")
+TIMED = ("pcd", "ply", "las", "ros2", "webdataset")  # formats with a time for each point
+KEEP_UNSEEN = ("nuscenes", "ros2", "webdataset")
 
 
 def solid(label: str, id: str, instance: int, at: tuple[float, float], size: tuple, yaw: float = 0.0) -> Primitive:

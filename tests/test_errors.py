@@ -130,7 +130,7 @@ def test_another_missing_library_is_no_extra() -> None:
 def test_the_extras_bring_what_the_table_says() -> None:
     tomllib = pytest.importorskip("tomllib")
     listed = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["project"]
-    modules = {"foxglove-sdk": "foxglove", "ouster-sdk": "ouster"}
+    modules = {"ouster-sdk": "ouster"}
     brought: dict[str, set[str]] = {"huggingface_hub": {"image"}}  # which transformers depends on
     for name, needed in listed["optional-dependencies"].items():
         if name in ("dev", "bench", "docs"):

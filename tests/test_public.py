@@ -110,7 +110,7 @@ def seeded() -> dict[str, Callable[[Any], object]]:
         "ObjectSampling": lambda seed: lidardraft.ObjectSampling({"car": 1}, SENSOR, models=1, seed=seed),
         "Pipeline.__call__": lambda seed: paper(STREET, sensor=SENSOR, seed=seed),
         "Pipeline.from_map": lambda seed: paper.from_map(image.label, sensor=SENSOR, seed=seed),
-        "Pipeline.generate": lambda seed: paper.generate(image, image, seed=seed),
+        "Pipeline.generate": lambda seed: paper.generate(image, seed=seed),
         "Raycaster.cast": lambda seed: caster.cast(np.zeros(3), np.eye(3), seed=seed),
         "Raycaster.scan": lambda seed: caster.scan(SENSOR, seed=seed),
         "Raycaster.scan_batch": lambda seed: caster.scan_batch(SENSOR, pose[None], seed=seed),

@@ -151,7 +151,7 @@ class MissingExtraError(LidarDraftError, ImportError):
 # The libraries of the extras, each with the extras that install it; the first one is the smallest.
 EXTRAS = {
     "torch": ("generate", "train", "image"), "transformers": ("image",), "huggingface_hub": ("image",),
-    "laspy": ("export",), "foxglove": ("export",), "av": ("video",), "ray": ("cluster",), "ouster": ("ouster",),
+    "laspy": ("export",), "av": ("video",), "ouster": ("ouster",),
     "rosbags": ("ros",), "viser": ("studio",), "shtab": ("completion",),
 }  # fmt: skip
 

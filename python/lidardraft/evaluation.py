@@ -10,7 +10,6 @@ from typing import TypeVar
 import numpy as np
 import torch
 
-from lidardraft.diffusion.codec import encode_condition, encode_rays, encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.metrics.adherence import Adherence, adherence
 from lidardraft.metrics.comparisons import bev_histogram
@@ -18,9 +17,7 @@ from lidardraft.metrics.lifelike import CLASS_SETS, class_counts, mean_known, po
 from lidardraft.metrics.profiles import height_histogram, intensity_histogram, range_histogram
 from lidardraft.metrics.returns import lone_returns, near_holes
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.networks.layers import reduced_precision
-from lidardraft.pipeline import Pipeline, merged
-from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.pipeline import Pipeline
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
@@ -29,9 +26,7 @@ from lidardraft.streets import StreetConfig, StreetPair, streets
 
 _Item = TypeVar("_Item")
 _FEWEST = 100  # returns of a class for a comparison of intensities
-_HEEDED_LEVELS = (0.1, 0.3, 1.0, 3.0)  # of noise: at lower ones the scan itself suffices
 OTHER_STREETS = 3_000_000  # a seed, neither for training nor for scores
-_LAWN = Layout((Primitive(shape="plane", center=(0, 0, 0), size=(400, 400, 0), label="terrain", id="lawn", open=True),))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,9 +36,7 @@ class Scores:
     `objects`, `overall`, `drop` and `by_class` are adherence to the condition images (means over the streets); `other`
     is that of the objects to the image of the next street. `range`, `height`, `bev` and `classes` are Jensen-Shannon
     distances from the detailed scans. `holes` and `lone` are the shares of holes on near surfaces and of lone returns
-    (`metrics/returns.py`). `own` is the share of returns that are not the simulated scan's. `intensity` are the
-    distances of intensities of each class in both. If halves of the streets are open, adherence is that of the given
-    halves, and the rest is of the open ones.
+    (`metrics/returns.py`). `intensity` are the distances of intensities of each class from those of the detailed scans.
     """
 
     name: str
@@ -57,7 +50,6 @@ class Scores:
     classes: float
     holes: float
     lone: float
-    own: float
     by_class: dict[str, float]
     intensity: dict[str, float]
 
@@ -66,7 +58,7 @@ def unseen_streets(
     num: int, *, sensor: Sensor, seed: int = 1_000_000, on_street: Callable[[], object] | None = None
 ) -> list[StreetPair]:
     """One pair of each of `num` streets, of a seed outside training; `on_street` is called after each."""
-    config = StreetConfig(sensor=sensor, poses_per_street=1, simulated=True)
+    config = StreetConfig(sensor=sensor, poses_per_street=1)
     return list(_counted(itertools.islice(streets(seed=seed, config=config), num), on_street))
 
 
@@ -76,76 +68,23 @@ def evaluate(
     """The scores of several kinds of scans; `on_scan` is called after each generated one.
 
     They are the detailed scans themselves, scans of other streets, the condition images, the simulated scans of the
-    same layouts, the pipeline's scans, and those of the same network untrained. Weights that complete get a half of
-    each street; then the given half beside a lawn replaces the condition image.
+    same layouts, the pipeline's scans, and those of the same network untrained.
     """
-    opened = half_opened([pair.scan for pair in pairs]) if pipeline.denoiser.config.completes else None
     others = (pair.scan for pair in unseen_streets(len(pairs), sensor=pairs[0].scan.sensor, seed=OTHER_STREETS))
-    yield score("detailed scan", pairs, (pair.scan for pair in pairs), opened)
-    yield score("other streets", pairs, others, opened)
-    if opened is None:
-        yield score("condition image", pairs, (pair.condition_image for pair in pairs))
-    else:
-        bare = (merged(_simulated(pair), lawn(pair), part) for pair, part in zip(pairs, opened, strict=True))
-        yield score("bare", pairs, bare, opened)
-    yield score("simulated", pairs, (_simulated(pair) for pair in pairs), opened)
+    yield score("detailed scan", pairs, (pair.scan for pair in pairs))
+    yield score("other streets", pairs, others)
+    yield score("condition image", pairs, (pair.condition_image for pair in pairs))
+    yield score("simulated", pairs, map(simulated, pairs))
     for name, generator in (("generated", pipeline), ("untrained", untrained(pipeline))):
-        made = (
-            generator.generate(pair.condition_image, _simulated(pair), is_open, seed=pair.index)
-            for pair, is_open in zip(pairs, opened or itertools.repeat(None), strict=opened is not None)
-        )
-        yield score(name, pairs, _counted(made, on_scan), opened)
+        made = (generator.generate(pair.condition_image, seed=pair.index) for pair in pairs)
+        yield score(name, pairs, _counted(made, on_scan))
 
 
-def half_opened(scans: Sequence[RangeImage]) -> list[np.ndarray]:
-    """Half of the columns of each scan, bool [H, W]; from scan to scan they move once around."""
-    found = []
-    for number, scan in enumerate(scans):
-        rows, columns = scan.sensor.shape
-        place = (np.arange(columns) + columns * number / len(scans)) % columns
-        found.append(np.broadcast_to(place < columns / 2, (rows, columns)) & ~scan.sensor.blocked_pixels)
-    return found
-
-
-def sample_scans(
-    denoiser: Denoiser, condition_images: list[RangeImage], *, on_scan: Callable[[], object] | None = None
-) -> list[RangeImage]:
-    """The scans that a denoiser generates from each condition image, without simulated scans."""
-    pipeline = Pipeline(denoiser)
-    scans = (pipeline.generate(image, image, seed=seed) for seed, image in enumerate(condition_images))
-    return list(_counted(scans, on_scan))
-
-
-@torch.inference_mode()
-def loss_by_other_layouts(denoiser: Denoiser, scans: list[RangeImage], condition_images: list[RangeImage]) -> float:
-    """The loss of scans by the next one's condition image over that by their own: 1 if a denoiser ignores its
-    condition. It rises long before scans show it. Weights that complete get half of the columns."""
-    device = next(denoiser.parameters()).device
-    opened = half_opened(scans) if denoiser.config.completes else None
-    losses = dict.fromkeys((0, 1), 0.0)
-    for seed, scan in enumerate(scans):
-        sigma = torch.tensor(_HEEDED_LEVELS, device=device)
-        clean = torch.from_numpy(encode_scan(scan)).to(device).expand(len(sigma), -1, -1, -1)
-        noise = torch.randn(clean.shape, generator=torch.Generator().manual_seed(seed)).to(device)
-        rays = torch.from_numpy(encode_rays(scan.sensor)).to(device)
-        for shift in losses:
-            other = (seed + shift) % len(scans)
-            encoded = encode_condition(condition_images[other], scans[other], None if opened is None else opened[seed])
-            condition = torch.from_numpy(encoded).to(device).expand(len(sigma), -1, -1, -1)
-            with reduced_precision(device):
-                loss = denoiser.loss(clean, sigma, noise, rays, condition, wraps=scan.sensor.wraps)
-            losses[shift] += loss.mean().item()
-    return losses[1] / losses[0]
-
-
-def _simulated(pair: StreetPair) -> RangeImage:
-    assert pair.simulated is not None
-    return pair.simulated
-
-
-def lawn(pair: StreetPair) -> RangeImage:
-    """The scan of an endless lawn by a sensor at the place of a pair."""
-    return simulate(_LAWN, pair.scan.sensor, pose=pair.pose, speed=pair.speed, seed=pair.index).image
+def simulated(pair: StreetPair) -> RangeImage:
+    """The simulated scan of the layout of a pair, by the unit of the sensor that made its only scan of the street."""
+    sensor = pair.scan.sensor
+    unit = replace(sensor.assumed_model, unit=pair.index)
+    return simulate(pair.layout, sensor, seed=pair.index, model=unit, pose=pair.pose, speed=pair.speed).image
 
 
 def _counted(items: Iterable[_Item], on_item: Callable[[], object] | None) -> Iterator[_Item]:
@@ -172,27 +111,16 @@ def untrained_weights(denoiser: Denoiser) -> Denoiser:
     return network.to(next(denoiser.parameters()).device)
 
 
-def score(
-    name: str, pairs: Sequence[StreetPair], scans: Iterable[RangeImage], opened: Sequence[np.ndarray] | None = None
-) -> Scores:
-    """The scores of one scan for each pair, with the `opened` pixels of each, bool [H, W]."""
-    images = list(scans)
-    detailed, judged, given = [pair.scan for pair in pairs], images, [pair.condition_image for pair in pairs]
-    if opened is not None:
-        detailed, judged = (
-            [image.keep(o) for image, o in zip(some, opened, strict=True)] for some in (detailed, images)
-        )
-        given = [image.keep(~is_open) for image, is_open in zip(given, opened, strict=True)]
+def score(name: str, pairs: Sequence[StreetPair], scans: Iterable[RangeImage]) -> Scores:
+    """The scores of one scan for each pair."""
+    images, given = list(scans), [pair.condition_image for pair in pairs]
     others = [*given[1:], *given[:1]]
-    truth, sweeps = ([Sweep.by_azimuth(image) for image in some] for some in (detailed, judged))
+    truth, sweeps = ([Sweep.by_azimuth(image) for image in some] for some in ([pair.scan for pair in pairs], images))
     scores = [adherence(image, own) for image, own in zip(images, given, strict=True)]
 
     def distance(of: Callable[[Sweep], np.ndarray]) -> float:
         return pooled_divergence([of(sweep) for sweep in truth], [of(sweep) for sweep in sweeps])
 
-    changed = [
-        (image.valid & ~_same(image, _simulated(pair)), image.valid) for image, pair in zip(judged, pairs, strict=True)
-    ]
     return Scores(
         name=name,
         objects=mean_known([score.objects for score in scores]),
@@ -205,15 +133,9 @@ def score(
         classes=distance(class_counts),
         holes=_share([near_holes(sweep) for sweep in sweeps]),
         lone=_share([lone_returns(sweep) for sweep in sweeps]),
-        own=_share([np.array([part.sum(), whole.sum()]) for part, whole in changed]),
         by_class=_by_class(scores),
         intensity=_intensity(truth, sweeps),
     )
-
-
-def _same(image: RangeImage, other: RangeImage) -> np.ndarray:
-    """The mask of returns at the same range in both, to the millimetre, bool [H, W]."""
-    return other.valid & (np.abs(image.depth - other.depth) < 1e-3)
 
 
 def _intensity(detailed: list[Sweep], sweeps: list[Sweep]) -> dict[str, float]:

@@ -38,7 +38,7 @@ def export(
     "nuscenes" makes one data set of them, in which a sample has a sweep of each channel; other formats get a folder
     OUTPUT/CHANNEL for each.
 
-    Points and boxes are those of `Scan.frame`, by default `as_seen` for "mcap" and "ros2". If the format has boxes and
+    Points and boxes are those of `Scan.frame`, by default `as_seen` for "ros2". If the format has boxes and
     there are none at all, a `UserWarning` says so. Raises `FormatError` for an unknown format, no scans, an `output`
     that exists already, invalid names of channels, and channels with different numbers of scans.
     """

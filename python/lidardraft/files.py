@@ -9,9 +9,11 @@ import shutil
 import stat
 import sys
 import tempfile
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from typing import TypeVar
 
 from lidardraft.errors import FormatError, LidarDraftError
 
@@ -29,6 +31,7 @@ else:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
 
 
+_Json = TypeVar("_Json", bound="JsonFile")
 MAX_BYTES = 2**32  # larger than any weight file that fits into memory together with its network
 MAX_WHOLE, MAX_TEXT = 2**27, 2**26  # of a file read at once, a scan or a model, and of a text file such as JSON
 LOCK = ".lock"  # the file of a folder that its writer holds
@@ -202,6 +205,32 @@ def read_sentences(path: str | os.PathLike[str]) -> dict[int, str]:
     return sentences
 
 
+class JsonFile(ABC):
+    """A value with a JSON text, in files."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def to_json(self) -> str:
+        """The value as JSON text."""
+
+    @classmethod
+    @abstractmethod
+    def from_json(cls: type[_Json], text: str) -> _Json:
+        """The inverse of `to_json`."""
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the JSON of `to_json`; raises `FormatError` if the file cannot be written."""
+        write_text(path, self.to_json())
+
+    @classmethod
+    def load(cls: type[_Json], path: str | os.PathLike[str]) -> _Json:
+        """The value in a JSON file, as in `from_json`; errors name the file."""
+        text = read_text(path)
+        with named(path):
+            return cls.from_json(text)
+
+
 @contextmanager
 def named(name: str | os.PathLike[str]) -> Iterator[None]:
     """Prefix errors of the block with the name of the file, or of the part of it, that they are about."""
@@ -220,7 +249,7 @@ def expecting(what: str) -> Iterator[None]:
         raise
     except MemoryError:
         raise FormatError(f"not {what}: it asks for more memory than there is") from None
-    except Exception as error:  # parsers raise what they meet, a lack of depth too
+    except Exception as error:  # parsers raise anything, a lack of depth too
         lines = filter(str.strip, str(error).splitlines())
         said = getattr(error, "strerror", None) or next(lines, type(error).__name__)
         raise FormatError(f"not {what}: {said.strip():.200}") from None

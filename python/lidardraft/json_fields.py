@@ -38,20 +38,17 @@ def parse_object(text: str | bytes) -> dict[str, Any]:
     return check_object(parse_json(text))
 
 
-def parse_document(
-    text: str, schema: str, required: Iterable[str], optional: Iterable[str], *, older: Iterable[str] = ()
-) -> dict[str, Any]:
-    """The object in a JSON text of this schema, or an older one; raises `FormatError` on another schema or other
-    fields."""
+def parse_document(text: str, schema: str, required: Iterable[str], optional: Iterable[str]) -> dict[str, Any]:
+    """The object in a JSON text of this schema; raises `FormatError` on another schema or other fields."""
     document = parse_object(text)
-    check_schema(document.get("schema"), schema, older)
+    check_schema(document.get("schema"), schema)
     check_fields(document, ("schema", *required), optional)
     return document
 
 
-def check_schema(found: Any, schema: str, older: Iterable[str] = ()) -> None:
-    """Raises `FormatError` unless the schema of a file is this one or an older one that is read."""
-    if found not in (schema, *older):
+def check_schema(found: Any, schema: str) -> None:
+    """Raises `FormatError` unless the schema of a file is this one."""
+    if found != schema:
         name, _, version = str(found).rpartition("/")
         is_later = (
             schema.startswith(f"{name}/") and version.isdecimal() and int(version) > int(schema.rpartition("/")[2])

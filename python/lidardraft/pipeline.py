@@ -9,12 +9,11 @@ import os
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import KW_ONLY, dataclass
-from typing import NamedTuple
 
 import numpy as np
 import torch
 
-from lidardraft.diffusion.codec import decode_scan, encode_condition
+from lidardraft.diffusion.codec import decode_scan, encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import GUIDANCE, LAST_NOISE, STEPS
 from lidardraft.diffusion.sampler import sample
@@ -30,31 +29,18 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.semantic_map import standing_on_ground
 from lidardraft.scene.sensor import Sensor
-from lidardraft.scene.visibility import open_pixels
 from lidardraft.simulation.simulate import simulate
 
-_NOTHING_OPEN = "the layout leaves nothing open: the scan is the simulated one"
 _PIXELS_AT_ONCE = 2**19  # of a call on a GPU: 8 scans of 64 x 1024
-
-
-class _Given(NamedTuple):
-    """The input of a scan: the cast of a layout, its simulated scan, and a seed. Weights that complete make the pixels
-    of `is_open`, bool [H, W]. All others make the whole scan; for them it is None."""
-
-    cast: RangeImage
-    simulated: RangeImage
-    is_open: np.ndarray | None
-    seed: int
 
 
 @dataclass(frozen=True, eq=False)
 class Pipeline:
     """A denoiser that turns sentences and layouts into scans, by default of an hdl64e.
 
-    Weights that complete (`DenoiserConfig.completes`) keep the simulated scan of a layout, and make only the pixels
-    that the layout leaves open; all others make the whole scan from noise. A scan is sampled in `steps` calls of the
-    network, two each if `guidance` strengthens a ControlNet, the last one at `last_noise`. `trained` are the limits of
-    the sensors in training, if known: a scan of another sensor is a `UserWarning`.
+    The whole scan is made from noise, in `steps` calls of the network, two each if `guidance` strengthens a ControlNet,
+    the last one at `last_noise`. `trained` are the limits of the sensors in training, if known: a scan of another
+    sensor is a `UserWarning`.
     """
 
     denoiser: Denoiser
@@ -118,8 +104,7 @@ class Pipeline:
         `relief` or on level ground as in `Simulator`.
 
         The same arguments give the same scan; another seed gives another one, for a sentence with another layout too.
-        `on_step` is called after each sampling step. With weights that complete, a layout that leaves nothing open is a
-        `UserWarning`.
+        `on_step` is called after each sampling step.
         """
         check_type("source", source, str, Layout)
         return next(self.scans([(source, seed)], sensor=sensor, speed=speed, relief=relief, on_step=on_step))
@@ -153,18 +138,11 @@ class Pipeline:
 
     def _made(self, simulated: Sequence[Scan], on_step: Callable[[], object] | None) -> Iterator[Scan]:
         """The generated scans of simulated scans of one sensor."""
-        given = [_given(scan, completes=self.denoiser.config.completes) for scan in simulated]
-        images = iter(self._sampled([one for one in given if one.is_open is None or one.is_open.any()], on_step))
-        for scan, one in zip(simulated, given, strict=True):
-            if one.is_open is None:
-                known = (one.simulated, one.cast)
-                image = label_by_agreement(next(images), known, scan.layout, scan.poses())
-                yield dataclasses.replace(scan, image=image)
-            elif one.is_open.any():
-                yield dataclasses.replace(scan, image=next(images))
-            else:
-                warnings.warn(_NOTHING_OPEN, stacklevel=4)
-                yield dataclasses.replace(scan, assumed=(*scan.assumed, _NOTHING_OPEN))
+        casts = [raycast(scan.layout, scan.image.sensor, poses=scan.poses()) for scan in simulated]
+        images = self._sampled(casts, [scan.seed for scan in simulated], on_step)
+        for scan, cast, image in zip(simulated, casts, images, strict=True):
+            labelled = label_by_agreement(image, (scan.image, cast), scan.layout, scan.poses())
+            yield dataclasses.replace(scan, image=labelled)
 
     def from_map(
         self,
@@ -178,79 +156,40 @@ class Pipeline:
         predicts.
 
         Weights that use ranges too get guessed ones (`standing_on_ground`). Raises `FormatError` on a map that does not
-        fit the sensor, `CheckpointError` with weights that complete the simulated scan of a layout.
+        fit the sensor.
         """
-        if self.denoiser.config.completes:
-            raise CheckpointError(
-                "these weights complete the scan of a layout; a semantic map needs others, such as paper"
-            )
         image = standing_on_ground(label, sensor or Sensor.preset("hdl64e"))
-        return self.generate(image, image, seed=seed, on_step=on_step)
+        return self.generate(image, seed=seed, on_step=on_step)
 
     def generate(
-        self,
-        condition_image: RangeImage,
-        simulated: RangeImage,
-        is_open: np.ndarray | None = None,
-        *,
-        seed: int = 0,
-        on_step: Callable[[], object] | None = None,
+        self, condition_image: RangeImage, *, seed: int = 0, on_step: Callable[[], object] | None = None
     ) -> RangeImage:
-        """The scan for the cast of a layout and its simulated scan, with the classes that the network predicts.
-
-        Weights that complete return the simulated scan except where `is_open`, bool [H, W]; None is everywhere.
-        """
-        if not self.denoiser.config.completes:
-            is_open = None
-        elif is_open is None:
-            is_open = np.ones(simulated.sensor.shape, dtype=bool)
-        (image,) = self._sampled([_Given(condition_image, simulated, is_open, check_seed(seed))], on_step)
+        """The scan for the cast of a layout, with the classes that the network predicts."""
+        (image,) = self._sampled([condition_image], [check_seed(seed)], on_step)
         return image
 
     @torch.inference_mode()
-    def _sampled(self, given: Sequence[_Given], on_step: Callable[[], object] | None) -> list[RangeImage]:
-        """The scans of several inputs, all of one sensor, in the same calls of the network."""
-        if not given:
-            return []
-        sensor, condition = given[0].simulated.sensor, None
+    def _sampled(
+        self, casts: Sequence[RangeImage], seeds: Sequence[int], on_step: Callable[[], object] | None
+    ) -> list[RangeImage]:
+        """The scans for casts of one sensor, in the same calls of the network."""
+        sensor, condition = casts[0].sensor, None
         difference = self.trained and self.trained.difference(sensor)
         if difference:
             warnings.warn(f"these weights were trained on {difference}; its scans may be poor", stacklevel=2)
         if self.denoiser.config.condition:
-            encoded = [encode_condition(one.cast, one.simulated, one.is_open) for one in given]
-            condition = torch.from_numpy(np.stack(encoded))
+            condition = torch.from_numpy(np.stack([encode_scan(cast) for cast in casts]))
         states = sample(
             self.denoiser,
             sensor,
-            seeds=[one.seed for one in given],
+            seeds=seeds,
             condition=condition,
             steps=self.steps,
             guidance=self.guidance,
             last_noise=self.last_noise,
         )
         for state in states:  # noqa: B007 (the last one is the result)
-            for _ in given:
+            for _ in casts:
                 if on_step is not None:
                     on_step()
-        images = [decode_scan(each, sensor) for each in state.cpu().numpy()]
-        for number, one in enumerate(given):
-            if one.is_open is not None:
-                images[number] = merged(one.simulated, images[number], one.is_open)
-        return images
-
-
-def _given(scan: Scan, *, completes: bool) -> _Given:
-    """The input from a simulated scan and its layout."""
-    poses = scan.poses()
-    cast = raycast(scan.layout, scan.image.sensor, poses=poses, primitive=True)
-    return _Given(cast, scan.image, open_pixels(scan.layout, cast, poses) if completes else None, scan.seed)
-
-
-def merged(given: RangeImage, made: RangeImage, is_open: np.ndarray) -> RangeImage:
-    """`made` where `is_open`, bool [H, W], and `given` elsewhere."""
-    names = ("depth", "label", "instance", "intensity")
-    pairs = {name: (getattr(made, name), getattr(given, name)) for name in names}
-    images = {
-        name: np.where(is_open, *pair) for name, pair in pairs.items() if pair[0] is not None and pair[1] is not None
-    }
-    return RangeImage(sensor=given.sensor, **images)
+        return [decode_scan(each, sensor) for each in state.cpu().numpy()]

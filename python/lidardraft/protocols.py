@@ -1,5 +1,4 @@
-"""Scores between two sets of scans by published protocols: those of LiDM, LiDARGen and R2DM; and the tables of the
-LiDARDraft paper, which follow LiDM's.
+"""Scores between two sets of scans by published protocols: those of LiDM, LiDARGen and R2DM.
 
 A score has its noise floor beside it: the same distance between random halves of the recorded scans.
 """
@@ -8,7 +7,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -293,78 +292,3 @@ def _measure(metric: Metric, networks: File | None, device: str) -> tuple[Measur
         return None, "", f"needs {network.files} in the folder of --networks, from {network.address}"
     loaded = network.load(networks, device)
     return loaded.measure, loaded.description, ""
-
-
-Row = tuple[float, ...]  # of the paper's tables: FRD, MMD x 1e-4, JSD, FPD
-_NOT_KNOWN = math.nan
-
-# Wei et al., LiDARDraft, Table 1: KITTI-360, 11,517 scans for evaluation.
-_INPUTS: dict[str, dict[str, Row]] = {
-    "map": {
-        "latent diffusion": (24.21, 3.31, 0.088, 20.60),
-        "LiDM": (22.93, 3.16, 0.072, 18.50),
-        "LiDARDraft": (21.72, 3.14, 0.070, 18.32),
-    },
-    "text": {
-        "LiDM": (80.61, 4.74, 0.415, 29.60),
-        "Text2LiDAR": (170.12, 5.12, 0.439, 34.81),
-        "LiDARDraft": (23.88, 3.23, 0.079, 19.11),
-    },
-    "image": {
-        "latent diffusion": (50.50, 3.99, 0.314, 26.51),
-        "LiDM": (45.14, 3.72, 0.256, 25.83),
-        "LiDARDraft": (24.62, 3.39, 0.094, 21.32),
-    },
-    "cloud": {
-        "latent diffusion": (129.90, 4.99, 0.434, 32.98),
-        "LiDM": (121.50, 4.82, 0.423, 31.77),
-        "LiDARDraft": (27.98, 3.43, 0.099, 22.12),
-    },
-}
-# hancyran/LiDAR-Diffusion, README: KITTI-360 without a condition, 2,000 scans beside those of drive 03.
-_UNCONDITIONAL: dict[str, Row] = {
-    "LiDARGen, 1160 steps": (129.0, 2.88, 0.188, 33.4),
-    "LiDM, 50 steps": (125.1, 3.84, 0.211, 29.0),
-}
-# Table 2 of the paper.
-_ABLATION: dict[str, Row] = {
-    "full": (23.01, 3.19, 0.077, _NOT_KNOWN),
-    "no-control": (54.76, 4.01, 0.323, _NOT_KNOWN),
-    "bird-eye": (123.66, 4.91, 0.429, _NOT_KNOWN),
-    "no-semantics": (28.98, 3.67, 0.122, _NOT_KNOWN),
-    "no-depth": (24.91, 3.40, 0.095, _NOT_KNOWN),
-}
-NAMES = (*_INPUTS, *_ABLATION, "none")
-
-
-def table_lines(ours: Mapping[str, list[Score]]) -> Iterator[str]:
-    """The lines of the LiDARDraft paper's tables with a row for one of `ours`, scores by LiDM's protocol by name; then
-    those of other names. Published rows are as published.
-
-    The paper's MMD is LiDM's minimum matching distance. Its FRD and FPD most probably are LiDM's FRID and FPVD; FPVD
-    needs a sparse network that is not rebuilt here.
-    """
-    one = {**_INPUTS, "none": _UNCONDITIONAL}
-    two = {name: {"LiDARDraft": row} for name, row in _ABLATION.items()}
-    others: dict[str, dict[str, Row]] = {name: {} for name in ours if name not in NAMES}
-    for title, tables in (("Table 1", one), ("Table 2", two), ("Not in the paper", others)):
-        if ours.keys() & tables.keys():
-            yield f"\n{title:44}{''.join(f'{name:>10}' for name in ('FRD', 'MMD e-4', 'JSD', 'FPD'))}"
-            for name, published in tables.items():
-                yield name
-                rows = {f"{method} (published)": row for method, row in published.items()} | _own_rows(ours.get(name))
-                for what, row in rows.items():
-                    shown = ("-" if math.isnan(value) else f"{value:.4g}" for value in row)
-                    yield f"  {what:42}{''.join(f'{value:>10}' for value in shown)}"
-
-
-def _own_rows(scores: list[Score] | None) -> dict[str, Row]:
-    if scores is None:
-        return {}
-    metrics = [(scale, score) for metric, scale in (("FRID", 1.0), ("MMD", 1e4), ("JSD", 1.0))
-               for score in scores if score.metric == metric]  # fmt: skip
-    floors = (scale * max(score.floor, default=_NOT_KNOWN) for scale, score in metrics)
-    return {
-        f"these {scores[0].generated} scans": (*(scale * score.value for scale, score in metrics), _NOT_KNOWN),
-        f"{scores[0].floor_scans} recorded scans beside others": (*floors, _NOT_KNOWN),
-    }

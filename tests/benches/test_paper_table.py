@@ -14,7 +14,7 @@ SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)
 
 
 def test_a_row_for_each_input_and_of_weights_that_see_classes_the_maps_alone() -> None:
-    config = recipes.tiny_paper()[-1].denoiser
+    config = recipes.tiny()[-1].denoiser
     for parts, rows in (
         (("depth", "class"), ("streets", "map", "text", "none", "image", "cloud")),
         (("class",), ("streets", "map")),

@@ -62,7 +62,7 @@ def test_it_runs_on_held_out_streets_and_says_what_is_missing(tmp_path, monkeypa
     sensor = Sensor(name="small", elevations=tuple(np.linspace(0.03, -0.4, 16).tolist()), columns=64)
     road = Primitive(shape="plane", center=(0, 0, 0), size=(60, 60, 0), label="road", id="road")
     image = raycast(Layout(primitives=(road,)), sensor)
-    list(write_pairs(tmp_path / "pairs", [(Pair(image, image, image), {})]))
+    list(write_pairs(tmp_path / "pairs", [(Pair(image, image), {})]))
     command = ["segment_streets", str(tmp_path / "weights.safetensors"), "--pairs", str(tmp_path / "pairs")]
     monkeypatch.setattr(sys, "argv", [*command, "--data", "", "--json", str(tmp_path / "matrices.json")])
     assert segment_streets.main() == 0

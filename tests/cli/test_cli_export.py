@@ -73,11 +73,8 @@ def test_bad_exports_are_one_line(refused: Callable[..., str], capsys: pytest.Ca
     assert "small.json/out cannot be written" in refused("export", "empty", "--format", "kitti", "-o", "small.json/out")
 
 
-@pytest.mark.parametrize(("name", "library"), [("las", "laspy"), ("mcap", "foxglove")])
-def test_a_library_that_is_missing_is_named(
-    name: str, library: str, refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_library_that_is_missing_is_named(refused: Callable[..., str], monkeypatch: pytest.MonkeyPatch) -> None:
     assert cli.main([*DRAFT, "-o", "scans"]) == 0
-    monkeypatch.setitem(sys.modules, library, None)
-    said = refused("export", "scans", "--format", name, "-o", "out")
-    assert f"{library} is not installed; run: pip install 'lidardraft[export]'" in said
+    monkeypatch.setitem(sys.modules, "laspy", None)
+    said = refused("export", "scans", "--format", "las", "-o", "out")
+    assert "laspy is not installed; run: pip install 'lidardraft[export]'" in said

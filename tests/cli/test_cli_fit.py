@@ -48,6 +48,10 @@ def test_scans_become_a_sensor_that_other_commands_take(scans: list[str], capsys
     assert "from patch to patch, " in said
     assert "| intensity (JSD) |" in said
     assert said.endswith("mine.json: fitted to 2 scans\n")
+    assert cli.main(["fit", *scans, "-o", "same.json", "--streets", "4", "--json"]) == 0
+    constants, rows, last = map(json.loads, capsys.readouterr().out.splitlines())
+    assert (constants["lasers"], rows["judged_on"], last) == (8, 1, {"output": "same.json", "scans": 2})
+    assert {"name", "before", "after", "recorded"} == rows["properties"][0].keys()
     sensor = Sensor.load("mine.json")
     strong, weak = map(
         float, re.search(r"range noise: (\S+) mm of strong echoes, (\S+) mm of a surface 30 m", said).groups()

@@ -100,7 +100,7 @@ def test_the_file_that_is_wrong_is_named(refused: Callable[..., str]) -> None:
     kitti.write_bin("scan.bin", np.ones((5, 3)), np.zeros(5))
     assert "scan.bin: all 5 points have label 0" in refused(*scan)
     Path("far.json").write_text(
-        '{"schema": "lidardraft.layout/1", "primitives": [{"shape": "box", "center": [1e308, 0, 0], '
+        '{"schema": "lidardraft.layout/2", "primitives": [{"shape": "box", "center": [1e308, 0, 0], '
         '"size": [1, 1, 1], "label": "car", "id": "car_1"}]}'
     )
     assert "far.json: car_1: center is [1e+308, 0, 0]" in refused("raycast", "--layout", "far.json", "-o", "a.npz")

@@ -63,8 +63,8 @@ def test_help_declares_the_asked_command_alone(capsys: pytest.CaptureFixture[str
     code = f"import atexit, sys; atexit.register(lambda: print('numpy' in sys.modules)); {code}"
     assert run("-c", code).stdout.endswith("\nFalse\n")
     with pytest.raises(SystemExit, match="0"):
-        cli.main(["profile", "--help"])
-    assert "lidardraft profile --sensor" in capsys.readouterr().out
+        cli.main(["doctor", "--help"])
+    assert "lidardraft doctor --json" in capsys.readouterr().out
 
 
 def test_quiet_and_json(capsys: pytest.CaptureFixture[str]) -> None:
@@ -132,7 +132,7 @@ def test_every_option_has_a_help_text(command: str, capsys: pytest.CaptureFixtur
         ("simulate --text car -o out -z 3", "not understood: -z 3"),
         ("draft --text car -o a.json --detail fin", "'fin' is not one of fine, objects; did you mean 'fine'?"),
         ("draft --sketch a.png --scale-bar long -o a.json", "argument --scale-bar: 'long' is not a number"),
-        ("street --recipe smal", "'smal' is not one of small, paper"),
+        ("street --recipe smal", "'smal' is not one of paper-small, paper"),
         ("segmenter --pair folder", "the following arguments are required: -o/--output"),
     ],
 )

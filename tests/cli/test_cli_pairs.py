@@ -95,9 +95,9 @@ def test_a_sequence_becomes_pairs_and_a_second_call_adds_what_is_new(
     assert folder.sensor == Sensor.load("small.json")
     assert [Path(note["scan"]).name for note in folder.notes] == ["000000.bin", "000001.bin", "000002.bin"]
     for pair in (folder[i] for i in range(3)):
-        both = pair.scan.valid & pair.simulated.valid
+        both = pair.scan.valid & pair.condition_image.valid
         assert both.sum() > 0.7 * pair.scan.valid.sum()
-        assert np.median(np.abs(pair.scan.depth - pair.simulated.depth)[both]) < 0.3
+        assert np.median(np.abs(pair.scan.depth - pair.condition_image.depth)[both]) < 0.3
 
 
 def test_several_processes_make_the_same_pairs(recordings: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,4 +1,4 @@
-"""`lidardraft-train`, from nothing to weights and to the table of the ablation; and `lidardraft evaluate`."""
+"""`lidardraft-train`, from nothing to weights; and `lidardraft evaluate`."""
 
 import dataclasses
 import os
@@ -28,7 +28,6 @@ from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetPair
 from lidardraft.training import recipes
-from lidardraft.training.recipes import ARMS
 
 DATA = Path(os.environ.get("LIDARDRAFT_DATA", "nowhere"))
 ARGV = ["street", "--recipe", "tiny", "--sensor", "small.json", "--work", "work", "-o", "tiny.safetensors"]
@@ -58,7 +57,6 @@ def _unseen_streets(num: int, on_street: object = None, **named: Any) -> list[St
         (["--data", "nowhere"], "nowhere"),
         (["--init", "nothing"], "weights are 'nothing'"),
         (["--init", "paper-small"], "are of another form: widths is (64, 96, 128, 128), not (8, 8, 16, 16)"),
-        (["--base-steps", "3"], "--base-steps is of the weights of --init, and of a recipe with a base"),
         (["-o", "."], ". is a folder; the weights are a file"),
         (["--work", "small.json"], "small.json is a file; it must be a folder"),
     ],
@@ -98,10 +96,10 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
     assert all(torch.equal(scored[0][name], weight) for name, weight in shipped.items())
 
     card = weight_file.read_card("tiny.safetensors")
-    assert [stage["step"] for stage in card["stages"]] == [2]
+    assert [stage["step"] for stage in card["stages"]] == [2, 2]
     assert SensorLimits.from_dict(card["sensors"]) == SensorLimits.from_sensor(Sensor.load("small.json"))
     names = [scores["name"] for scores in card["scores"]]
-    assert names == ["detailed scan", "other streets", "bare", "simulated", "generated", "untrained"]
+    assert names == ["detailed scan", "other streets", "condition image", "simulated", "generated", "untrained"]
     assert train.main([*ARGV, *SHORT, "--seed", "5"]) == 2  # the run is of another seed
     assert "use another folder" in capsys.readouterr().err
     generate = ["generate", "--text", "a car ahead", "--sensor", "small.json", "--steps", "2"]
@@ -109,7 +107,7 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
 
 
 def test_the_papers_stages_follow_one_another(capsys: pytest.CaptureFixture[str]) -> None:
-    argv = ["street", "--recipe", "tiny-paper", "--sensor", "small.json", "--work", "work", "-o", "paper.safetensors"]
+    argv = ["street", "--recipe", "tiny", "--sensor", "small.json", "--work", "work", "-o", "paper.safetensors"]
     assert train.main([*argv, *SHORT]) == 0
     denoiser = weight_file.load("paper.safetensors", Denoiser)
     assert denoiser.controlnet is not None
@@ -117,40 +115,35 @@ def test_the_papers_stages_follow_one_another(capsys: pytest.CaptureFixture[str]
     assert base.controlnet is None
     assert weight_file.read_card("paper.safetensors")["scores"][2]["name"] == "condition image"
     capsys.readouterr()
-    # the last stage alone, on the base of the weights to begin with, or a network that completes
+    # the last stage alone, on the base of the weights to begin with
     go_on = ["--init", "paper.safetensors", "--sensor", "small.json", *SHORT]
-    for recipe in ("tiny-paper", "tiny"):
-        argv = ["street", "--recipe", recipe, "--work", f"more-{recipe}", "-o", f"more-{recipe}.safetensors"]
-        assert train.main([*argv, *go_on]) == 0
-        assert [path.name for path in Path(f"more-{recipe}").iterdir() if path.is_dir()] == ["stage-1"]
-    assert weight_file.load("more-tiny.safetensors", Denoiser).config.completes
+    assert train.main(["street", "--recipe", "tiny", "--work", "more", "-o", "more.safetensors", *go_on]) == 0
+    assert [path.name for path in Path("more").iterdir() if path.is_dir()] == ["stage-1"]
     assert train.main(["street", "--work", "wide", "-o", "wide.safetensors", *go_on]) == 2
     err = "the weights to begin with are of another form: widths is (8, 8, 16, 16), not (64, 96, 128, 128)\n"
     assert capsys.readouterr().err.endswith(f"\nlidardraft-train: {err}")
 
 
-def test_the_base_of_given_weights_learns_on_and_then_their_controlnet(capsys: pytest.CaptureFixture[str]) -> None:
-    *_, form = recipes.tiny_paper()
+def test_the_controlnet_of_given_weights_learns_on(capsys: pytest.CaptureFixture[str]) -> None:
+    *_, form = recipes.tiny()
     torch.manual_seed(1)
     given = Denoiser.from_config(form.denoiser)
     assert given.controlnet is not None
     with torch.no_grad():
         given.controlnet.encoder.stem.weight.neg_()  # no copy of the encoder, as after a training
+        given.network.head.weight.normal_(std=0.05)  # a base that has learned
     sampling = {"steps": 3, "guidance": 1.5, "last_noise": 0.2}
     weight_file.save(given, "given.safetensors", {"sampling": sampling})
-    argv = ["street", "--recipe", "tiny-paper", "--sensor", "small.json", "--init", "given.safetensors"]
-    argv += ["--base-steps", "3", "--batch", "1", "--evaluate", "1", "--work", "work", "-o", "further.safetensors"]
+    argv = ["street", "--recipe", "tiny", "--sensor", "small.json", "--init", "given.safetensors"]
+    argv += ["--batch", "1", "--evaluate", "1", "--work", "work", "-o", "further.safetensors"]
     assert train.main([*argv, "--steps", "7", "--minutes", "0.0001"]) == 0
     assert "stage-1: stopped after 0.0001 minutes; the same call goes on" in capsys.readouterr().out
     assert train.main([*argv, "--steps", "7"]) == 0
-    stages = [Path(f"work/stage-{number}/weights.safetensors") for number in (1, 2)]
-    cards = [weight_file.read_card(path) for path in stages]
-    assert [(card["step"], card["training"]["learning_rate"]) for card in cards] == [(3, 0.3 * 0.01), (7, 0.3 * 0.01)]
-    base, control = (weight_file.load(path, Denoiser) for path in stages)
-    assert base.config == recipes.tiny_paper()[0].denoiser
-    learned = base.network.state_dict()
+    (stage,) = (path / "weights.safetensors" for path in Path("work").iterdir() if path.is_dir())
+    card, control = weight_file.read_card(stage), weight_file.load(stage, Denoiser)
+    assert (card["step"], card["training"]["learning_rate"]) == (7, 0.3 * 0.01)
+    learned = given.network.state_dict()
     assert all(torch.equal(learned[name], weight) for name, weight in control.network.state_dict().items())
-    assert not torch.equal(learned["encoder.stem.weight"], given.network.encoder.stem.weight)
     # the given ControlNet has learned on: the first steps are of its zero convolutions, the others small
     assert control.controlnet is not None
     moved = control.controlnet.encoder.stem.weight - given.controlnet.encoder.stem.weight
@@ -192,10 +185,10 @@ def test_a_data_set_becomes_the_papers_training(capsys: pytest.CaptureFixture[st
     argv = ["pairs", "--dataset", "semantickitti", "set", "--split", "train", "--sensor", "tiny.json", "-o", "pairs"]
     assert cli.main(argv) == 0
     assert "pairs: 2 pairs, 2 of them new" in capsys.readouterr().out
-    argv = ["street", "--data", "pairs=1", "--recipe", "tiny-paper", "--work", "work", "-o", "paper.safetensors"]
+    argv = ["street", "--data", "pairs=1", "--recipe", "tiny", "--work", "work", "-o", "paper.safetensors"]
     assert train.main([*argv, "--steps", "1", "--batch", "1", "--evaluate", "1"]) == 0
     denoiser, card = weight_file.load("paper.safetensors", Denoiser), weight_file.read_card("paper.safetensors")
-    assert denoiser.config == recipes.tiny_paper()[-1].denoiser
+    assert denoiser.config == recipes.tiny()[-1].denoiser
     assert [stage["step"] for stage in card["stages"]] == [1, 1]
     assert card["data"] == "recordings, tiny"
 
@@ -204,7 +197,7 @@ def test_a_data_set_becomes_the_papers_training(capsys: pytest.CaptureFixture[st
 def test_real_scans_become_a_training() -> None:
     Path("set").symlink_to(DATA / "kitti/object")
     assert cli.main(["pairs", "--dataset", "kitti", "set", "-o", "pairs"]) == 0
-    argv = ["street", "--data", "pairs", "--recipe", "tiny-paper", "--work", "work", "-o", "real.safetensors"]
+    argv = ["street", "--data", "pairs", "--recipe", "tiny", "--work", "work", "-o", "real.safetensors"]
     assert train.main([*argv, "--steps", "2", "--batch", "1", "--evaluate", "1"]) == 0
 
 
@@ -217,14 +210,11 @@ def test_a_run_that_is_stopped_goes_on_with_the_same_call(capsys: pytest.Capture
     assert Path("tiny.safetensors").exists()
 
 
-ABLATION = ["ablation", "--sensor", "small.json", "--base-steps", "1", "--steps", "1", "-n", "1", "--work", "work"]
-
-
 def test_pairs_become_a_segmenter(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     sensor = Sensor(name="small", elevations=tuple(np.linspace(0.03, -0.4, 16).tolist()), columns=64)
     road = Primitive(shape="plane", center=(0, 0, 0), size=(60, 60, 0), label="road", id="road")
     image = raycast(Layout(primitives=(road,)), sensor)
-    list(write_pairs(tmp_path / "pairs", [(Pair(image, image, image), {})]))
+    list(write_pairs(tmp_path / "pairs", [(Pair(image, image), {})]))
     argv = ["segmenter", "--pairs", str(tmp_path / "pairs"), "--batch", "1", "-o", str(tmp_path / "run")]
     assert train.main([*argv, "--steps", "2", "--minutes", "1e-9"]) == 0
     assert train.main([*argv, "--steps", "2"]) == 0
@@ -251,51 +241,14 @@ def test_a_file_in_the_place_of_the_run_is_refused_before_the_pairs_are_read(
     assert capsys.readouterr().err == "lidardraft-train: m.obj is a file; it must be a folder\n"
 
 
-def test_the_table_has_a_row_for_each_arm(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    tiny = recipes.tiny_paper()
-    monkeypatch.setattr(recipes, "paper_small", lambda: tiny)
-    for alike in ("ControlNet not fine-tuned", "without classes", "semantic map alone"):
-        monkeypatch.delitem(ARMS, alike)  # they differ in their configs alone
-    assert train.main(ABLATION) == 0
-    shown = capsys.readouterr().out
-    assert shown.startswith("1 street, small; base 1 steps, each arm 1 steps\n")
-    number = r" +(?:\d+\.\d{3}|nan)"
-    rows = re.findall(rf"^(\S.*?){number}{number} +\d\.\d{{3}} +\d+\.\d{{3}} +\d\.\d{{3}}$", shown, re.MULTILINE)
-    assert rows == ["other streets", "cast passed through", "untrained", "no condition", *ARMS]
-    argv = ["evaluate", "table", "--real", "work/scans/other-streets", "--generated"]
-    assert cli.main([*argv, "full=work/scans/paper", "bird-eye=work/scans/top-view-not-cast"]) == 0
-    assert capsys.readouterr().out.count("these 1 scans") == 2
-    base = weight_file.load("work/base/weights.safetensors", Denoiser)
-    steps = {}
-    for weights in Path("work").glob("*/weights.safetensors"):
-        arm = weight_file.load(weights, Denoiser)
-        steps[weights.parent.name] = weight_file.read_card(weights)["step"]
-        if arm.controlnet is not None:
-            pairs = zip(arm.network.parameters(), base.network.parameters(), strict=True)
-            assert all(torch.equal(one, other) for one, other in pairs)
-    assert steps == dict.fromkeys(steps, 1)
-    assert len(steps) == len(ARMS) + 1  # and the base
-    assert weight_file.read_card("work/top-view-not-cast/weights.safetensors")["data"].endswith("from above")
-    assert train.main([*ABLATION, "--base", "work/base/weights.safetensors"]) == 0  # all of it is there already
-    assert capsys.readouterr().out.splitlines()[1:] == shown.splitlines()[1:]
-
-
-def test_an_ablation_that_cannot_be_is_one_line(capsys: pytest.CaptureFixture[str]) -> None:
-    assert train.main([*ABLATION, "--device", "abacus"]) == 2
-    assert "device is 'abacus'" in capsys.readouterr().err
-    Path("work").write_text("")
-    assert train.main(ABLATION) == 2
-    assert "work is a file; it must be a folder" in capsys.readouterr().err
-
-
 def test_scores_of_unseen_streets(capsys: pytest.CaptureFixture[str]) -> None:
     argv = ["evaluate", "--weights", "paper-small", "-n", "1", "--sensor", "small.json", "--steps", "2"]
     assert cli.main(argv) == 0
     captured = capsys.readouterr()
     assert captured.out.startswith("1 street, small, 2 steps\n")
     names = captured.out.splitlines()[1].split()
-    assert names == ["objects", "other", "all", "drop", "range", "height", "BEV", "classes", "holes", "lone", "own"]
-    rows = re.findall(r"^(\S.*?)(?: +(?:\d\.\d{3}|nan)){11}$", captured.out, re.MULTILINE)
+    assert names == ["objects", "other", "all", "drop", "range", "height", "BEV", "classes", "holes", "lone"]
+    rows = re.findall(r"^(\S.*?)(?: +(?:\d\.\d{3}|nan)){10}$", captured.out, re.MULTILINE)
     assert rows == ["detailed scan", "other streets", "condition image", "simulated", "generated", "untrained"]
     assert len(re.findall(r"^ {4}all, by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) == 6
     assert len(re.findall(r"^ {4}intensity \(JSD\), by class: .*road \d\.\d\d", captured.out, re.MULTILINE)) >= 2

@@ -55,8 +55,8 @@ def test_the_file_itself_is_not_replaced(image: RangeImage, refused: Callable[..
 
 
 def test_training_pairs(image: RangeImage, capsys: pytest.CaptureFixture[str]) -> None:
-    list(write_pairs("pairs", [(Pair(image, image, image), {})] * 7))
-    list(write_pairs("pairs", [(Pair(image, image, image), {})]))
+    list(write_pairs("pairs", [(Pair(image, image), {})] * 7))
+    list(write_pairs("pairs", [(Pair(image, image), {})]))
     assert cli.main(["view", "pairs/00000.npz"]) == 0
     assert "holds 7 pairs; the picture shows the first 6" in capsys.readouterr().err
     assert cli.main(["view", "pairs/00001.npz"]) == 0
@@ -76,7 +76,7 @@ def test_bad_input_is_one_line(image: RangeImage, refused: Callable[..., str]) -
     assert "--boxes are for one file" in refused("view", "film", "--boxes", "a.boxes.json")
     assert "its name must end in .png or .html" in refused("view", "image.npz", "-o", "a.jpg")
     assert "--sensor is for" in refused("view", "image.npz", "--sensor", "hdl64e")
-    list(write_pairs("pairs", [(Pair(image, image, image), {})]))
+    list(write_pairs("pairs", [(Pair(image, image), {})]))
     Path("pairs/index.json").unlink()
     assert "index.json" in refused("view", "pairs/00000.npz")
 

@@ -1,23 +1,20 @@
-"""Scans, conditions and top views as a network sees them."""
+"""Scans and conditions as a network sees them."""
 
 import dataclasses
 
 import numpy as np
 import pytest
-import torch
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lidardraft.diffusion.channels import (
     CLASS,
-    CONDITION_CHANNELS,
-    CONDITION_PARTS,
     DEPTH,
     INTENSITY,
     STATE_CHANNELS,
     VALIDITY,
 )
-from lidardraft.diffusion.codec import MAX_DEPTH, decode_scan, encode_condition, encode_rays, encode_scan
+from lidardraft.diffusion.codec import MAX_DEPTH, decode_scan, encode_rays, encode_scan
 from lidardraft.errors import SensorError
 from lidardraft.formats.pairs import IMAGES
 from lidardraft.scene.layout import Layout, Primitive
@@ -25,8 +22,6 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME, NUM_CLASSES
-from lidardraft.training import sources
-from lidardraft.training.sources import top_view
 from lidardraft.training.stack import PairStack, as_tensors
 
 SENSOR = Sensor(name="small", elevations=(0.1, 0.0, -0.1, -0.2), columns=8)
@@ -151,40 +146,6 @@ def test_what_the_vehicle_hides_is_no_return() -> None:
     assert hidden.blocked_pixels.any()
 
 
-def test_the_condition_is_the_state_of_the_cast_and_that_of_the_simulated_scan() -> None:
-    depth = np.full(SENSOR.shape, 10.0)
-    depth[2, 5] = 0
-    cast, simulated = image(depth), image(depth + 2, 7, intensity=np.full(SENSOR.shape, 0.4))
-    condition = encode_condition(cast, simulated)
-    assert condition.dtype == np.float32
-    assert condition.shape == (CONDITION_CHANNELS, 4, 8)
-    np.testing.assert_array_equal(condition[CONDITION_PARTS["depth"]], encode_scan(cast)[[DEPTH, VALIDITY]])
-    np.testing.assert_array_equal(condition[CONDITION_PARTS["class"]], encode_scan(cast)[CLASS])
-    state = encode_scan(simulated)
-    state[CLASS] = encode_scan(cast)[CLASS]  # which pairs on disk keep, as they do not those of the simulated scan
-    np.testing.assert_array_equal(condition[CONDITION_PARTS["simulated"]], state)
-    assert not condition[CONDITION_PARTS["open"]].any()
-
-
-def test_what_stands_in_open_pixels_does_not_show_in_the_condition() -> None:
-    is_open = np.zeros(SENSOR.shape, dtype=bool)
-    is_open[:, 2:5] = True
-    conditions = []
-    for hidden in (7.0, 30.0):
-        depth = np.full(SENSOR.shape, 12.0)
-        depth[:, 5] = 0  # given without a return, beside what is open
-        depth[is_open] = hidden
-        label = np.where(is_open, int(hidden) % NUM_CLASSES, 13)
-        layout, simulated = image(depth, label), image(depth, label, depth / 100)
-        conditions.append(encode_condition(layout, simulated, is_open))
-    np.testing.assert_array_equal(*conditions)
-    condition, closed = conditions[0], encode_condition(layout, simulated)
-    np.testing.assert_array_equal(condition[CONDITION_PARTS["open"]][0], is_open)
-    assert not condition[:-1, is_open].any()
-    given = ~is_open & (depth > 0)
-    np.testing.assert_array_equal(condition[:, given], closed[:, given])
-
-
 def test_rays_say_what_the_vehicle_hides() -> None:
     hidden = dataclasses.replace(SENSOR, blocked=(((-0.5, 0.5),), (), (), ()))
     np.testing.assert_array_equal(encode_rays(hidden)[4], hidden.blocked_pixels)
@@ -217,56 +178,18 @@ def test_stacks_of_compact_images_are_encoded_as_a_loop_over_pixels_would(span: 
     elevations = tuple(np.linspace(0.05, -0.4, 16).tolist())
     sensor = Sensor(name="some", elevations=elevations, columns=48, azimuth_start=span / 2, azimuth_span=span)
     rows = {name: rng.integers(0, 256, (3, 16, 48)).astype(dtype) for name, dtype in IMAGES.items()}
-    for part in ("scan", "condition", "simulated"):
+    for part in ("scan", "condition"):
         rows[f"{part}_depth"] = rng.integers(0, 65536, (3, 16, 48)).astype(np.uint16)
         rows[f"{part}_depth"][rng.random((3, 16, 48)) < 0.4] = 0
     rows["scan_depth"][0, 3] = 0
     for name in ("scan_label", "condition_label"):
         rows[name] %= NUM_CLASSES
-    is_open = rng.random((3, 16, 48)) < 0.3
     stack = PairStack.of(sensor, as_tensors(rows))
-    depths = {part: rows[f"{part}_depth"] * 0.002 for part in ("scan", "condition", "simulated")}
-    states, conditions = stack.states().numpy(), stack.conditions(torch.from_numpy(is_open)).numpy()
+    depths = {part: rows[f"{part}_depth"] * 0.002 for part in ("scan", "condition")}
+    states, conditions = stack.states().numpy(), stack.conditions().numpy()
     for n in range(3):
         intensity = rows["scan_intensity"][n] / 255
         scan = state_by_hand(sensor, depths["scan"][n], rows["scan_label"][n], intensity)
         np.testing.assert_allclose(states[n], scan, rtol=0, atol=1e-6)
-        given, label = ~is_open[n], rows["condition_label"][n] * ~is_open[n]
-        intensity = given * rows["simulated_intensity"][n] / 255
-        cast = state_by_hand(sensor, depths["condition"][n] * given, label, None)
-        simulated = state_by_hand(sensor, depths["simulated"][n] * given, label, intensity)
-        expected = np.concatenate([cast * given, simulated * given, is_open[n][None]])
-        np.testing.assert_allclose(conditions[n], expected, rtol=0, atol=1e-6)
-
-
-ABOVE = Sensor(name="small", elevations=tuple(np.linspace(0.05, -0.4, 16).tolist()), columns=128)
-ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(300, 300, 0), label="road", id="road")
-TOWER = Primitive(shape="box", center=(12, 0, 20), size=(6, 6, 40), label="building", id="tower")
-CAR = Primitive(shape="box", center=(0, 8, 0.75), size=(2, 4, 1.5), label="car", id="car", instance=1)
-
-
-def test_a_pixel_is_the_surface_below_its_place() -> None:
-    image = top_view(Layout(primitives=(ROAD, TOWER, CAR)), ABOVE, ABOVE.pose())
-    distance = np.geomspace(sources.FAR, sources.NEAR, 16)
-    azimuth = ABOVE.azimuth_start - (np.arange(128) + 0.5) * ABOVE.azimuth_span / 128
-    x, y = distance[:, None] * np.cos(azimuth), distance[:, None] * np.sin(azimuth)
-    expected = np.full(ABOVE.shape, BY_NAME["road"].id)
-    expected[(abs(x - 12) < 3) & (abs(y) < 3)] = BY_NAME["building"].id
-    expected[(abs(x) < 1) & (abs(y - 8) < 2)] = BY_NAME["car"].id
-    assert len(np.unique(expected)) == 3
-    np.testing.assert_array_equal(image.label, expected)
-    depths = {name: np.unique(image.depth[image.label == BY_NAME[name].id]) for name in ("road", "car", "building")}
-    assert depths["road"] == pytest.approx([12 + ABOVE.mount_height], abs=1e-3)
-    assert depths["car"] == pytest.approx([12 + ABOVE.mount_height - 1.5], abs=1e-3)
-    assert depths["building"] == pytest.approx([0.1])  # higher than the ceiling
-
-
-def test_the_view_turns_and_moves_with_the_sensor() -> None:
-    layout = Layout(primitives=(ROAD, CAR))
-    here = top_view(layout, ABOVE, ABOVE.pose())
-    turned = top_view(layout, ABOVE, ABOVE.pose(yaw=np.pi / 2))
-    # to the left of a sensor that looks along x is ahead of one that looks along y
-    np.testing.assert_array_equal(np.roll(here.label, 32, axis=1), turned.label)
-    away = dataclasses.replace(CAR, center=(50, 8, 0.75))
-    moved = top_view(Layout(primitives=(ROAD, away)), ABOVE, ABOVE.pose(x=50))
-    np.testing.assert_array_equal(moved.label, here.label)
+        cast = state_by_hand(sensor, depths["condition"][n], rows["condition_label"][n], None)
+        np.testing.assert_allclose(conditions[n], cast, rtol=0, atol=1e-6)

@@ -2,7 +2,7 @@ import dataclasses
 
 import torch
 
-from lidardraft.diffusion.channels import CONDITION_CHANNELS, CONDITION_PARTS, RAY_CHANNELS, STATE_CHANNELS
+from lidardraft.diffusion.channels import CONDITION_PARTS, INTENSITY, RAY_CHANNELS, STATE_CHANNELS
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 
@@ -29,7 +29,7 @@ def test_a_fresh_controlnet_leaves_the_base_bit_identical() -> None:
     torch.manual_seed(0)
     base = with_all_weights_random(Denoiser.from_config(dataclasses.replace(CONFIG, condition=(), controlnet=False)))
     x, sigma = torch.randn(2, STATE_CHANNELS, 16, 64), torch.tensor([0.1, 2.0])
-    condition = torch.rand(2, CONDITION_CHANNELS, 16, 64)
+    condition = torch.rand(2, STATE_CHANNELS, 16, 64)
     before = base.denoise(x, sigma, RAYS, wraps=True)
     controlled = base.with_controlnet(CONFIG)
     assert torch.equal(controlled.denoise(x, sigma, RAYS, condition, wraps=True), before)
@@ -45,24 +45,23 @@ def test_a_fresh_controlnet_leaves_the_base_bit_identical() -> None:
 
 
 @torch.no_grad()
-def test_a_controlnet_sees_the_cast_and_neither_the_simulated_scan_nor_the_noisy_one() -> None:
+def test_a_controlnet_sees_the_parts_of_the_cast_and_no_intensity() -> None:
     torch.manual_seed(0)
     denoiser = with_all_weights_random(Denoiser.from_config(CONFIG))
     x, sigma = torch.randn(1, STATE_CHANNELS, 16, 64), torch.tensor([0.5])
-    condition = torch.rand(1, CONDITION_CHANNELS, 16, 64)
+    condition = torch.rand(1, STATE_CHANNELS, 16, 64)
     y = denoiser.denoise(x, sigma, RAYS, condition, wraps=True)
-    for part in CONDITION_PARTS:
+    for part, channels in (CONDITION_PARTS | {"intensity": [INTENSITY]}).items():
         other = condition.clone()
-        other[:, CONDITION_PARTS[part]] += 1
-        same = torch.equal(denoiser.denoise(x, sigma, RAYS, other, wraps=True), y)
-        assert same == (part in ("simulated", "open")), part
+        other[:, channels] += 1
+        assert torch.equal(denoiser.denoise(x, sigma, RAYS, other, wraps=True), y) == (part == "intensity"), part
 
 
 @torch.no_grad()
 def test_what_is_read_of_a_condition_serves_every_noise_level() -> None:
     torch.manual_seed(0)
     denoiser = with_all_weights_random(Denoiser.from_config(CONFIG))
-    condition = torch.rand(1, CONDITION_CHANNELS, 16, 64)
+    condition = torch.rand(1, STATE_CHANNELS, 16, 64)
     reading = denoiser.read(condition, RAYS, wraps=True)
     for sigma in (torch.tensor([0.05]), torch.tensor([5.0])):
         x = torch.randn(1, STATE_CHANNELS, 16, 64)
@@ -79,7 +78,7 @@ def test_the_deep_stages_are_reached_by_a_gradient_that_is_not_zero() -> None:
             if "fuse" in name and name.endswith("bias"):
                 weight -= 100.0
         denoiser.network.head.weight.normal_()
-    x, condition = torch.randn(1, STATE_CHANNELS, 16, 64), torch.rand(1, CONDITION_CHANNELS, 16, 64)
+    x, condition = torch.randn(1, STATE_CHANNELS, 16, 64), torch.rand(1, STATE_CHANNELS, 16, 64)
     denoiser.loss(x, torch.ones(1), torch.randn_like(x), RAYS, condition, wraps=True).backward()
     assert denoiser.controlnet is not None
     for name, conv in denoiser.controlnet.zero_convs():

@@ -7,7 +7,6 @@ import torch
 
 from lidardraft.diffusion.channels import (
     CLASS,
-    CONDITION_CHANNELS,
     CONDITION_PARTS,
     DEPTH,
     INTENSITY,
@@ -27,12 +26,9 @@ TINY = DenoiserConfig(
     refine_units=1,
     pools=1,
 )
-CONDITIONED = dataclasses.replace(TINY, condition=("depth", "class", "simulated"))
+CONDITIONED = dataclasses.replace(TINY, condition=("depth", "class"))
 CONTROLLED = dataclasses.replace(TINY, condition=("depth", "class"), controlnet=True)
-COMPLETING = dataclasses.replace(TINY, condition=("simulated", "open"))
-CONFIGS = pytest.mark.parametrize(
-    "config", [TINY, CONDITIONED, CONTROLLED, COMPLETING], ids=["free", "conditioned", "controlled", "completing"]
-)
+CONFIGS = pytest.mark.parametrize("config", [TINY, CONDITIONED, CONTROLLED], ids=["free", "conditioned", "controlled"])
 
 
 def rays(width: int = 64) -> torch.Tensor:
@@ -60,10 +56,7 @@ def a_state(batch: int = 2, width: int = 64) -> torch.Tensor:
 
 
 def a_condition(batch: int = 2, width: int = 64) -> torch.Tensor:
-    """With everything open."""
-    condition = torch.randn(batch, CONDITION_CHANNELS, 16, width)
-    condition[:, CONDITION_PARTS["open"]] = 1
-    return condition
+    return torch.randn(batch, STATE_CHANNELS, 16, width)
 
 
 @CONFIGS
@@ -128,7 +121,7 @@ def test_a_sample_does_not_depend_on_its_batch(config: DenoiserConfig) -> None:
     torch.testing.assert_close(together[1:2], alone, atol=1e-4, rtol=1e-3)
 
 
-@pytest.mark.parametrize("part", ["depth", "class", "simulated"])
+@pytest.mark.parametrize("part", CONDITION_PARTS)
 @torch.no_grad()
 def test_a_network_sees_the_parts_of_the_condition_that_it_names(part: str) -> None:
     denoiser = shaken(Denoiser.from_config(dataclasses.replace(CONDITIONED, condition=(part,))))
@@ -218,7 +211,7 @@ def test_odd_numbers_of_cells_are_fine() -> None:
     assert y.shape == (1, STATE_CHANNELS, 16, 60)
 
 
-@pytest.mark.parametrize("config", [CONDITIONED, COMPLETING, CONTROLLED], ids=["conditioned", "completing", "control"])
+@pytest.mark.parametrize("config", [CONDITIONED, CONTROLLED], ids=["conditioned", "control"])
 @torch.no_grad()
 def test_what_is_built_on_a_base_begins_as_that_base(config: DenoiserConfig) -> None:
     base = shaken(Denoiser.from_config(TINY))
@@ -232,38 +225,3 @@ def test_what_is_built_on_a_base_begins_as_that_base(config: DenoiserConfig) -> 
     heeded = shaken(built).denoise(x, sigma, BEAMS, a_condition(), wraps=True)
     assert not torch.allclose(heeded, shaken(built).denoise(x, sigma, BEAMS, a_condition().flip(-1), wraps=True))
     assert (built.base().config == TINY) == config.controlnet
-
-
-def half_open() -> tuple[torch.Tensor, torch.Tensor]:
-    """A condition whose right half is open, and that half, bool [16, 64]."""
-    condition, is_open = a_condition(), torch.zeros(16, 64, dtype=torch.bool)
-    is_open[:, 32:] = True
-    condition[:, CONDITION_PARTS["open"]] = is_open.float()
-    return condition, is_open
-
-
-@torch.no_grad()
-def test_a_completing_network_leaves_what_is_given_exactly_as_simulated() -> None:
-    denoiser = shaken(Denoiser.from_config(COMPLETING))
-    condition, is_open = half_open()
-    y = denoiser.denoise(a_state(), torch.tensor([0.1, 2.0]), BEAMS, condition, wraps=True)
-    simulated = condition[:, CONDITION_PARTS["simulated"]]
-    assert torch.equal(y[..., ~is_open], simulated[..., ~is_open])
-    assert (y[..., is_open] != simulated[..., is_open]).float().mean() > 0.99
-
-
-@torch.no_grad()
-def test_the_loss_of_a_completing_network_is_that_of_the_open_pixels() -> None:
-    denoiser = shaken(Denoiser.from_config(COMPLETING))
-    condition, is_open = half_open()
-    clean, sigma, noise = a_state(), torch.tensor([0.1, 2.0]), a_state()
-    loss = denoiser.loss(clean, sigma, noise, BEAMS, condition, wraps=True)
-    given, made = clean.clone(), clean.clone()
-    given[..., ~is_open] += 1
-    made[..., is_open] += 1
-    # what is given is the simulated scan, whatever the scan has there
-    assert torch.equal(denoiser.loss(given, sigma, noise, BEAMS, condition, wraps=True), loss)
-    assert (denoiser.loss(made, sigma, noise, BEAMS, condition, wraps=True) != loss).all()
-    everything = a_condition()
-    everything[:, CONDITION_PARTS["open"]] = 0
-    assert not denoiser.loss(clean, sigma, noise, BEAMS, everything, wraps=True).any()  # nothing is open

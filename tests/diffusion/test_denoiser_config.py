@@ -11,13 +11,13 @@ from lidardraft.errors import LidarDraftError
 from lidardraft.training import recipes
 
 TINY = DenoiserConfig(cell=(2, 4), widths=(8, 8, 16, 16), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2))
-CONDITIONED = dataclasses.replace(TINY, condition=("depth", "class", "simulated"))
+CONDITIONED = dataclasses.replace(TINY, condition=("depth", "class"))
 CONTROLLED = dataclasses.replace(TINY, condition=("depth", "class"), controlnet=True)
 
 
 def test_what_is_not_said_is_as_in_the_base_of_the_weights_that_ship() -> None:
     given = {"cell", "widths", "strides", "dilations"}
-    base = recipes.small()[0].denoiser
+    base = recipes.paper_small()[0].denoiser
     for field in dataclasses.fields(DenoiserConfig):
         assert field.name in given or getattr(base, field.name) == field.default
 
@@ -25,7 +25,7 @@ def test_what_is_not_said_is_as_in_the_base_of_the_weights_that_ship() -> None:
 def test_a_condition_stands_beside_the_rays_unless_a_controlnet_sees_it() -> None:
     assert TINY.context == CONTROLLED.context == RAY_CHANNELS
     assert CONDITIONED.context == RAY_CHANNELS + len(CONDITIONED.condition_channels)
-    assert len(CONDITIONED.condition_channels) == 2 + 5 + 8
+    assert len(CONDITIONED.condition_channels) == 2 + 5
 
 
 @pytest.mark.parametrize(
@@ -37,10 +37,8 @@ def test_a_condition_stands_beside_the_rays_unless_a_controlnet_sees_it() -> Non
         ({"strides": (1, 2)}, r"strides \(1, 2\) and dilations \(1, 1, 1, 2\) must match"),
         ({"blocks": 0}, "blocks is 0; it must be 1 to 64"),
         ({"condition": ("class", "depth")}, r"condition is \('class', 'depth'\); it must be some of depth, class"),
-        ({"condition": ("smell",)}, r"condition is \('smell',\); it must be some of depth, class, simulated, open"),
-        ({"controlnet": True}, r"condition is \(\); a ControlNet sees depth, class or both"),
-        ({"condition": ("simulated",), "controlnet": True}, "a ControlNet sees depth, class or both"),
-        ({"condition": ("open",)}, "completes the simulated scan; the condition must have it"),
+        ({"condition": ("smell",)}, r"condition is \('smell',\); it must be some of depth, class,"),
+        ({"controlnet": True}, "condition is empty; a ControlNet sees depth, class or both"),
         ({"pools": 2.5}, "pools is 2.5; it must be 0 to 64"),
     ],
 )

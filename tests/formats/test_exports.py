@@ -14,8 +14,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import webdataset
-from mcap.reader import make_reader
-from mcap_protobuf.decoder import DecoderFactory
 from PIL import Image
 
 from foreign_readers import (
@@ -24,7 +22,6 @@ from foreign_readers import (
     Box,
     kitti_calibration,
     las,
-    mcap_pose,
     mmdet3d,
     nuscenes,
     semantickitti,
@@ -72,7 +69,7 @@ def frames() -> list[Frame]:
 _MARGIN = 0.12  # m around boxes: noise
 KITTI = {"car": "Car", "truck": "Truck", "rider": "Cyclist"}
 UNBOXED = ("semantickitti", "pcd", "ply", "las")
-WITH_UNSEEN = ("nuscenes", "mcap", "ros2", "webdataset")  # formats that keep objects without a point
+WITH_UNSEEN = ("nuscenes", "ros2", "webdataset")  # formats that keep objects without a point
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # webdataset leaves its files open
@@ -251,26 +248,6 @@ def test_classes_of_las(frames: list[Frame], tmp_path: Path) -> None:
     for frame, found in zip(frames, las(tmp_path / "out"), strict=True):
         for label, code in {1: 11, 4: 68, 13: 77}.items():  # roads; walls and cars, which ASPRS does not have
             assert set(found.fields["classification"][frame.label == label]) == {code}
-
-
-def test_topics_of_mcap_by_its_reader(frames: list[Frame], tmp_path: Path) -> None:
-    writer_of("mcap")(tmp_path / "out", [frames])
-    with (tmp_path / "out/000000.mcap").open("rb") as file:
-        found = list(make_reader(file, decoder_factories=[DecoderFactory()]).iter_decoded_messages())
-    schemas = {channel.topic: schema.name for schema, channel, *_ in found}
-    named = {"/lidar": "PointCloud", "/boxes": "SceneUpdate", "/tf": "FrameTransforms"}
-    assert schemas == {topic: f"foxglove.{name}" for topic, name in named.items()}
-    for k, frame in enumerate(frames):
-        said = {channel.topic: (message.log_time, decoded) for _, channel, message, decoded in found[3 * k : 3 * k + 3]}
-        middle = 1_600_000_000_000_000_000 + k * 100_000_000 + 50_000_000  # of the sweep
-        assert {time for time, _ in said.values()} == {middle}
-        cloud, (to_base, to_lidar) = said["/lidar"][1], said["/tf"][1].transforms
-        chain = [(each.parent_frame_id, each.child_frame_id) for each in (to_base, to_lidar)]
-        assert chain == [("map", "base_link"), ("base_link", cloud.frame_id)]
-        pose = mcap_pose(to_base.translation, to_base.rotation) @ mcap_pose(to_lidar.translation, to_lidar.rotation)
-        np.testing.assert_allclose(pose, frame.pose, atol=1e-9)
-        entities = [(entity.id, entity.frame_id) for entity in said["/boxes"][1].entities]
-        assert entities == [(each.box.id, "lidar") for each in frame.annotations]
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # it leaves its files open

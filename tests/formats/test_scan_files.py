@@ -101,7 +101,7 @@ def test_arrays_of_other_lengths_are_not_written(tmp_path):
         (b"\xff\xd8\xff\xe0\0\x10JFIF", "JPEG"),
         (b"glTF\2", "binary glTF"),
         (b"12.5 3.25 -1.75 0.5\n1.0 2.0 3.0 0.25\n", "text"),
-        (b'{"schema": "lidardraft.layout/1"}', "text"),
+        (b'{"schema": "lidardraft.layout/2"}', "text"),
     ],
 )
 def test_files_of_points_of_another_kind_are_named(tmp_path, start, kind):

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
+from comparison import compare
 from lidardraft.metrics import lifelike
-from lidardraft.metrics.lifelike import CLASS_SETS, PROPERTIES, Property, compare
+from lidardraft.metrics.lifelike import CLASS_SETS, PROPERTIES, Property
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import PRESETS

@@ -10,13 +10,14 @@ from scipy.spatial import cKDTree
 
 from lidardraft import Layout, Primitive, RangeImage, Sensor, raycast
 from lidardraft.errors import SensorError
+from lidardraft.scene.bodies import Bodies
 from lidardraft.scene.effects import observe, sub_rays
 from lidardraft.scene.raycast import Raycaster
-from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor_model import MODELS, IntensityCurve, SensorModel
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather, first_particle, particles
 from lidardraft.semantics import BY_NAME
+from lidardraft.simulation.sweeps import Sweeper
 
 
 def test_with_every_effect_off_the_scan_is_the_cast():
@@ -535,8 +536,8 @@ def test_a_scan_is_a_cast_that_is_observed() -> None:
         surfaces = Surfaces.from_layout(LAYOUT, wetness=1.0)
         expected = observe(clean, surfaces, seed=5, sensor=FEW, model=model, weather=RAIN, poses=pose)
         for threads in (None, 1, 3):
-            scanner = Scanner.from_layout(LAYOUT, FEW, model=model, weather=RAIN, threads=threads)
-            scan = scanner.observe(scanner.cast(pose, seed=4), pose, 5)
+            sweeper, bodies = Sweeper.of(FEW, model, RAIN, threads), Bodies.of(LAYOUT, RAIN.wetness, by_id=False)
+            scan = sweeper.observe(sweeper.cast(bodies, (), pose, 4), bodies.surfaces, pose, 5)
             assert same(scan, expected)
     assert expected.valid.mean() > 0.25
-    assert Scanner.from_layout(LAYOUT, FEW).model == SensorModel()
+    assert Sweeper.of(FEW, None, None).model == SensorModel()

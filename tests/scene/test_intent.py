@@ -18,12 +18,10 @@ from lidardraft import (
     detail,
     edit,
     layout_from_blender,
-    layout_from_boxes,
     layout_from_glb,
     layout_from_text,
     surround,
 )
-from lidardraft.drafting.solver.scene_spec import SceneSpec
 from lidardraft.formats.blender_script import blender_script
 from lidardraft.formats.glb import write_glb
 from lidardraft.scene.weather import WEATHERS, weather_of
@@ -138,62 +136,3 @@ def test_all_of_a_layout_travels_in_files_models_and_scripts(tmp_path: Path) -> 
     for found in (layout_from_glb(tmp_path / "a.glb"), layout_from_blender(blender_script(whole))):
         for name in ("provenance", "coverage", "roads", "intent", "notes"):
             assert getattr(found, name) == getattr(whole, name)
-
-
-def of_schema_1(layout: Layout, provenance: dict[str, object]) -> str:
-    document = {"schema": "lidardraft.layout/1", "provenance": provenance, "coverage": layout.coverage}
-    return json.dumps(document | {"primitives": [primitive.to_dict() for primitive in layout]})
-
-
-def test_a_layout_of_the_first_schema_is_read() -> None:
-    more = {"not_understood": ["llama"], "nearest_words": {"llama": "lama"}, "not_shown": ["red"], "ignored": ["x"]}
-    more |= {"notes": ["'trcuk' is read as 'truck'"], "findings": ["it floats"]}
-    around = {"district": "urban", "seed": 1, "objects": 3, "in_sight": 1.0, "hidden": {"car_1": "truck_1"}}
-    old = DRAFT.provenance | more | {"surroundings": around}
-    found = Layout.from_json(of_schema_1(DRAFT, old))
-    assert found.intent == dataclasses.replace(DRAFT.intent, around="urban")
-    assert found.provenance == old
-    assert found.primitives == DRAFT.primitives
-    assert found.notes == (
-        "not understood: llama; did you mean 'lama'?",
-        "not shown: red",
-        "ignored: x",
-        "'trcuk' is read as 'truck'",
-        "it floats",
-        "car_1 cannot be seen: truck_1 stands before it",
-    )
-    assert Layout.from_json(found.to_json()) == found
-    head = json.dumps({"provenance": old, "coverage": None})
-    script = blender_script(DRAFT).replace(repr(json.dumps(DRAFT.head())), repr(head))
-    assert layout_from_blender(script).notes == found.notes
-    assert layout_from_blender(script).intent == found.intent
-
-
-def test_old_streets_clusterings_and_what_others_wrote_are_read() -> None:
-    street = Layout.from_json(of_schema_1(Layout(), {"source": "streets", "district": "country"}))
-    assert street.intent == Intent(district="country")
-    for provenance in ({"source": "cloud"}, {"source": "my.bin", "sensor_height": 1.7}, {"source": "point cloud"}):
-        assert not Layout.from_json(of_schema_1(Layout(), provenance)).intent.headed
-    strange = {"notes": "by hand", "surroundings": None, "ignored": 3, "nearest_words": None, "spec": [], "source": []}
-    assert Layout.from_json(of_schema_1(Layout(), strange)).notes == ()
-    broken = {"spec": {"groups": [{"kind": "car"}]}, "objects": {"car_1": 7}}
-    with pytest.raises(FormatError, match=r"^provenance: not what lidardraft writes: list index out of range$"):
-        Layout.from_json(of_schema_1(Layout(), broken))
-    with pytest.raises(LayoutError, match=r"^provenance: weather is 'frogs'; it must be one of "):
-        Layout.from_json(of_schema_1(Layout(), {"spec": {"weather": "frogs"}}))
-
-
-def test_a_file_of_a_later_version_says_so(tmp_path: Path) -> None:
-    file = tmp_path / "a.layout.json"
-    file.write_text(DRAFT.to_json().replace("lidardraft.layout/2", "lidardraft.layout/3"))
-    later = "schema is 'lidardraft.layout/3'; this version reads 'lidardraft.layout/2'; a later version of lidardraft"
-    with pytest.raises(FormatError, match=f"a.layout.json: {later} wrote it: update lidardraft$"):
-        Layout.load(file)
-    file.write_text('{"schema": "lidardraft.scenario/1", "primitives": []}')
-    with pytest.raises(FormatError, match=r"this version reads 'lidardraft.layout/2'$"):
-        Layout.load(file)
-
-
-def test_a_spec_may_say_nothing() -> None:
-    assert Intent.of_spec(SceneSpec().to_dict(), {}) == Intent(road="straight")
-    assert layout_from_boxes(DRAFT.boxes()).intent == Intent()

@@ -1,84 +1,13 @@
-"""What a layout leaves open, in pixels, and how much of an object others hide."""
+"""How much of an object others hide."""
 
 import dataclasses
 
 import numpy as np
 import pytest
 
-from lidardraft import Box, Layout, Primitive, RangeImage, Sensor, raycast
-from lidardraft.errors import LayoutError
+from lidardraft import Box, Layout, Primitive, Sensor, raycast
 from lidardraft.scene.pose import inverse
-from lidardraft.scene.visibility import occluded_shares, open_pixels
-
-SENSOR = Sensor(name="small", elevations=tuple(np.deg2rad([10.0, -5.0, -20.0])), columns=72)
-LAWN = Primitive(shape="plane", center=(0, 0, 0), size=(200, 200, 0), label="terrain", id="lawn", open=True)
-ROAD = Primitive(shape="plane", center=(0, 0, 0.01), size=(200, 6, 0), label="road", id="road")
-CAR = Primitive(shape="box", center=(0, 12, 1), size=(4, 2, 2), label="car", id="car", instance=1)
-OPEN = Layout((ROAD, LAWN, CAR))
-CLOSED = Layout((ROAD, dataclasses.replace(LAWN, open=False), CAR))
-POSE = SENSOR.pose()
-
-
-def cast(layout: Layout, sensor: Sensor = SENSOR) -> RangeImage:
-    return raycast(layout, sensor, primitive=True)
-
-
-def test_what_an_open_shape_or_none_returns_is_open() -> None:
-    image = cast(OPEN)
-    found = open_pixels(OPEN, image, POSE)
-    assert found.dtype == bool
-    np.testing.assert_array_equal(found, (image.primitive == 1) | ~image.valid)
-    for part in (image.primitive == 1, image.primitive == 0, image.primitive == 2, ~image.valid):
-        assert part.any()
-
-
-@pytest.mark.parametrize("layout", [CLOSED, Layout()])
-def test_a_layout_without_an_open_shape_leaves_nothing_open_not_even_the_sky(layout: Layout) -> None:
-    image = cast(layout)
-    assert not image.valid.all()
-    assert not open_pixels(layout, image, POSE).any()
-
-
-@pytest.mark.parametrize("layout", [OPEN, CLOSED])
-@pytest.mark.parametrize(("yaw", "turn"), [(0.0, 0.0), (1.0, 0.0), (1.0, 3.0)])
-def test_what_is_outside_the_coverage_is_open(layout: Layout, yaw: float, turn: float) -> None:
-    seen = dataclasses.replace(layout, coverage=(-0.5, 1.5))
-    sensor = dataclasses.replace(SENSOR, azimuth_offsets=(0.0, 0.2, -0.2))
-    poses = sensor.poses_in_motion(sensor.pose(yaw=yaw), angular_velocity=(0.0, 0.0, turn))
-    image = raycast(seen, sensor, poses=poses, primitive=True)
-    # the azimuth in the world of each ray
-    all_around = Layout((Primitive(shape="cylinder", center=(0, 0, 0), size=(40, 40, 40), label="wall", id="w"),))
-    points = raycast(all_around, sensor, poses=poses).points(poses).reshape(3, 72, 3)
-    azimuth = np.arctan2(points[..., 1], points[..., 0])
-    inside = (azimuth > -0.5) & (azimuth < 1.5)
-    assert 0.25 < inside.mean() < 0.4
-    found = open_pixels(seen, image, poses)
-    assert found[~inside].all()
-    np.testing.assert_array_equal(found[inside], open_pixels(layout, image, poses)[inside])
-    if not turn:
-        np.testing.assert_array_equal(found, open_pixels(seen, image, poses[0]))
-
-
-def test_a_coverage_may_lie_across_the_back() -> None:
-    behind = Layout(CLOSED.primitives, coverage=(3.0, 3.5))
-    columns = np.flatnonzero(~open_pixels(behind, cast(behind), POSE).any(axis=0))
-    azimuth = (np.pi - (columns + 0.5) * 2 * np.pi / 72) % (2 * np.pi)
-    assert 3.0 < azimuth.min() < azimuth.max() < 3.5
-    assert len(columns) in (5, 6)
-
-
-def test_what_the_vehicle_hides_is_not_open() -> None:
-    hidden = dataclasses.replace(SENSOR, blocked=(((-0.5, 0.5),), (), ((1.0, 4.0),)))
-    image = cast(OPEN)
-    found = open_pixels(OPEN, dataclasses.replace(image, sensor=hidden), POSE)
-    np.testing.assert_array_equal(found, open_pixels(OPEN, image, POSE) & ~hidden.blocked_pixels)
-    assert not np.array_equal(found, open_pixels(OPEN, image, POSE))
-
-
-def test_a_cast_without_primitives_is_refused() -> None:
-    with pytest.raises(LayoutError, match="the condition image has no primitives; cast it with primitive=True"):
-        open_pixels(OPEN, raycast(OPEN, SENSOR), POSE)
-
+from lidardraft.scene.visibility import occluded_shares
 
 FEW = Sensor(
     name="few",

@@ -178,12 +178,3 @@ def test_a_map_is_driven() -> None:
     one, two = (tracks_of(given, Scenario(), 3.0) for given in (layout, of_map))
     assert one.actors.keys() == two.actors.keys() != set()
     assert one.ego.places == pytest.approx(two.ego.places, abs=1e-6)
-
-
-def test_roads_of_the_earlier_schema_are_read() -> None:
-    layout = layout_from_text("a crossroads, a car 20 m ahead", seed=2)
-    assert layout.roads is not None
-    assert layout.roads.street is not None
-    road = dataclasses.asdict(layout.roads.street.road)
-    earlier = Layout.with_head(layout, {"provenance": {"source": "text", "road": road}, "coverage": None})
-    assert with_roads(earlier).roads == RoadNetwork(street=dataclasses.replace(layout.roads.street, speed=50 / 3.6))

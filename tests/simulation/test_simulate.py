@@ -12,10 +12,11 @@ import pytest
 from lidardraft import Layout, Primitive, RangeImage, Sensor, Simulator, layout_from_text, on_relief, simulate, surround
 from lidardraft.errors import LayoutError, LidarDraftError, SensorError, TextError
 from lidardraft.scene import edit
-from lidardraft.scene.scanner import Scanner
+from lidardraft.scene.bodies import Bodies
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.weather import Weather
 from lidardraft.simulation.detail.detail import detail
+from lidardraft.simulation.sweeps import Sweeper
 
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=256)
 SENTENCE = "two parked cars on the left, trees along both sides, a person ahead"
@@ -58,7 +59,7 @@ def test_an_edit_changes_what_it_hides_and_shows_and_nothing_else() -> None:
         after = simulate(edited, sensor, seed=2)
         clean, ids = [], []
         for scene in (detail(layout, seed=2), detail(edited, seed=2)):
-            clean.append(Scanner.from_layout(scene, sensor, by_id=True).cast(sensor.pose(), 2))
+            clean.append(Sweeper.of(sensor, None, None).cast(Bodies.of(scene), (), sensor.pose(), 2))
             ids.append(np.array([*(p.id for p in scene), "none"])[clean[-1].primitive])
         moved = clean[0].depth != clean[1].depth
         hidden_or_shown = np.char.startswith(ids[0], name) | np.char.startswith(ids[1], name)

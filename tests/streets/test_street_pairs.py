@@ -19,7 +19,7 @@ from lidardraft.errors import LayoutError, LidarDraftError
 from lidardraft.metrics.adherence import adherence
 from lidardraft.streets import StreetConfig, StreetPair, street_scan, streets
 from lidardraft.streets.ego import EGO_SPACE
-from lidardraft.streets.pairs import sample_viewpoint, scanned_street
+from lidardraft.streets.pairs import sample_viewpoint, street_scene
 from lidardraft.streets.worker_processes import _signals_held, worker_processes
 
 SMALL = StreetConfig(sensor=Sensor.preset("vlp16"), poses_per_street=2)
@@ -118,10 +118,10 @@ def test_a_labelled_scan_of_a_street_is_that_of_its_pair() -> None:
         assert (scan.pose == pair.pose).all()
         assert scan.speed == pair.speed > 0
         # its poses are those that it was cast from, though the sensor leans and the way does not
-        street, scanner = scanned_street(3, SMALL, number // 2, None)
+        street, bodies, sweeper = street_scene(3, SMALL, number // 2, None)
         ego, _, rng = sample_viewpoint(street, SMALL.sensor, number)
         poses = ego.pose @ scan.poses()
-        again = scanner.observe(scanner.cast(poses, seed=number), poses, rng)
+        again = sweeper.observe(sweeper.cast(bodies, (), poses, number), bodies.surfaces, poses, rng)
         np.testing.assert_array_equal(again.depth, scan.image.depth)
         assert np.abs(scan.poses()[:, 2, 3] - scan.pose[2, 3]).max() == 0.0
         assert scan.pose[2, 0] != 0.0

@@ -245,7 +245,7 @@ def test_the_command_and_the_script_make_the_same_scan_byte_for_byte(
         assert (folder / f"000000{ending}").read_bytes() == expected, ending
 
 
-@pytest.mark.parametrize("kind", [kind for kind in keep.KINDS if kind not in ("las", "mcap")])
+@pytest.mark.parametrize("kind", [kind for kind in keep.KINDS if kind != "las"])
 def test_the_time_line_leaves_in_every_format(editor: Editor, kind: str, tmp_path: Path) -> None:
     editor.step(0.1)
     editor.step(0.1)

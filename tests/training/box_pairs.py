@@ -12,7 +12,7 @@ SENSOR = Sensor(name="small", elevations=tuple(np.linspace(0.05, -0.4, 16).tolis
 
 
 def make_pair(seed: int, sensor: Sensor = SENSOR) -> Pair:
-    """Boxes on a road: a scan of them with range noise and drops, the condition image, and another such scan."""
+    """Boxes on a road: a scan of them with range noise and drops, and the condition image."""
     rng = np.random.default_rng(seed)
     primitives = [Primitive(shape="plane", center=(0, 0, 0), size=(200, 200, 0), label="road", id="road")]
     for number in range(12):
@@ -24,7 +24,7 @@ def make_pair(seed: int, sensor: Sensor = SENSOR) -> Pair:
             )
         )
     condition_image = raycast(Layout(primitives=tuple(primitives)), sensor, incidence=True)
-    return Pair(_observed(condition_image, rng), condition_image, _observed(condition_image, rng))
+    return Pair(_observed(condition_image, rng), condition_image)
 
 
 def _observed(clean: RangeImage, rng: np.random.Generator) -> RangeImage:

@@ -130,7 +130,7 @@ def two(tmp_path: Path) -> PairFolder:
         )
 
     road, pole = plain(ROAD, 10, 128), plain(POLE, 5, 64)
-    list(write_pairs(tmp_path / "two", [(Pair(road, road, road), {}), (Pair(pole, pole, pole), {})]))
+    list(write_pairs(tmp_path / "two", [(Pair(road, road), {}), (Pair(pole, pole), {})]))
     return PairFolder(tmp_path / "two")
 
 

@@ -16,12 +16,14 @@ from lidardraft.training.sources import PairFolder, placed
 CPU = torch.device("cpu")
 GPU = pytest.param("cuda", marks=pytest.mark.skipif(not torch.cuda.is_available(), reason="this machine has no GPU"))
 STEPS = 20
+*_, CONTROL = recipes.tiny()
+CONDITIONED = dataclasses.replace(CONTROL, denoiser=dataclasses.replace(CONTROL.denoiser, controlnet=False))
 LOSS, MEAN_LOSS = 0.1, 0.02  # how far a step's loss, and the mean of all, may be off: the width of bfloat16
 
 
 def losses(pairs: PairFolder, device: torch.device, *, in_bfloat16: bool) -> Tensor:
     """The loss of each of 20 steps on a device, from batches of a CPU, as each device draws its own noise."""
-    config = dataclasses.replace(recipes.tiny()[0], steps=STEPS, batch=8, learning_rate=0.005)
+    config = dataclasses.replace(CONDITIONED, steps=STEPS, batch=8, learning_rate=0.02, thinnings=(1,))
     denoiser = denoising.beginning(config, None).to(device).train()
     learner, found = Learner(denoiser, config), []
     for step in range(STEPS):
@@ -46,7 +48,7 @@ def test_twenty_steps_in_bfloat16_learn_what_those_in_float32_learn(name: str, p
 
 @pytest.mark.parametrize("name", [GPU])
 def test_a_gpu_makes_the_batch_of_a_cpu_but_for_its_noise(name: str, pairs: PairFolder) -> None:
-    config = dataclasses.replace(recipes.tiny()[0], batch=8)
+    config = dataclasses.replace(CONDITIONED, batch=8)
     for step in range(4):
         one, other = (
             denoising._batch(config, step, source=copy.copy(pairs), processes=ALONE, device=torch.device(device))

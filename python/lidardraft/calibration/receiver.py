@@ -43,7 +43,7 @@ _LIMITS = {
 
 def fit_receiver(recorded: Sequence[Sweep], casts: StreetCasts, model: SensorModel) -> tuple[SensorModel, float]:
     """The model with fitted pulse, drop and noise, and its `range_sigma` [m]."""
-    sigma = casts.scanners[0].sensor.range_sigma
+    sigma = casts.sensor.range_sigma
     # surfaces further apart than a pulse length make two echoes, closer ones a mixed return between them
     model = _fitted("pulse_duration", _mixed, recorded, casts, model, sigma)
     for _ in range(_ROUNDS):  # each moves the other's figure a little

@@ -9,11 +9,13 @@ import numpy as np
 
 from lidardraft.errors import SensorError
 from lidardraft.metrics.sweep import Sweep
+from lidardraft.scene.bodies import Bodies
 from lidardraft.scene.effects import sub_rays
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
+from lidardraft.scene.surfaces import Surfaces
+from lidardraft.simulation.sweeps import Sweeper
 from lidardraft.streets.pairs import sample_viewpoint
 from lidardraft.streets.street import StreetConfig, make_street
 
@@ -22,34 +24,34 @@ _BRIGHTEST = 1e4  # times a white surface: responses are read without a limit
 
 @dataclass(frozen=True, eq=False)
 class StreetCasts:
-    """Clean casts by one sensor, one of each street, with the scanners and poses to observe them."""
+    """Clean casts by one sensor, one of each street, with the surfaces and poses to observe them."""
 
-    scanners: tuple[Scanner, ...]
+    sensor: Sensor
+    surfaces: tuple[Surfaces, ...]
     poses: tuple[np.ndarray, ...]
     casts: tuple[RangeImage, ...]
 
     @classmethod
     def from_sensor(cls, sensor: Sensor, model: SensorModel, num: int, *, seed: int) -> StreetCasts:
         """The casts of the first `num` streets of a seed."""
-        scanners, places, casts = list[Scanner](), [], []
+        surfaces, places, casts = [], [], []
+        sweeper = Sweeper.of(sensor, model, None)
         config = StreetConfig(sensor=sensor, poses_per_street=1)
         for number in range(num):
             street = make_street(seed=seed, config=config, number=number)
             ego, pose, _ = sample_viewpoint(street, sensor, number)
             places.append(ego.pose @ sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0)))
-            scanners.append(Scanner.from_layout(street.scene, sensor, model=model))
-            casts.append(scanners[-1].cast(places[-1], seed=number))
-        return cls(tuple(scanners), tuple(places), tuple(casts))
+            bodies = Bodies.of(street.scene, by_id=False)
+            surfaces.append(bodies.surfaces)
+            casts.append(sweeper.cast(bodies, (), places[-1], number))
+        return cls(sensor, tuple(surfaces), tuple(places), tuple(casts))
 
     def observed(self, model: SensorModel, range_sigma: float) -> list[Sweep]:
         """The sweeps that a sensor with this model reports; its sub-rays must be those of the casts."""
-        found = []
-        sensor = replace(self.scanners[0].sensor, range_sigma=range_sigma)
-        rays = sub_rays(sensor, model)
-        for number, (scanner, poses, cast) in enumerate(zip(self.scanners, self.poses, self.casts, strict=True)):
-            noisy = replace(scanner, sensor=sensor, model=model)
-            clean = RangeImage.unchecked(**vars(cast) | {"sensor": rays})
-            found.append(Sweep.from_image(noisy.observe(clean, poses, number)))
+        sweeper, found = Sweeper.of(replace(self.sensor, range_sigma=range_sigma), model, None), []
+        for number, (surfaces, poses, cast) in enumerate(zip(self.surfaces, self.poses, self.casts, strict=True)):
+            clean = RangeImage.unchecked(**vars(cast) | {"sensor": sweeper.rays})
+            found.append(Sweep.from_image(sweeper.observe(clean, surfaces, poses, number)))
         return found
 
     def responses(self, model: SensorModel, range_sigma: float) -> list[Sweep]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 import itertools
 import json
+import math
 import os
 import shutil
 import signal
@@ -174,9 +175,18 @@ def progress(total: int, unit: str, text: str = "", *, initial: int = 0, leave: 
 def report(arguments: argparse.Namespace, text: str, **facts: Any) -> None:
     """Print the result of a command: a text; with --json its facts, as an object a line; with --quiet nothing."""
     if arguments.json:
-        print(json.dumps(facts), flush=True)
+        print(json.dumps(_known(facts), allow_nan=False), flush=True)
     elif not arguments.quiet:
         print(text, flush=True)
+
+
+def _known(facts: Any) -> Any:
+    """Facts with None in place of numbers that are not known, for which JSON has no word."""
+    if isinstance(facts, dict):
+        return {name: _known(fact) for name, fact in facts.items()}
+    if isinstance(facts, list | tuple):
+        return [_known(fact) for fact in facts]
+    return None if isinstance(facts, float) and not math.isfinite(facts) else facts
 
 
 def add_json(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,6 @@ from typing import Any
 from lidardraft.cli.arguments import number, whole_number
 from lidardraft.cli.command import add_json, progress, report
 from lidardraft.cli.scan_folder import add_jobs, jobs_of
-from lidardraft.errors import extra
 from lidardraft.formats.frame import FORMATS
 
 
@@ -36,14 +35,7 @@ def dataset(arguments: argparse.Namespace) -> None:
 
 
 def _workers(arguments: argparse.Namespace, num: int, run: int) -> Callable[..., Iterator[Any]]:
-    """The function that makes shards: on the machines of a cluster, in worker processes, or in this process."""
-    if arguments.ray is not None:
-        from lidardraft.dataset.shards import on_cluster
-
-        with extra():
-            import ray  # noqa: F401  # a missing library is reported before anything is written
-
-        return partial(on_cluster, address=arguments.ray)
+    """The function that makes shards: in worker processes, or in this one."""
     jobs = jobs_of(arguments, num, run)
     if jobs == 1:
         return map
@@ -67,8 +59,6 @@ def dataset_options(parser: argparse.ArgumentParser) -> None:
     add_jobs(parser)
     text = "make every K-th shard from number I (0 to K - 1) on; others make the rest, as in an array of Slurm"
     parser.add_argument("--shard", type=_share, default=(0, 1), metavar="I/K", help=text)
-    text = "make shards on a Ray cluster, by default of this machine; all its machines must share FOLDER"
-    parser.add_argument("--ray", nargs="?", const="auto", metavar="ADDRESS", help=text)
     add_json(parser)
 
 
@@ -103,8 +93,7 @@ def export_options(parser: argparse.ArgumentParser) -> None:
     text = "; ".join(f"{name}: {what}" for name, (_, _, what) in FORMATS.items())
     parser.add_argument("--format", required=True, choices=FORMATS, metavar="NAME", help=text)
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help="folder for it: new or empty")
-    text = "points with the sensor's motion, and their times if the format has any; always for "
-    text += "mcap and ros2"
+    text = "points with the sensor's motion, and their times if the format has any; always for ros2"
     parser.add_argument("--as-seen", action="store_true", default=None, help=text)
     text = "make boxes larger by M metres on each side, against the noise of points (0.05 holds nearly all; default 0)"
     parser.add_argument("--box-margin", type=number, default=0.0, metavar="M", help=text)

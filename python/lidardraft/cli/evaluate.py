@@ -1,12 +1,9 @@
-"""`lidardraft evaluate`: scores of generated scans, of unseen streets or beside recordings by a published protocol; and
-the LiDARDraft paper's tables."""
+"""`lidardraft evaluate`: scores of generated scans, of unseen streets or beside recordings by a published protocol."""
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
-import json
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,17 +12,15 @@ from lidardraft.cli.arguments import (
     add_seed,
     add_sensor,
     add_weights,
-    assignments,
     positive,
     read_pipeline,
     read_sensor,
     whole_number,
 )
-from lidardraft.cli.command import progress
+from lidardraft.cli.command import add_json, progress, report
 from lidardraft.cli.inputs import scan_files
 from lidardraft.errors import FormatError
-from lidardraft.files import check_replaceable, write_text
-from lidardraft.protocols import NAMES, PROTOCOLS, Protocol, Score, compare, table_lines
+from lidardraft.protocols import PROTOCOLS, Protocol, Score, compare
 from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
@@ -34,7 +29,7 @@ if TYPE_CHECKING:
     from lidardraft.streets import StreetPair
 
 _SEED = 1_000_000  # of streets that no training used
-_COLUMNS = ("objects", "other", "overall", "drop", "range", "height", "bev", "classes", "holes", "lone", "own")
+_COLUMNS = ("objects", "other", "overall", "drop", "range", "height", "bev", "classes", "holes", "lone")
 _CALLED = {"overall": "all", "bev": "BEV"}  # columns with other names than the fields of `Scores`
 _SMALL = 0.01  # lower scores are printed x 1e-4, as in published tables
 
@@ -43,11 +38,7 @@ def evaluate(arguments: argparse.Namespace) -> None:
     """Score generated scans: of weights on unseen streets, or folders of scans against recordings by a published
     protocol."""
     folders = (arguments.real, arguments.generated)
-    if arguments.table is not None:
-        if None in folders:
-            raise FormatError("the tables take --real SCANS and --generated NAME=FOLDER, as in text=scans/")
-        _print_tables(arguments)
-    elif (arguments.protocol, *folders) == (None,) * 3:
+    if (arguments.protocol, *folders) == (None,) * 3:
         _evaluate_weights(arguments)
     elif None in (arguments.protocol, *folders):
         raise FormatError("a published protocol takes all three: --protocol, --real and --generated")
@@ -60,15 +51,14 @@ def _evaluate_weights(arguments: argparse.Namespace) -> None:
     sensor, num = read_sensor(arguments.sensor), arguments.num
     pipeline = read_pipeline(arguments)
     pairs = unseen_streets(num, sensor, arguments.seed)
-    half = ", half of each open" * pipeline.denoiser.config.completes
-    print(f"{num} street{'s' * (num > 1)}, {sensor.name}{half}, {pipeline.steps} steps")
-    print(f"{'':16}{''.join(f'{_CALLED.get(name, name):>9}' for name in _COLUMNS)}", flush=True)
+    head = f"{num} street{'s' * (num > 1)}, {sensor.name}, {pipeline.steps} steps"
+    columns = f"{'':16}{''.join(f'{_CALLED.get(name, name):>9}' for name in _COLUMNS)}"
+    report(arguments, f"{head}\n{columns}", streets=num, sensor=sensor.name, steps=pipeline.steps)
     for row in scores(pipeline, pairs):
-        print(f"{row.name:16}{''.join(f'{getattr(row, field):9.3f}' for field in _COLUMNS)}")
-        print(f"    all, by class: {_by_class(row.by_class)}")
-        if row.intensity:
-            print(f"    intensity (JSD), by class: {_by_class(row.intensity)}")
-        sys.stdout.flush()
+        lines = [f"{row.name:16}{''.join(f'{getattr(row, field):9.3f}' for field in _COLUMNS)}"]
+        lines += [f"    all, by class: {_by_class(row.by_class)}"]
+        lines += [f"    intensity (JSD), by class: {_by_class(row.intensity)}"] if row.intensity else []
+        report(arguments, "\n".join(lines), **dataclasses.asdict(row))
 
 
 def _by_class(values: dict[str, float]) -> str:
@@ -100,14 +90,10 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
         "those on objects, with the layout of another street. drop: share of the rays that hit the layout and return "
         "nothing. range, height, BEV, classes: Jensen-Shannon distances of ranges, heights, top views and classes from "
         "those of the detailed scans; 0 is equal. holes: of the places between two returns of a surface within 20 m, "
-        "the share that returns nothing. lone: share of the returns that have no neighbour within 0.5 m and 3 %. own: "
-        "share of the returns that are not the simulated scan's. intensity (JSD): how far the intensities of a class "
-        "are from those of the detailed scans. Weights that complete are given half of each street: objects, other, "
-        "all and drop are then of the given halves, and the rest is of the open ones; bare is a lawn there. untrained: "
-        "the same network with random weights: what these and the rows before them reach too, training has not earned."
+        "the share that returns nothing. lone: share of the returns that have no neighbour within 0.5 m and 3 %. "
+        "intensity (JSD): how far the intensities of a class are from those of the detailed scans. untrained: the same "
+        "network with random weights: what these and the rows before them reach too, training has not earned."
     )
-    text = "the tables of the LiDARDraft paper, of folders of scans given as --generated text=FOLDER image=FOLDER ..."
-    parser.add_argument("table", nargs="?", choices=("table",), help=text)
     folders = parser.add_argument_group("scans in folders, beside recordings")
     text = "as these define their metrics; each is printed with its definition and its noise floor"
     folders.add_argument("--protocol", choices=PROTOCOLS, help=text)
@@ -118,33 +104,29 @@ def evaluate_options(parser: argparse.ArgumentParser) -> None:
     folders.add_argument("--intensity-scale", type=positive, metavar="X", help=text)
     text = "folder of the public weights for FRD, FRID and FPD; without it, the command names their source"
     folders.add_argument("--networks", metavar="FOLDER", help=text)
-    text = "write values, floors and definitions as JSON too"
-    folders.add_argument("-o", "--output", metavar="FILE", help=text)
     add_sensor(parser)
     add_weights(parser)
     text = "streets to score (default 50)"
     parser.add_argument("-n", "--num", type=whole_number(1), default=50, metavar="N", help=text)
     add_seed(parser, default=_SEED)
+    add_json(parser)
 
 
 def _print_cards(arguments: argparse.Namespace) -> None:
-    """Print the metric cards of two sets of scans, and write them to a file if one is named."""
-    if arguments.output is not None:
-        check_replaceable(Path(arguments.output))  # before hours of work
+    """Print the metric cards of two sets of scans."""
     recorded, generated = scan_files(arguments.real), scan_files(arguments.generated)
     cards = _compared(arguments, PROTOCOLS[arguments.protocol], recorded, generated)
-    card = cards[0]
-    print(f"{card.protocol}: {card.generated} generated beside {card.recorded} recorded scans; {card.source}")
-    print(f"scans: {card.projection}")
-    if card.floor_scans > 1:
-        print(f"floor: {card.floor_scans} recorded scans beside as many others, the least and the most of 10 halvings")
+    first = cards[0]
+    head = f"{first.protocol}: {first.generated} generated beside {first.recorded} recorded scans; {first.source}\n"
+    head += f"scans: {first.projection}\n"
+    if first.floor_scans > 1:
+        head += (
+            f"floor: {first.floor_scans} recorded scans beside as many others, the least and the most of 10 halvings\n"
+        )
     for card in cards:
-        print(f"{card.metric:5}{card.left_out or _shown(card)}\n     {card.definition}")
-        if card.network:
-            print(f"     network: {card.network}")
-    if arguments.output is not None:
-        fields = [dataclasses.asdict(card) | ({"value": None} if card.left_out else {}) for card in cards]
-        write_text(arguments.output, json.dumps(fields, indent=1))
+        network = f"\n     network: {card.network}" if card.network else ""
+        text = f"{card.metric:5}{card.left_out or _shown(card)}\n     {card.definition}{network}"
+        report(arguments, f"{head if card is first else ''}{text}", **dataclasses.asdict(card))
 
 
 def _compared(
@@ -170,15 +152,3 @@ def _shown(card: Score) -> str:
     scale, unit = (1e4, " x 1e-4") if abs(card.value) < _SMALL else (1.0, "")
     floor = f"   floor {scale * min(card.floor):.4g} to {scale * max(card.floor):.4g}" if card.floor else ""
     return f"{scale * card.value:10.4g}{floor}{unit}"
-
-
-def _print_tables(arguments: argparse.Namespace) -> None:
-    """Print both tables, with a further row for each folder of generated scans given as NAME=FOLDER."""
-    known = f"a row of the paper ({', '.join(NAMES)}) or a name of your own"
-    given = assignments(arguments.generated, "--generated", f"NAME=FOLDER, NAME {known}")
-    recorded = scan_files(arguments.real)
-    folders = {name: scan_files([folder]) for name, folder in given.items()}
-    ours = {name: _compared(arguments, PROTOCOLS["lidm"], recorded, files) for name, files in folders.items()}
-    print(f"by LiDM's metrics, {len(recorded)} recorded scans; (published): from other scans, by their authors' tools")
-    for line in table_lines(ours):
-        print(line)

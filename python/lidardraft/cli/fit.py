@@ -6,14 +6,14 @@ import argparse
 import itertools
 import math
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from lidardraft.cli.arguments import add_log, add_reading, read_sensor, reading, whole_number
-from lidardraft.cli.command import say
+from lidardraft.cli.command import add_json, report, say
 from lidardraft.cli.inputs import scan_files
 from lidardraft.errors import FormatError, LidarDraftError
 from lidardraft.scene.sensor import Sensor
@@ -47,10 +47,11 @@ def fit(arguments: argparse.Namespace) -> None:
             "the ground, and of rare surfaces it says little; ten scans of different places are enough")  # fmt: skip
     found = fit_sensor(recordings, output.stem, like=like, columns=arguments.columns, num_streets=arguments.streets)
     found.sensor.save(output)
-    _print_sensor(found, [*recordings, *held])
+    _report_sensor(arguments, found, [*recordings, *held])
     if held:
-        _print_rows(found, like, recordings, held, arguments.streets)
-    print(f"{output}: fitted to {len(recordings)} scan{'s' * (len(recordings) > 1)}")
+        _report_rows(arguments, found, like, recordings, held)
+    count = len(recordings)
+    report(arguments, f"{output}: fitted to {count} scan{'s' * (count > 1)}", output=str(output), scans=count)
 
 
 def _sound_recordings(arguments: argparse.Namespace, *paths: list[Path]) -> tuple[list[Recording], ...]:
@@ -103,31 +104,39 @@ def _scans_of(arguments: argparse.Namespace, paths: list[Path]) -> list[tuple[Pa
     return found
 
 
-def _print_sensor(found: Fit, recordings: list[Recording]) -> None:
+def _report_sensor(arguments: argparse.Namespace, found: Fit, recordings: list[Recording]) -> None:
+    """Report the constants of the sensor, and how well the recordings fit it."""
     from lidardraft.calibration.receiver import at_limits
 
     sensor, table, model = found.sensor, found.table, found.sensor.model
     assert model is not None
-    off = f"{1e3 * table.residual:.2f} mm ({1e3 * table.angle_residual:.3f} mrad) off"
-    print(f"lasers: {len(table.rings)}, returns {off}")
     moved, shared = _lost(found, recordings)
-    print(f"points lost in projection: {moved:.2%}, {shared:.2%} more share a pixel at {sensor.columns} columns")
     if moved > _MOST_LOST:
         say(f"{moved:.0%} of the points look like those of other lasers: their order is not laser by "
             "laser, or the motion of the vehicle is taken out")  # fmt: skip
-    print(f"ranges: {sensor.min_range:g} to {sensor.max_range:g} m; mounted {sensor.mount_height:.2f} m over the road")
-    print(f"hidden by the vehicle: {sensor.blocked_pixels.mean():.1%} of the firings")
     reach = math.sqrt(_DARK / model.detection_threshold)  # m; the power is 1 here, and falls with the squared range
     weak = math.hypot(sensor.range_sigma, model.jitter * _NOISE_AT / reach)
-    print(f"range noise: {1e3 * sensor.range_sigma:.1f} mm of strong echoes, {1e3 * weak:.0f} mm of a surface "
-          f"{_NOISE_AT:g} m away with a reflectance of {_DARK:.2f}")  # fmt: skip
-    print(f"detected: {reach:.0f} m far at a reflectance of {_DARK:.2f}")
     anyhow, at_edges = (1 - math.exp(-exponent) for exponent in (model.drop_exponent, model.edge_drop))
-    print(f"dropped: {anyhow:.2%} at any range, {at_edges:.1%} more where a beam has several echoes")
-    print(f"echoes: one within {model.pulse_length:.2f} m")
-    print(f"power: {model.texture:.2f} from patch to patch, {model.speckle:.2f} from firing to firing")
+    hidden = float(sensor.blocked_pixels.mean())
+    off = f"{1e3 * table.residual:.2f} mm ({1e3 * table.angle_residual:.3f} mrad) off"
+    lines = [
+        f"lasers: {len(table.rings)}, returns {off}",
+        f"points lost in projection: {moved:.2%}, {shared:.2%} more share a pixel at {sensor.columns} columns",
+        f"ranges: {sensor.min_range:g} to {sensor.max_range:g} m; mounted {sensor.mount_height:.2f} m over the road",
+        f"hidden by the vehicle: {hidden:.1%} of the firings",
+        f"range noise: {1e3 * sensor.range_sigma:.1f} mm of strong echoes, {1e3 * weak:.0f} mm of a surface "
+        f"{_NOISE_AT:g} m away with a reflectance of {_DARK:.2f}",
+        f"detected: {reach:.0f} m far at a reflectance of {_DARK:.2f}",
+        f"dropped: {anyhow:.2%} at any range, {at_edges:.1%} more where a beam has several echoes",
+        f"echoes: one within {model.pulse_length:.2f} m",
+        f"power: {model.texture:.2f} from patch to patch, {model.speckle:.2f} from firing to firing",
+    ]
     if model.intensity_curve is not None:
-        print(f"intensity: quantiles agree to {found.intensity_residual:.3f} of 1")
+        lines.append(f"intensity: quantiles agree to {found.intensity_residual:.3f} of 1")
+    facts = {"lasers": len(table.rings), "residual": table.residual, "lost": moved, "shared": shared}
+    facts |= {"hidden": hidden, "range_noise": sensor.range_sigma, "weak_range_noise": weak, "reach": reach}
+    facts |= {"dropped": anyhow, "dropped_at_edges": at_edges, "intensity_residual": found.intensity_residual}
+    report(arguments, "\n".join(lines), **facts)
     for name, limit in at_limits(model, sensor.range_sigma).items():
         say(f"{name} is at the limit of its search, {limit:g}: streets come no nearer to the scans")
 
@@ -144,10 +153,10 @@ def _lost(found: Fit, recordings: list[Recording]) -> tuple[float, float]:
     return moved / points, shared / points
 
 
-def _print_rows(
-    found: Fit, like: Sensor | None, recordings: list[Recording], held: list[Recording], num_streets: int
+def _report_rows(
+    arguments: argparse.Namespace, found: Fit, like: Sensor | None, recordings: list[Recording], held: list[Recording]
 ) -> None:
-    """Print the effect of the fit on scans that it has not used."""
+    """Report the effect of the fit on scans that it has not used."""
     from lidardraft.calibration.fit import judged, sweeps_of
 
     usual = like or Sensor(name="typical", elevations=found.sensor.elevations, columns=1)
@@ -156,13 +165,18 @@ def _print_rows(
         sweeps_of(scans[:: max(1, len(scans) // _MOST_JUDGED)], found.table, found.sensor.columns)
         for scans in (recordings, held)
     )
+    rows = judged(before, found.sensor, fitted_to, judging, min(arguments.streets, _MOST_JUDGED))
     beside = f"{len(held)} scan{'s' * (len(held) > 1)}"
-    print(f"\nscans of streets beside {beside} that nothing was fitted to, before and after:\n")
-    print("| property | before | after | fitted scans | ratio before | ratio after |\n|---|---:|---:|---:|---:|---:|")
-    for row in judged(before, found.sensor, fitted_to, judging, min(num_streets, _MOST_JUDGED)):
+    lines = [f"\nscans of streets beside {beside} that nothing was fitted to, before and after:\n"]
+    lines += [
+        "| property | before | after | fitted scans | ratio before | ratio after |",
+        "|---|---:|---:|---:|---:|---:|",
+    ]
+    for row in rows:
         unit = row.recorded if row.recorded > 0 else math.nan
         cells = (row.before, row.after, row.recorded, row.before / unit, row.after / unit)
-        print(f"| {row.name} | {' | '.join('-' if math.isnan(cell) else f'{cell:.3g}' for cell in cells)} |")
+        lines.append(f"| {row.name} | {' | '.join('-' if math.isnan(cell) else f'{cell:.3g}' for cell in cells)} |")
+    report(arguments, "\n".join(lines), judged_on=len(held), properties=[asdict(row) for row in rows])
 
 
 def fit_options(parser: argparse.ArgumentParser) -> None:
@@ -183,3 +197,4 @@ def fit_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--columns", type=whole_number(8), metavar="N", help=text)
     text = "streets to compare the scans with (default 32)"
     parser.add_argument("--streets", type=whole_number(4), default=32, metavar="N", help=text)
+    add_json(parser)

@@ -90,7 +90,7 @@ COMMANDS = {
     ),
     "pairs": Command(
         _CLI + "pairs",
-        "Make training pairs of your recorded scans: each scan, with the cast and the simulated scan of its layout.",
+        "Make training pairs of your recorded scans: each scan, with the cast of its layout.",
         "lidardraft pairs recordings/ --sensor mine.json -o pairs/",
     ),
     "evaluate": Command(
@@ -98,11 +98,6 @@ COMMANDS = {
         "Score generated scans: those of weights on unseen streets, or folders of scans beside recordings by a "
         "published protocol.",
         "lidardraft evaluate --protocol lidm --real recordings/ --generated generated/",
-    ),
-    "profile": Command(
-        _CLI + "profile",
-        "Print the time of each step from a sentence to a scan on this machine, and the memory it needs.",
-        "lidardraft profile --sensor os1-128 --weights paper-small",
     ),
     "doctor": Command(
         _CLI + "doctor",

@@ -42,7 +42,7 @@ def streets(arguments: argparse.Namespace) -> None:
     from lidardraft.formats.pairs import Pair, pairs_on_disk, write_pairs
 
     folder, num, seed, poses = Path(arguments.output), arguments.num, arguments.seed, arguments.poses
-    config = StreetConfig(sensor=read_sensor(arguments.sensor), poses_per_street=poses, simulated=True)
+    config = StreetConfig(sensor=read_sensor(arguments.sensor), poses_per_street=poses)
     source = f"streets of seed {seed}, {poses} poses each, {config.sensor.name}"
     _check_begun(folder)
     start = pairs_on_disk(folder, source=source)
@@ -59,8 +59,7 @@ def streets(arguments: argparse.Namespace) -> None:
             bar.update()
             style = {"source": pair.style.source} | asdict(pair.style)
             note = {"index": pair.index, "district": pair.district, "style": style}
-            assert pair.simulated is not None
-            return Pair(pair.scan, pair.condition_image, pair.simulated), note
+            return Pair(pair.scan, pair.condition_image), note
 
         for _ in write_pairs(folder, map(noted, itertools.islice(pairs, num - start)), source=source, start=start):
             pass
@@ -159,7 +158,7 @@ def _noted(
         with warnings.catch_warnings():  # in a worker process they were not reported
             warnings.simplefilter("default", UserWarning)
             warnings.showwarning = lambda message, *_, **__: say(message)
-            pair = _pair(arguments, file, sensor, arguments.seed + number, first=not number)
+            pair = _pair(arguments, file, sensor, first=not number)
     except LidarDraftError as error:
         return error
     return pair, {"scan": str(file.scan), "checksum": checksum}
@@ -173,7 +172,7 @@ def _recorded_files(arguments: argparse.Namespace) -> list[RecordedFile]:
     return dataset_files(arguments.dataset, arguments.scans[0], arguments.split)
 
 
-def _pair(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor, seed: int, *, first: bool) -> Pair:
+def _pair(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor, *, first: bool) -> Pair:
     from lidardraft.training.recorded_pairs import beside_beams, recorded_pair
 
     scan = _read(arguments, file, sensor)
@@ -181,7 +180,7 @@ def _pair(arguments: argparse.Namespace, file: RecordedFile, sensor: Sensor, see
         if first and beside_beams(scan, sensor) > _UNRELATED:
             say(f"{file.scan}: the points are between the beams of {sensor.name} as often as on them; "
                 "`lidardraft fit` makes a sensor of the scans")  # fmt: skip
-        return recorded_pair(scan, sensor, seed=seed)
+        return recorded_pair(scan, sensor)
 
 
 def _recorded_by(arguments: argparse.Namespace, scan: Path) -> Sensor:
@@ -245,7 +244,6 @@ def pairs_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--segmenter", metavar="WEIGHTS", help=text)
     add_sensor(parser, default=None, of=" that recorded them (default: the .sensor.json beside the first scan)")
     add_reading(parser)
-    add_seed(parser)
     add_jobs(parser)
     text = "folder for the pairs; a second call continues"
     parser.add_argument("-o", "--output", required=True, metavar="FOLDER", help=text)

@@ -322,8 +322,7 @@ def generate_options(parser: argparse.ArgumentParser) -> None:
         "The whole scan is made from noise, and a ControlNet holds it to the cast of the layout, as the paper does; "
         "of a semantic map too, with ranges that are guessed: flat ground, and all else where it stands on it. Labels "
         "are the layout's where ranges agree with it, the network's elsewhere. A GPU makes several scans at once. "
-        "Weights of your own that complete (the recipe `small`) keep the simulated scan of the layout, and "
-        "invent only its open parts: give them --surroundings bare. Weather and sequences are `simulate`'s alone."
+        "Weather and sequences are `simulate`'s alone."
     )
     add_inputs(parser, "text-file", "map")
     add_speed(parser.add_argument_group("world"))

@@ -1,17 +1,14 @@
-"""The `lidardraft-train` command: pairs become weights of the generator or of a segmenter; the paper's Table 2."""
+"""The `lidardraft-train` command: pairs become weights of the generator or of a segmenter."""
 
 from __future__ import annotations
 
 import argparse
-import copy
 import dataclasses
 import sys
 import time
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 import lidardraft
 from lidardraft.cli import evaluate
@@ -25,19 +22,17 @@ from lidardraft.cli.arguments import (
     read_sensor,
     whole_number,
 )
-from lidardraft.cli.command import Command, Parser, add_commands, progress, run
+from lidardraft.cli.command import Command, Parser, add_commands, run
 from lidardraft.errors import TrainingError
 from lidardraft.scene.sensor import Sensor
 
 if TYPE_CHECKING:
     from lidardraft.diffusion.denoiser import Denoiser
-    from lidardraft.scene.range_image import RangeImage
-    from lidardraft.streets import StreetPair
     from lidardraft.training.denoising import DenoisingConfig
     from lidardraft.training.loop import Report
     from lidardraft.training.sources import PairSource
 
-_RECIPES = ("small", "paper", "paper-small", "paper-large", "paper-map", "small-map", "tiny", "tiny-paper")
+_RECIPES = ("paper-small", "paper", "paper-large", "small-map", "paper-map", "tiny")
 COMMANDS = {
     "segmenter": Command(
         __name__,
@@ -49,11 +44,6 @@ COMMANDS = {
         "Train the generator: all stages of a recipe, scores, and the weight file with its card; a second call goes "
         "on.",
         "lidardraft-train street --recipe paper-small --work run/ -o mine.safetensors",
-    ),
-    "ablation": Command(
-        __name__,
-        "Train the paper's form and its alternatives, each for as long, and score all; a second call continues.",
-        "lidardraft-train ablation --steps 500 -n 16",
     ),
 }
 _FURTHER_RATE = 0.3  # of the recipe's learning rate, which would spoil weights that are good already
@@ -77,7 +67,7 @@ def street(arguments: argparse.Namespace) -> None:
     for run_folder in runs:
         check_run_folder(run_folder)
     device = device_for_training(arguments.device)
-    source = _source(arguments, arguments.workers)
+    source = source_of(arguments, arguments.workers)
     for config in stages:
         config.check(source.sensors)
     processes = Processes.from_environment(device)
@@ -85,11 +75,9 @@ def street(arguments: argparse.Namespace) -> None:
     ends = time.monotonic() + 60 * arguments.minutes
     with source.running(processes, device):
         for config, run_folder in zip(stages, runs, strict=True):
-            if given and begin and begin is not given and config.denoiser == given.config:
-                begin = begin.under(given)  # the given ControlNet, on its base, which has been trained further
             options = {"device": str(device), "max_minutes": (ends - time.monotonic()) / 60}
-            reports = train_denoiser(config, source, run_folder, begin=begin, compiles=arguments.compile, **options)
-            if _show(reports, config.steps, run_folder.name) not in (None, config.steps):
+            reports = train_denoiser(config, source, run_folder, begin=begin, **options)
+            if show(reports, config.steps, run_folder.name) not in (None, config.steps):
                 print(f"{run_folder}: stopped after {arguments.minutes:g} minutes; the same call goes on")
                 return
             processes.wait()  # until the first one has saved the weights
@@ -132,21 +120,16 @@ def _save_scored(
 
 
 def _stages(arguments: argparse.Namespace, begin: Denoiser | None) -> list[DenoisingConfig]:
-    """The stages of the recipe; with initial weights its last one alone, or the base before it too (--base-steps)."""
+    """The stages of the recipe; with initial weights its last one alone."""
     from lidardraft.training import recipes
 
     stages = list(getattr(recipes, arguments.recipe.replace("-", "_"))())
     given = {name: getattr(arguments, name) for name in ("steps", "batch", "learning_rate", "seed")}
     if begin is not None:
         given["learning_rate"] = given["learning_rate"] or _FURTHER_RATE * stages[-1].learning_rate
-        stages = [dataclasses.replace(stage, warmup=20) for stage in stages[-2 if arguments.base_steps else -1 :]]
+        stages = [dataclasses.replace(stages[-1], warmup=20)]
     given = {name: value for name, value in given.items() if value is not None}
-    *before, last = (dataclasses.replace(stage, **given) for stage in stages)
-    if arguments.base_steps:
-        if begin is None or not before:
-            raise TrainingError("--base-steps is of the weights of --init, and of a recipe with a base")
-        before = [dataclasses.replace(stage, steps=arguments.base_steps) for stage in before]
-    return [*before, last]
+    return [dataclasses.replace(stage, **given) for stage in stages]
 
 
 def _initial(name: str | None) -> Denoiser | None:
@@ -155,7 +138,7 @@ def _initial(name: str | None) -> Denoiser | None:
     return None if name is None else Pipeline.from_pretrained(name).denoiser
 
 
-def _source(arguments: argparse.Namespace, workers: int = 0) -> PairSource:
+def source_of(arguments: argparse.Namespace, workers: int = 0) -> PairSource:
     """The source of --data: streets, folders of pairs, or a mixture; or the streets that --workers make meanwhile."""
     from lidardraft.training.sources import MixedSource, PairFolder, StreetBank, StreetSource
 
@@ -182,15 +165,13 @@ def _weighted(option: str, given: Sequence[str]) -> tuple[list[str], tuple[float
 
 def street_options(parser: argparse.ArgumentParser) -> None:
     """The options of `street`."""
-    text = "size of the network and length of the training (default small)"
-    parser.add_argument("--recipe", choices=_RECIPES, default="small", help=text)
-    _add_data(parser)
+    text = "size of the network and length of the training (default paper-small)"
+    parser.add_argument("--recipe", choices=_RECIPES, default="paper-small", help=text)
+    add_data(parser)
     add_sensor(parser, default=None, of=" of streets (default: another one at each step, drawn at random)")
     text = "go on from these weights: packaged ones by name, or a .safetensors file; the last stage alone"
     parser.add_argument("--init", metavar="NAME", help=text)
-    text = "with --init: steps that the base of the weights learns first, the rest then (default: the base stays)"
-    parser.add_argument("--base-steps", type=whole_number(1), metavar="N", help=text)
-    text = "steps of each other stage (default: the recipe's)"
+    text = "steps of each stage (default: the recipe's)"
     parser.add_argument("--steps", type=whole_number(1), metavar="N", help=text)
     text = "scans of 64 x 1024 a step, fewer of larger ones (default: the recipe's)"
     parser.add_argument("--batch", type=whole_number(1), metavar="N", help=text)
@@ -202,8 +183,6 @@ def street_options(parser: argparse.ArgumentParser) -> None:
     text = "processes that make the streets of --sensor meanwhile; each step learns from the pairs made so far, for a "
     text += "GPU needs it (default: each step makes its own)"
     parser.add_argument("--workers", type=whole_number(0), default=0, metavar="N", help=text)
-    text = "compile the network first (torch.compile): a minute or more, worth it in long runs on a GPU"
-    parser.add_argument("--compile", action="store_true", help=text)
     text = "unseen streets to score the weights on (default 50)"
     parser.add_argument("--evaluate", type=whole_number(1), default=50, metavar="N", help=text)
     text = "folder for runs (default out/street)"
@@ -212,7 +191,8 @@ def street_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("-o", "--output", default="street.safetensors", metavar="WEIGHTS", help=text)
 
 
-def _add_data(parser: argparse.ArgumentParser) -> None:
+def add_data(parser: argparse.ArgumentParser) -> None:
+    """Add --data."""
     text = (
         "pairs to learn from: `streets`, made as they are needed (default), or a folder of `lidardraft streets -o`; "
         "repeatable, each with its share as =WEIGHT"
@@ -238,7 +218,7 @@ def segmenter(arguments: argparse.Namespace) -> None:
     reports = train_segmenter(
         config, pairs, arguments.run, begin=begin, device=arguments.device, max_minutes=arguments.minutes
     )
-    _show(reports, config.steps, "segmenter")
+    show(reports, config.steps, "segmenter")
 
 
 def segmenter_options(parser: argparse.ArgumentParser) -> None:
@@ -257,121 +237,7 @@ def segmenter_options(parser: argparse.ArgumentParser) -> None:
     add_training_device(parser)
 
 
-def ablation(arguments: argparse.Namespace) -> None:
-    """Train and score all arms, or continue them."""
-    from lidardraft.evaluation import OTHER_STREETS, loss_by_other_layouts, untrained_weights
-    from lidardraft.training import recipes
-    from lidardraft.training.loop import check_run_folder, device_for_training
-    from lidardraft.training.sources import StreetSource, top_view
-
-    sensor, num = read_sensor(arguments.sensor), arguments.num
-    *_, base, control = recipes.paper_small()
-    base, control = (
-        dataclasses.replace(stage, steps=steps, seed=arguments.seed)
-        for stage, steps in ((base, arguments.base_steps), (control, arguments.steps))
-    )
-    # short trainings have time for the whole ControlNet as well
-    control = dataclasses.replace(control, zero_conv_steps=min(control.zero_conv_steps, control.steps // 10))
-    base.check([sensor])
-    begin = _initial(arguments.base)
-    source = _source(arguments)
-    from_above = StreetSource(seed=arguments.seed, sensor=sensor, from_above=True)
-    check_run_folder(arguments.work)
-    arguments.device = str(device_for_training(arguments.device))
-    pairs = evaluate.unseen_streets(num, sensor)
-    others = [pair.scan for pair in evaluate.unseen_streets(num, sensor, OTHER_STREETS)]
-    learned = arguments.base or f"{base.steps} steps"
-    print(f"{num} street{'s' * (num > 1)}, {sensor.name}; base {learned}, each arm {control.steps} steps")
-    print(f"{'':28}{'objects':>9}{'drop':>9}{'BEV JSD':>9}{'MMD 1e-4':>10}{'heeded':>9}", flush=True)
-    _row(arguments, "other streets", pairs, others)
-    cast = [pair.condition_image for pair in pairs]
-    _row(arguments, "cast passed through", pairs, cast)
-    seen_from_above = [top_view(pair.layout, sensor, pair.pose) for pair in pairs]
-    unconditional = begin.base() if begin else _trained_arm(arguments, base, source, "base")
-    _row(arguments, "untrained", pairs, _sampled(untrained_weights(unconditional), cast))
-    _row(arguments, "no condition", pairs, _sampled(unconditional, cast))
-    for name, arm in recipes.ARMS.items():
-        learned_from, images = (from_above, seen_from_above) if arm.from_above else (source, cast)
-        begin = copy.deepcopy(unconditional)  # it is frozen under a ControlNet
-        denoiser = _trained_arm(arguments, arm.stage(control), learned_from, name, begin)
-        heeded = loss_by_other_layouts(denoiser, [pair.scan for pair in pairs], images)
-        _row(arguments, name, pairs, _sampled(denoiser, images), heeded)
-
-
-def _trained_arm(
-    arguments: argparse.Namespace,
-    config: DenoisingConfig,
-    source: PairSource,
-    name: str,
-    begin: Denoiser | None = None,
-) -> Denoiser:
-    from lidardraft.diffusion.denoiser import Denoiser
-    from lidardraft.networks import weight_file
-    from lidardraft.training.denoising import train_denoiser
-
-    run = Path(arguments.work, _slug(name))
-    _show(train_denoiser(config, source, run, begin=begin, device=arguments.device), config.steps, name)
-    return weight_file.load(run / "weights.safetensors", Denoiser).to(arguments.device)
-
-
-def _slug(name: str) -> str:
-    return name.replace(",", "").replace(" ", "-").lower()
-
-
-def _sampled(denoiser: Denoiser, images: list[RangeImage]) -> list[RangeImage]:
-    from lidardraft.evaluation import sample_scans
-
-    with progress(len(images), "scan", "generating", leave=False) as bar:
-        return sample_scans(denoiser, images, on_scan=bar.update)
-
-
-def _row(
-    arguments: argparse.Namespace, name: str, pairs: list[StreetPair], scans: list[RangeImage], heeded: float = 1.0
-) -> None:
-    """Print a row, and write its scans for `lidardraft evaluate table`."""
-    from lidardraft.evaluation import score
-    from lidardraft.formats.kitti import write_bin
-    from lidardraft.metrics.comparisons import bev_mmd
-
-    scores = score(name, pairs, scans)
-    mmd = bev_mmd((pair.scan.points() for pair in pairs), (scan.points() for scan in scans))
-    folder = Path(arguments.work, "scans", _slug(name))
-    folder.mkdir(parents=True, exist_ok=True)
-    for earlier in folder.glob("*.bin"):  # from a call with more streets
-        earlier.unlink()
-    for number, scan in enumerate(scans):
-        intensity = np.zeros(scan.sensor.shape, np.float32) if scan.intensity is None else scan.intensity
-        write_bin(folder / f"{number:06d}.bin", scan.points(), intensity[scan.valid])
-    shown = f"{scores.objects:9.3f}{scores.drop:9.3f}{scores.bev:9.3f}{1e4 * mmd:10.3f}{heeded:9.3f}"
-    print(f"{name:28}{shown}", flush=True)
-
-
-def ablation_options(parser: argparse.ArgumentParser) -> None:
-    """The options of `ablation`."""
-    parser.epilog = (
-        "The paper's FRD needs weights that are not free, so that top views (BEV JSD, MMD) and adherence stand for it. "
-        "objects: share of the returns on objects within 0.5 m or 5 % of the layout. drop: share of the rays that hit "
-        "the layout and return nothing. heeded: the loss of unseen scans by the layout of another street, over that by "
-        "their own, 1 where a network ignores its condition. The row of other streets says what scans of another place "
-        "would get, those of the cast and of untrained weights what no training has earned."
-    )
-    add_sensor(parser)
-    _add_data(parser)
-    text = "the base of these weights, packaged ones by name, or a .safetensors file (default: one is trained first)"
-    parser.add_argument("--base", metavar="NAME", help=text)
-    text = "steps that the base learns, which knows no condition (default 8000)"
-    parser.add_argument("--base-steps", type=whole_number(1), default=8000, metavar="N", help=text)
-    text = "steps that each arm learns (default 2000)"
-    parser.add_argument("--steps", type=whole_number(1), default=2000, metavar="N", help=text)
-    text = "unseen streets to score on (default 50)"
-    parser.add_argument("-n", "--num", type=whole_number(1), default=50, metavar="N", help=text)
-    add_seed(parser)
-    text = "folder for runs, and for the scans of each row in scans/ROW (default out/ablation)"
-    parser.add_argument("--work", default="out/ablation", metavar="FOLDER", help=text)
-    add_training_device(parser)
-
-
-def _show(reports: Iterator[Report], steps: int, name: str) -> int | None:
+def show(reports: Iterator[Report], steps: int, name: str) -> int | None:
     """Show a progress bar of a training; returns its last step, or None if there was nothing to do."""
     from tqdm import tqdm
 

@@ -15,7 +15,7 @@ import random
 import shutil
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -262,34 +262,3 @@ def _add(total: Tally, tally: Tally | None) -> bool:
         else:
             total[what] = total.get(what, 0) + counted
     return tally is not None
-
-
-def on_cluster(make: Callable[[Item], T], items: Iterable[Item], address: str) -> Iterator[T]:
-    """`make(item)` of each item, in the order of completion, on the cores of a cluster ("auto": those of this machine).
-
-    Items in work on a lost machine are made again on another. Raises as `make` does, and `FormatError` if there is no
-    such cluster.
-    """
-    import ray
-
-    try:
-        ray.init(address=address, log_to_driver=False, logging_level="error")
-    except (ConnectionError, ValueError, RuntimeError) as error:
-        said = str(error).splitlines()[0].partition(". ")[0]
-        raise FormatError(f"no Ray cluster at {address!r}: {said}; `ray start --head` begins one") from None
-    try:
-        task, given, left = ray.remote(num_cpus=1, max_retries=-1)(_made), ray.put(make), iter(items)
-        cores = int(ray.cluster_resources().get("CPU", 1))
-        at_work = [task.remote(given, item) for item in itertools.islice(left, 2 * cores)]
-        while at_work:
-            done, at_work = ray.wait(at_work)
-            yield from ray.get(done)
-            at_work += [task.remote(given, item) for item in itertools.islice(left, len(done))]
-    except ray.exceptions.RayTaskError as error:
-        raise error.cause from None
-    finally:
-        ray.shutdown()
-
-
-def _made(make: Callable[[Item], T], item: Item) -> T:
-    return make(item)

@@ -12,7 +12,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.channels import CLASS, DEPTH, HIDDEN, INTENSITY, RAY_CHANNELS, STATE_CHANNELS, VALIDITY
+from lidardraft.diffusion.channels import CLASS, DEPTH, INTENSITY, RAY_CHANNELS, STATE_CHANNELS, VALIDITY
 from lidardraft.errors import SensorError
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
@@ -45,7 +45,7 @@ def encode_scans(depth: Tensor, label: Tensor, intensity: Tensor | None, sensor:
 
 
 def encode_scan(image: RangeImage) -> np.ndarray:
-    """The state f32 [8, H, W] of one scan, as in `encode_scans`."""
+    """The state f32 [8, H, W] of one scan, as in `encode_scans`; that of a layout's cast is a condition."""
     intensity = None if image.intensity is None else _tensor(image.intensity)
     return encode_scans(_tensor(image.depth), _tensor(image.label), intensity, image.sensor)[0].numpy()
 
@@ -73,42 +73,6 @@ def decode_scan(state: np.ndarray, sensor: Sensor) -> RangeImage:
     )
 
 
-def encode_conditions(
-    depth: Tensor,
-    label: Tensor,
-    simulated_depth: Tensor,
-    simulated_intensity: Tensor | None,
-    is_open: Tensor,
-    sensor: Sensor,
-) -> Tensor:
-    """The conditions of layouts, f32 [B, 17, H, W]: the states (`encode_scans`) of their casts and of their simulated
-    scans, and 1 where `is_open`, bool [B, H, W]; both states are 0 in open pixels. Both have the classes of the cast:
-    pairs on disk keep no others.
-    """
-    given = ~is_open
-    # before encoding: a pixel without a return would get the depth of an open one to its left
-    intensity = None if simulated_intensity is None else simulated_intensity * given
-    cast = encode_scans(depth * given, label * given, None, sensor)
-    simulated = encode_scans(simulated_depth * given, label * given, intensity, sensor)
-    return torch.cat([torch.cat([cast, simulated], dim=1) * given[:, None], is_open[:, None].float()], dim=1)
-
-
-def encode_condition(
-    condition_image: RangeImage, simulated: RangeImage, open_pixels: np.ndarray | None = None
-) -> np.ndarray:
-    """The condition f32 [17, H, W] of one layout, as in `encode_conditions`, open where `open_pixels`, bool [H, W]."""
-    is_open = np.zeros(simulated.sensor.shape, dtype=bool) if open_pixels is None else open_pixels
-    condition = encode_conditions(
-        _tensor(condition_image.depth),
-        _tensor(condition_image.label),
-        _tensor(simulated.depth),
-        None if simulated.intensity is None else _tensor(simulated.intensity),
-        _tensor(is_open),
-        simulated.sensor,
-    )
-    return condition[0].numpy()
-
-
 def encode_rays(sensor: Sensor) -> np.ndarray:
     """The network's input on the rays, f32 [5, H, W], each of the order of 1.
 
@@ -122,7 +86,7 @@ def encode_rays(sensor: Sensor) -> np.ndarray:
     rays[1] = np.log2(spacing / math.radians(0.5))[:, None]
     rays[2] = math.log2(sensor.azimuth_span / sensor.columns / math.radians(0.35))
     rays[3] = _log_ground(sensor) - 3
-    rays[HIDDEN] = sensor.blocked_pixels
+    rays[4] = sensor.blocked_pixels
     return rays
 
 

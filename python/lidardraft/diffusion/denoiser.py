@@ -8,7 +8,7 @@ from typing import Any
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.channels import CLASS, CONDITION_PARTS, DEPTH, STATE_CHANNELS, VALIDITY
+from lidardraft.diffusion.channels import CLASS, DEPTH, VALIDITY
 from lidardraft.diffusion.controlnet import ControlNet
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import add_noise
@@ -67,10 +67,6 @@ class Denoiser(Network):
         """The same network, frozen, with a fresh ControlNet of `config` that starts as a copy of its encoder."""
         return Denoiser(config, self.network, _controlnet(config, self.network))
 
-    def under(self, other: Denoiser) -> Denoiser:
-        """The same network, frozen, under the ControlNet of `other`."""
-        return Denoiser(other.config, self.network, other.controlnet)
-
     def with_condition(self, config: DenoiserConfig) -> Denoiser:
         """A network of `config`, with a condition beside the state, which at first ignores the condition."""
         denoiser = Denoiser.from_config(config)
@@ -81,11 +77,11 @@ class Denoiser(Network):
         return denoiser
 
     def read(self, condition: Tensor, rays: Tensor, *, wraps: bool) -> list[Tensor] | None:
-        """The ControlNet's features for a condition [B, 17, H, W] at any noise, for all calls of a sample; None without
+        """The ControlNet's features for a condition [B, 8, H, W] at any noise, for all calls of a sample; None without
         a ControlNet."""
         if self.controlnet is None:
             return None
-        cast = torch.zeros_like(condition[:, :STATE_CHANNELS])
+        cast = torch.zeros_like(condition)
         cast[:, self.config.condition_channels] = condition[:, self.config.condition_channels] / SIGMA_DATA
         return self.controlnet.read(cast, rays.expand(len(cast), -1, -1, -1), wraps)
 
@@ -101,10 +97,9 @@ class Denoiser(Network):
     ) -> Tensor:
         """D(x, sigma) for x f32 [B, 8, H, W], sigma [B], rays f32 [5, H, W] (`encode_rays`).
 
-        `wraps` is whether the last column is next to the first (`Sensor.wraps`). `condition` is f32 [B, 17, H, W]
-        (`encode_condition`), `reading` the result of `read` for it, if known; without a condition the ControlNet is not
-        called. Weights with the open pixels in their condition keep the simulated scan everywhere else. Raises
-        `CheckpointError` on a condition that these weights do not take, and without one that they need.
+        `wraps` is whether the last column is next to the first (`Sensor.wraps`). `condition` is f32 [B, 8, H, W],
+        the states of casts, `reading` the result of `read` for it, if known; without a condition the ControlNet is not
+        called. Raises `CheckpointError` on a condition that these weights do not take, and without one that they need.
         """
         level, sigma = sigma.log() / 4, sigma.reshape(-1, 1, 1, 1)
         inputs = x / (sigma**2 + SIGMA_DATA**2).sqrt()
@@ -120,10 +115,7 @@ class Denoiser(Network):
             context = torch.cat([context, condition[:, self.config.condition_channels]], dim=1)
         output = self.network(inputs, level, context, wraps, control).float()
         skip = SIGMA_TURN**2 / (sigma**2 + SIGMA_TURN**2)
-        denoised = skip * x + spread(sigma) * output
-        if condition is None or not self.config.completes:
-            return denoised
-        return torch.where(is_open(condition), denoised, condition[:, CONDITION_PARTS["simulated"]])
+        return skip * x + spread(sigma) * output
 
     def loss(
         self,
@@ -138,12 +130,9 @@ class Denoiser(Network):
         """The loss of each sample [B]: the `error` of D over the pixels that count, as `weight` weights it.
 
         With D - x = sigma^2 S this is about the paper's `sigma^2 |S - target|^2` at low noise. Range, intensity and
-        class count only in pixels with a return; for weights with the open pixels in their condition, only those count.
+        class count only in pixels with a return.
         """
         counts = what_counts(clean)
-        if condition is not None and self.config.completes:
-            clean = torch.where(is_open(condition), clean, condition[:, CONDITION_PARTS["simulated"]])
-            counts = counts * is_open(condition)
         denoised = self.denoise(add_noise(clean, sigma, noise), sigma, rays, condition, wraps=wraps)
         lost = (error(denoised, clean) * counts).sum(dim=(1, 2, 3)) / counts.sum(dim=(1, 2, 3)).clamp(min=1)
         return weight(sigma) * lost
@@ -172,11 +161,6 @@ def error(denoised: Tensor, clean: Tensor) -> Tensor:
 def has_return(clean: Tensor) -> Tensor:
     """bool [B, 1, H, W]: True for the pixels of a clean state [B, 8, H, W] with a return."""
     return clean[:, VALIDITY : VALIDITY + 1] > 0
-
-
-def is_open(condition: Tensor) -> Tensor:
-    """bool [B, 1, H, W]: True for the pixels that a condition [B, 17, H, W] leaves open."""
-    return condition[:, CONDITION_PARTS["open"]] > 0
 
 
 def what_counts(clean: Tensor) -> Tensor:

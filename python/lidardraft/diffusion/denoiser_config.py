@@ -24,8 +24,7 @@ class DenoiserConfig:
     one value a stage; `blocks` residual blocks make a stage; `refine_units` and `pools` are those of a refine block.
     `groups` of channels are normalised apart: each should have 16 channels or a multiple, else the gradient in bfloat16
     is slow. `condition` names the parts of the condition that the network gets (`CONDITION_PARTS`; none for
-    unconditional scans), beside the state, or with `controlnet` through a ControlNet as in the paper. With "open" among
-    them it completes simulated scans: it makes the open pixels, and keeps the rest. Defaults are of
+    unconditional scans), beside the state, or with `controlnet` through a ControlNet as in the paper. Defaults are of
     `recipes.paper_small`.
     """
 
@@ -57,10 +56,8 @@ class DenoiserConfig:
         if self.condition != tuple(part for part in CONDITION_PARTS if part in self.condition):
             known = ", ".join(CONDITION_PARTS)
             raise LidarDraftError(f"condition is {self.condition}; it must be some of {known}, in this order")
-        if self.controlnet and not (self.condition and set(self.condition) <= {"depth", "class"}):
-            raise LidarDraftError(f"condition is {self.condition}; a ControlNet sees depth, class or both")
-        if self.completes and "simulated" not in self.condition:
-            raise LidarDraftError("the part open completes the simulated scan; the condition must have it")
+        if self.controlnet and not self.condition:
+            raise LidarDraftError("condition is empty; a ControlNet sees depth, class or both")
 
     @property
     def context(self) -> int:
@@ -71,11 +68,6 @@ class DenoiserConfig:
     def condition_channels(self) -> list[int]:
         """The channels of the condition that the network gets."""
         return [channel for part in self.condition for channel in CONDITION_PARTS[part]]
-
-    @property
-    def completes(self) -> bool:
-        """Whether the network makes the open pixels, and keeps the rest of the simulated scan."""
-        return "open" in self.condition
 
     def to_dict(self) -> dict[str, Any]:
         """The fields as JSON types."""

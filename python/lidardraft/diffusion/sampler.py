@@ -33,7 +33,7 @@ def sample(
 ) -> Iterator[Tensor]:
     """The states [B, 8, H, W] after each step of `sample_multistep`, one sample a seed; the last one is the result.
 
-    `condition` is [B, 17, H, W], or one for all [1, 17, H, W]; without it the samples are unconditional. `guidance`
+    `condition` is [B, 8, H, W], or one for all [1, 8, H, W]; without it the samples are unconditional. `guidance`
     multiplies the ControlNet's change of its base, which takes a second call of the network unless it is 1
     (classifier-free guidance, Ho and Salimans, 2022). Samples begin as pure noise; the last call is made at
     `last_noise`. Works on the device of the weights. Raises `SensorError` if the image cannot be cut into the network's

@@ -30,12 +30,11 @@ FORMATS = {
     "pcd": ("pcd", "write_pcd_folder", "PCD files with ring, label and instance"),
     "ply": ("ply", "write_ply_folder", "PLY files with the same"),
     "las": ("las", "write_las", "LAS files with the same"),
-    "mcap": ("mcap", "write_mcap", "MCAP files with Foxglove's messages, one a folder"),
-    "ros2": ("ros2", "write_ros2", "ROS 2 bags (MCAP), one a folder"),
+    "ros2": ("ros2", "write_ros2", "ROS 2 bags (MCAP), one a drive, which Foxglove opens too"),
     "webdataset": ("webdataset", "write_webdataset", "WebDataset shards"),
 }
-AS_SEEN = ("mcap", "ros2")  # formats with points distorted by the sensor's motion, which consumers take out
-BY_DRIVE = ("semantickitti", "nuscenes", "mcap", "ros2")  # formats that number drives, and not frames
+AS_SEEN = ("ros2",)  # formats with points distorted by the sensor's motion, which consumers take out
+BY_DRIVE = ("semantickitti", "nuscenes", "ros2")  # formats that number drives, and not frames
 UNBOXED = ("semantickitti", "pcd", "ply", "las")  # formats without boxes
 MOVING = 0.3  # m/s, the least speed of a moving object; an estimate
 VALIDATION_SHARE = 0.2  # of a data set's frames, its last ones

@@ -1,5 +1,4 @@
-"""Training pairs: a folder of shards with scans, condition images and simulated scans of the same places; compact,
-whole or absent."""
+"""Training pairs: a folder of shards with scans and condition images of the same places; compact, whole or absent."""
 
 from __future__ import annotations
 
@@ -21,7 +20,7 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import CLASSES
 
-SCHEMA = "lidardraft.pairs/4"
+SCHEMA = "lidardraft.pairs/5"
 SHARD = 64  # pairs a file
 _LARGEST_SHARD = 2**16  # pairs that an index may claim
 DEPTH_STEP = 0.002  # m, the unit of depth in the uint16 images; up to 131 m, and anything further is 131 m
@@ -32,8 +31,6 @@ IMAGES = {
     "scan_intensity": np.uint8,
     "condition_depth": np.uint16,
     "condition_label": np.uint8,
-    "simulated_depth": np.uint16,
-    "simulated_intensity": np.uint8,
 }
 
 _NOTES = "notes.json"
@@ -46,16 +43,14 @@ Notes = list[dict[str, Any]]
 
 
 class Pair(NamedTuple):
-    """A scan, and the condition image and simulated scan that a layout of the same place gives."""
+    """A scan, and the condition image of a layout of the same place."""
 
     scan: RangeImage
     condition_image: RangeImage
-    simulated: RangeImage
 
     @classmethod
     def from_compact(cls, sensor: Sensor, images: Images) -> Pair:
-        """The pair of compact images [H, W], named as in `IMAGES`; instances, and labels of the simulated scan, are not
-        kept."""
+        """The pair of compact images [H, W], named as in `IMAGES`; instances are not kept."""
         none = np.zeros(sensor.shape, dtype=np.uint32)
 
         def image_of(name: str) -> RangeImage:
@@ -63,18 +58,18 @@ class Pair(NamedTuple):
             return RangeImage(
                 sensor=sensor,
                 depth=images[f"{name}_depth"] * np.float32(DEPTH_STEP),
-                label=images.get(f"{name}_label", none.astype(np.uint8)),
+                label=images[f"{name}_label"],
                 instance=none,
                 intensity=None if intensity is None else intensity * np.float32(INTENSITY_STEP),
             )
 
-        return cls(image_of("scan"), image_of("condition"), image_of("simulated"))
+        return cls(image_of("scan"), image_of("condition"))
 
     def compact(self) -> Images:
         """The stored images, named and typed as in `IMAGES`. Raises `FormatError` if an intensity is not finite."""
         if not all(image.intensity is None or np.isfinite(image.intensity).all() for image in self):
             raise FormatError("a pair holds an intensity that is not finite")
-        images = {"scan": self.scan, "condition": self.condition_image, "simulated": self.simulated}
+        images = {"scan": self.scan, "condition": self.condition_image}
         return {name: _COMPACT[part](images[of]) for name in IMAGES for of, part in [name.split("_")]}
 
 

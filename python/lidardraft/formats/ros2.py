@@ -1,7 +1,9 @@
 """ROS 2 bags, one a drive: clouds on /lidar, boxes on /boxes, transforms on /tf and /tf_static, and /clock.
 
-Frames and times are those of `mcap.py`. A bag is a folder of metadata.yaml and an MCAP file of CDR messages. Its custom
-data hold the JSON of the sensor.
+Frames are `map`, `base_link`, the vehicle on the road, and `lidar`. Transforms and boxes have the time of the middle of
+the sweep. So has a cloud without the sensor's own motion; a raw one has the time of its first column, and its `time`
+counts from there. A bag is a folder of metadata.yaml and an MCAP file of CDR messages. Its custom data hold the JSON of
+the sensor.
 """
 
 from __future__ import annotations
@@ -14,11 +16,11 @@ import numpy as np
 
 from lidardraft.errors import extra
 from lidardraft.formats.frame import Annotation, Drives, Frame, timed
-from lidardraft.formats.mcap import START
 from lidardraft.formats.point_cloud2 import cloud_fields
 from lidardraft.scene.pose import upright
 
 SENSOR_KEY = "lidardraft_sensor"  # of the custom data
+_START = 1_600_000_000_000_000_000  # ns, the first frame's time
 # The interfaces of vision_msgs 4 that are written, after its public definitions; rosbags does not include them.
 _VISION = {
     "ObjectHypothesis": "string class_id\nfloat64 score",
@@ -68,7 +70,7 @@ def _write_drive(drive: Iterable[Frame], bag: Any, store: Any) -> None:
         bag.write(topics[topic], at, store.serialize_cdr(message, _TOPICS[topic]))
 
     for time, frame in timed(drive):
-        begun = START + round(1e9 * time)
+        begun = _START + round(1e9 * time)
         at = begun + round(1e9 * frame.sensor.sweep_time / 2)
         if not bag.custom_data:
             bag.set_custom_data(SENSOR_KEY, frame.sensor.to_json())

@@ -2,13 +2,13 @@
 
 `sides` i8 [C, N] gives the side of each of N scans in each of C comparisons: 0 recorded, 1 generated, -1 neither. A
 distance takes the measurements of scans one after the other (`add`), and gives one number for each comparison
-(`distances`). `bev_mmd` is LiDARGen's score of two sets alone (Zyrianov et al., ECCV 2022; constants from
+(`distances`). `histogram_mmd` is LiDARGen's score of two sets alone (Zyrianov et al., ECCV 2022; constants from
 vzyrianov/lidargen, metrics/histogram).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
 import numpy as np
@@ -103,29 +103,17 @@ def bev_histogram(points: np.ndarray) -> np.ndarray:
     return np.histogram2d(x, y, bins=BINS, range=(span, span))[0]
 
 
-def bev_mmd(recorded: Iterable[np.ndarray], generated: Iterable[np.ndarray]) -> float:
-    """Squared maximum mean discrepancy of the histograms of scans [N, 3], each divided by its sum.
+def histogram_mmd(recorded: np.ndarray, generated: np.ndarray) -> float:
+    """Squared maximum mean discrepancy of histograms [N, 100, 100] by `bev_histogram`, each divided by its sum.
 
     The kernel is Gaussian in the matrix 2-norm (the largest singular value) of the difference of two histograms. The
     means are over all pairs, including a scan with itself.
     """
-    return histogram_mmd(_histograms(recorded), _histograms(generated))
-
-
-def histogram_mmd(recorded: np.ndarray, generated: np.ndarray) -> float:
-    """`bev_mmd` of histograms [N, 100, 100] by `bev_histogram`."""
     discrepancy = KernelDiscrepancy(np.repeat([0, 1], [len(recorded), len(generated)])[None], spectral)
     for number, histogram in enumerate([*recorded, *generated]):
         with named(f"scan {number if number < len(recorded) else number - len(recorded)}"):
             discrepancy.add(histogram)
     return float(discrepancy.distances()[0])
-
-
-def _histograms(scans: Iterable[np.ndarray]) -> np.ndarray:
-    histograms = [bev_histogram(points) for points in scans]
-    if not histograms:
-        raise LidarDraftError("a set of scans is empty; a score needs at least one scan on each side")
-    return np.stack(histograms)
 
 
 class MatchingDistance:

@@ -1,16 +1,12 @@
 """The lifelikeness of generated scans: properties of sweeps, and their distances between generated and recorded ones.
 
-Each property has a measure of one sweep, and a distance between two sets of sweeps. Recordings come in groups of one
-drive or place each. Recorded against recorded is the mean distance between two groups or, if that is more, between the
-two halves of one: two drives can be equal by chance. For generated against recorded, generated sweeps replace one of
-two groups, in equal number, so that both figures suffer alike from small numbers. The protocol is our own.
+Each property has a measure of one sweep, and a distance between two sets of sweeps. The definitions are our own.
 """
 
 from __future__ import annotations
 
-import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -24,8 +20,6 @@ from lidardraft.semantics import BY_NAME
 
 Features = Sequence[np.ndarray]
 _FEWEST = 50.0  # firings or returns for a mean
-_FEWEST_TO_HALVE = 4  # sweeps
-_MOST_SUBSETS = 8  # disjoint sets of generated sweeps in place of one group
 
 # Sets of classes that sensors' labels can distinguish.
 CLASS_SETS: dict[str, tuple[str, ...]] = {
@@ -53,47 +47,6 @@ class Property:
     measure: Callable[[Sweep], np.ndarray]
     distance: Callable[[Features, Features], float]
     summary: Callable[[Features], float]
-
-
-@dataclass(frozen=True)
-class Comparison:
-    """A measured property; NaN without anything to measure. `recorded` and `generated` are its summaries."""
-
-    name: str
-    recorded: float
-    generated: float
-    recorded_vs_recorded: float
-    generated_vs_recorded: float
-
-    @property
-    def ratio(self) -> float:
-        """The distance of generated from recorded sweeps over that of recorded ones from each other."""
-        return self.generated_vs_recorded / self.recorded_vs_recorded if self.recorded_vs_recorded > 0 else math.nan
-
-
-def compare(measured: Property, groups: Mapping[str, Features], generated: Features) -> Comparison:
-    """The comparison of a property's measurements, by group of recorded sweeps, with generated ones; groups without a
-    count are left out."""
-    known = [list(features) for features in groups.values() if sum(np.nansum(np.abs(f)) for f in features) > 0]
-    between = [measured.distance(first, second) for first, second in itertools.combinations(known, 2)]
-    halves = [(g[: len(g) // 2], g[len(g) // 2 :]) for g in known if len(g) >= _FEWEST_TO_HALVE]
-    within = [measured.distance(first, second) for first, second in halves]
-    recorded = mean_known(between)
-    if len(known) > 1 and not math.isnan(mean_known(within)):
-        recorded = max(recorded, mean_known(within))
-    others = []
-    for number, features in enumerate(known):
-        sizes = [len(other) for at, other in enumerate(known) if at != number] or [len(features)]
-        others += [measured.distance(part, features) for part in _subsets(generated, round(float(np.mean(sizes))))]
-    summaries = mean_known([measured.summary(features) for features in known]), measured.summary(generated)
-    return Comparison(measured.name, *summaries, recorded, mean_known(others))
-
-
-def _subsets(generated: Features, count: int) -> list[Features]:
-    """Disjoint sets of `count` sweeps each, spread over all generated ones: a few sets have all kinds of places."""
-    number = max(1, min(_MOST_SUBSETS, len(generated) // max(count, 1)))
-    stride = len(generated) // number
-    return [generated[start * stride : start * stride + count] for start in range(number)]
 
 
 def mean_known(values: Sequence[float]) -> float:

@@ -21,8 +21,8 @@ from lidardraft.scene.surfaces import Surfaces
 class Bodies:
     """Shapes [P] as given, their compiled scene, and their surfaces.
 
-    Brightness and free paths follow from ids: a shape keeps them wherever it is and whatever is beside it. Only shapes
-    that are `as_given` can be pickled; the copy is compiled again.
+    Brightness and free paths follow from ids: a shape keeps them wherever it is and whatever is beside it. Only such
+    shapes that are `as_given` can be pickled; the copy is compiled again.
     """
 
     primitives: tuple[Primitive, ...]
@@ -31,10 +31,11 @@ class Bodies:
     as_given: bool = False
 
     @classmethod
-    def of(cls, layout: Layout, wetness: float = 0.0) -> Bodies:
-        """The shapes of a layout, with a `wetness` of its ground from 0 to 1."""
-        surfaces = Surfaces.from_layout(layout, wetness=wetness, by_id=True)
-        return cls(layout.primitives, compiled(layout.primitives, by_id=True), surfaces, as_given=True)
+    def of(cls, layout: Layout, wetness: float = 0.0, *, by_id: bool = True) -> Bodies:
+        """The shapes of a layout, with a `wetness` of its ground from 0 to 1. Unless `by_id`, brightness follows from
+        the places of shapes, and free paths from their order."""
+        surfaces = Surfaces.from_layout(layout, wetness=wetness, by_id=by_id)
+        return cls(layout.primitives, compiled(layout.primitives, by_id=by_id), surfaces, as_given=by_id)
 
     @classmethod
     def _again(
@@ -45,7 +46,7 @@ class Bodies:
 
     def __reduce__(self) -> tuple[Any, ...]:
         if not self.as_given:
-            raise TypeError("bodies that were joined or moved cannot be pickled; pickle their sources")
+            raise TypeError("bodies that were joined, moved or not made by ids cannot be pickled; pickle their sources")
         return Bodies._again, (self.primitives, self.surfaces, self.origin)
 
     @classmethod

@@ -24,7 +24,7 @@ from lidardraft.errors import (
     did_you_mean,
     one_of,
 )
-from lidardraft.files import named, read_text, write_text
+from lidardraft.files import JsonFile, named, write_text
 from lidardraft.json_fields import (
     check_brackets,
     check_fields,
@@ -36,7 +36,6 @@ from lidardraft.json_fields import (
 )
 from lidardraft.scene.box import FURTHEST, THINNEST, Box, check_id, checked_instance, checked_vector, checked_yaw
 from lidardraft.scene.intent import NOTHING_ASKED, Intent
-from lidardraft.scene.layout_schema_1 import SCHEMA_1, converted
 from lidardraft.scene.materials import MATERIAL_BY_NAME
 from lidardraft.scene.mesh import TriangleMesh, has_surface, unit_mesh, unit_vertices
 from lidardraft.scene.pose import point_at
@@ -64,8 +63,8 @@ class Primitive:
     returns, or leaves it on the other side (law of Beer and Lambert). A large value is nearly solid, None is solid. A
     plane, or a mesh that is not closed, has no inside and cannot be a medium.
 
-    An `open` shape fills space that the source leaves open, such as the lawn around a sentence's road: a completed scan
-    may have anything there (`scene.visibility`).
+    An `open` shape fills space that the source leaves open, such as the lawn around a sentence's road: `surround` may
+    put anything there.
     """
 
     shape: str
@@ -194,13 +193,13 @@ _DEFAULTS = {row.name: row.default for row in fields(Primitive) if row.default i
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(JsonFile):
     """An ordered set of primitives with distinct ids.
 
     `provenance` is its origin (sentence, seed, source; JSON types only); nothing depends on it. `coverage` is the part
     of the azimuth [rad] that the source covers, (from, to) counter-clockwise, or None for all of it. `roads` are the
     roads, if known; `intent` is the request. `notes`, a line each, say which input was not understood, left out or
-    assumed, and what a sensor cannot see. Raises `LayoutError` on invalid values.
+    assumed, and which objects a sensor cannot see. Raises `LayoutError` on invalid values.
     """
 
     primitives: tuple[Primitive, ...] = ()
@@ -289,7 +288,7 @@ class Layout:
     @classmethod
     def from_json(cls, text: str) -> Layout:
         """Raises `FormatError` if the text is not the JSON of a layout, `LayoutError` on an invalid value."""
-        head = parse_document(text, SCHEMA, ("primitives",), _HEAD, older=(SCHEMA_1,))
+        head = parse_document(text, SCHEMA, ("primitives",), _HEAD)
         rows = head.pop("primitives")
         if not isinstance(rows, list):
             raise FormatError(f"primitives is {rows!r:.50}; it must be a list of objects")
@@ -298,12 +297,10 @@ class Layout:
 
     @classmethod
     def with_head(cls, primitives: Iterable[Primitive], head: Mapping[str, Any]) -> Layout:
-        """The layout of primitives and a `head`, which an earlier version of lidardraft may have written."""
-        check_schema(head.get("schema", SCHEMA_1), SCHEMA, (SCHEMA_1,))
+        """The layout of primitives and a `head`, of this schema unless it says another one."""
+        check_schema(head.get("schema", SCHEMA), SCHEMA)
         check_fields(head, (), ("schema", *_HEAD))
         fields = {name: head[name] for name in _HEAD if name in head}
-        if head.get("schema", SCHEMA_1) == SCHEMA_1:
-            return replace(cls(tuple(primitives), **fields), **converted(fields.get("provenance", {})))
         for name, kind in (("roads", RoadNetwork), ("intent", Intent)):
             if name in fields:
                 with named(name):
@@ -318,13 +315,6 @@ class Layout:
             text = self.to_json()
             check_brackets(text)
         write_text(path, text)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Layout:
-        """The layout in a JSON file, as in `from_json`; errors name the file."""
-        text = read_text(path)
-        with named(path):
-            return cls.from_json(text)
 
 
 def object_of(primitive: Primitive) -> str:

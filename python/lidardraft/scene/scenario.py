@@ -8,7 +8,6 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import json
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
@@ -17,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import FormatError, LayoutError, did_you_mean
-from lidardraft.files import named, read_text, write_text
+from lidardraft.files import JsonFile, named
 from lidardraft.json_fields import are_numbers, check_fields, check_object, is_number, parse_document
 from lidardraft.scene.pose import finite_array
 
@@ -114,7 +113,7 @@ _KINDS: dict[str, type[Motion]] = {"straight": Straight, "lane": AlongLane, "wal
 
 
 @dataclass(frozen=True, slots=True)
-class Scenario:
+class Scenario(JsonFile):
     """The motions of the ego vehicle and of objects, by names or by patterns of them (`around/*`). A name takes
     precedence over patterns, then the first match counts. Objects without a match move by their kind."""
 
@@ -148,17 +147,6 @@ class Scenario:
         rows = check_object(document.get("actors", {}))
         motions = {name: _from_fields(name, row) for name, row in rows.items()}
         return cls(None if ego is None else _from_fields("ego", ego), motions)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the JSON of `to_json`."""
-        write_text(path, self.to_json())
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Scenario:
-        """The scenario in a JSON file, as in `from_json`; errors name the file."""
-        text = read_text(path)
-        with named(path):
-            return cls.from_json(text)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -14,7 +13,7 @@ import numpy as np
 
 from lidardraft import _core
 from lidardraft.errors import SensorError, one_of
-from lidardraft.files import named, read_text, write_text
+from lidardraft.files import JsonFile, named
 from lidardraft.json_fields import are_numbers, check_fields, is_number, parse_object
 from lidardraft.scene import beam_tables
 from lidardraft.scene.pose import finite_array, rotations, upright
@@ -35,7 +34,7 @@ Blocked = tuple[tuple[tuple[float, float], ...], ...]
 
 
 @dataclass(frozen=True, kw_only=True)
-class Sensor:
+class Sensor(JsonFile):
     """A spinning LiDAR: H beams, row 0 the highest, by `columns` firings.
 
     Angles in radians, lengths in metres. The azimuth of column w is `azimuth_start - (w + 1/2) * azimuth_span /
@@ -239,17 +238,6 @@ class Sensor:
         if fields.get("model") is not None:
             fields["model"] = SensorModel.from_dict(fields["model"])
         return cls(**fields)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the JSON of `to_json`; raises `FormatError` if the file cannot be written."""
-        write_text(path, self.to_json())
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Sensor:
-        """The sensor in a JSON file, as in `from_json`; errors name the file."""
-        text = read_text(path)
-        with named(path):
-            return cls.from_json(text)
 
     @classmethod
     def presets(cls) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""How a scan shows a layout: the pixels that the layout leaves open, and the share of an object that others hide."""
+"""The share of an object that others hide in a scan."""
 
 from __future__ import annotations
 
@@ -7,9 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lidardraft.errors import LayoutError
 from lidardraft.scene.box import Box
-from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import moved_by_column
 from lidardraft.scene.range_image import RangeImage
 
@@ -52,24 +50,3 @@ def _entries(to_box: np.ndarray, directions: np.ndarray, box: Box) -> np.ndarray
     enters = ((centre - np.sign(ahead) * half) / ahead).max(axis=1, initial=0.0)
     leaves = ((centre + np.sign(ahead) * half) / ahead).min(axis=1, initial=np.inf)
     return np.where(enters <= leaves, enters, np.inf)
-
-
-def open_pixels(layout: Layout, condition_image: RangeImage, pose: np.ndarray) -> np.ndarray:
-    """bool [H, W]: the pixels that a layout leaves open to a sensor at world_from_sensor `pose`, [4, 4] or one for each
-    column [W, 4, 4].
-
-    A pixel is open if the ray of `condition_image`, a cast with the image `primitive`, hits a shape that is `open`. In
-    a layout that has such shapes, rays that hit nothing are open too. So are rays outside the layout's coverage. Pixels
-    that the vehicle hides are never open.
-    """
-    if condition_image.primitive is None:
-        raise LayoutError("the condition image has no primitives; cast it with primitive=True")
-    of_shape = np.array([primitive.open for primitive in layout], dtype=bool)
-    # -1, the last, is a ray that hits nothing
-    found: np.ndarray = np.append(of_shape, of_shape.any())[condition_image.primitive]
-    sensor = condition_image.sensor
-    if layout.coverage is not None:
-        start, end = layout.coverage
-        seen_from = np.arctan2(pose[..., 1, 0], pose[..., 0, 0]) - start
-        found = found | ((sensor.azimuths + seen_from) % (2 * math.pi) > end - start)
-    return found & ~sensor.blocked_pixels

@@ -69,7 +69,7 @@ class Simulator:
         sweeper, sensor = self._sweeper, self._sweeper.sensor
         pose = sensor.pose() if pose is None else finite_array("pose", pose, 4, 4)
         poses = sensor.poses_in_motion(pose, speed * pose[:3, 0]) if speed else pose
-        image = sweeper.observe(sweeper.cast(self._bodies, (), poses, seed), self._bodies.surfaces, poses, seed)
+        image = sweeper.scan(self._bodies, poses, seed)
         return Scan(image=image, layout=self.layout, pose=pose, seed=seed, speed=speed, assumed=self._assumed)
 
 

@@ -124,7 +124,13 @@ class Sweeper:
                 self._add(clean, mover, poses, seed, columns)
         return clean
 
-    def observe(self, clean: RangeImage, surfaces: Surfaces, poses: np.ndarray, seed: int) -> RangeImage:
+    def scan(self, still: Bodies, poses: np.ndarray, seed: int) -> RangeImage:
+        """The image that the sensor reports of standing bodies from these poses."""
+        return self.observe(self.cast(still, (), poses, seed), still.surfaces, poses, seed)
+
+    def observe(
+        self, clean: RangeImage, surfaces: Surfaces, poses: np.ndarray, seed: int | np.random.Generator
+    ) -> RangeImage:
         """The image that the sensor reports of a `clean` one that `cast` returned from these `poses`."""
         return observe(
             clean,

@@ -9,17 +9,19 @@ from collections.abc import Generator, Iterator
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from lidardraft.errors import LayoutError, check_number, check_seed
+from lidardraft.scene.bodies import Bodies
 from lidardraft.scene.box import Box
 from lidardraft.scene.intent import Intent
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import IMAGES, RangeImage
-from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.shape_table import ShapeTable
+from lidardraft.simulation.sweeps import Sweeper
 from lidardraft.streets.coarse.coarse_layout import ClusterStyle, Style, VisibleObjects, coarse_layout, sample_style
 from lidardraft.streets.coarse.coarse_street import place_of
 from lidardraft.streets.ego import Ego, mount, sample_ego
@@ -29,7 +31,6 @@ from lidardraft.streets.worker_processes import worker_processes
 # the images of a pair, which worker processes send unchanged
 _SCAN = ("depth", "label", "instance", "intensity")
 _CONDITION_IMAGE = ("depth", "label", "instance")
-_SIMULATED = _SCAN
 _SCAN_STREAM = 1  # random numbers of a scan, apart from those of its street
 _Rest = tuple[ShapeTable, np.ndarray, Style, str, float, int, ShapeTable]
 
@@ -43,8 +44,7 @@ class StreetPair:
 
     The frame is that of the ego vehicle in the middle of the sweep: `pose` is ego_from_sensor [4, 4], and the sensor
     moves ahead with `speed` [m/s]. `district` is that of the street; `index` counts the pairs of one seed. `things` are
-    all objects with instances, in their true shapes, for any style of `shapes`. `simulated`, if asked for, is the
-    scan by the same unit of the sensor of the coarse layout in detail.
+    all objects with instances, in their true shapes, for any style of `shapes`.
     """
 
     scan: RangeImage
@@ -56,7 +56,6 @@ class StreetPair:
     speed: float
     index: int
     things: ShapeTable
-    simulated: RangeImage | None = None
 
     def poses(self) -> np.ndarray:
         """The pose of each column [W, 4, 4]; both images are without motion correction, as the sensor sends them."""
@@ -119,24 +118,34 @@ class _StreetRun:
         return range(self.number * poses + self.first, (self.number + 1) * poses)
 
     def pairs(self, threads: int | None) -> Iterator[StreetPair]:
-        street, scanner = scanned_street(self.seed, self.config, self.number, threads)
-        return (_pair(street, scanner, self.config, index) for index in self.indices())
+        scene = street_scene(self.seed, self.config, self.number, threads)
+        return (_pair(scene, index) for index in self.indices())
+
+
+class StreetScene(NamedTuple):
+    """A street, its compiled scene, and the unit of the sensor that scans it."""
+
+    street: Street
+    bodies: Bodies
+    sweeper: Sweeper
+
+    @classmethod
+    def of(cls, street: Street, sweeper: Sweeper) -> StreetScene:
+        """The scene of a street, compiled for the weather of a sensor."""
+        return cls(street, Bodies.of(street.scene, sweeper.weather.wetness, by_id=False), sweeper)
 
 
 @lru_cache(maxsize=1)
-def scanned_street(seed: int, config: StreetConfig, number: int, threads: int | None) -> tuple[Street, Scanner]:
-    """A street and its scanner; the last ones are cached for the next pair of their run."""
-    street = make_street(seed=seed, config=config, number=number)
-    # another unit of the sensor for each street
+def street_scene(seed: int, config: StreetConfig, number: int, threads: int | None) -> StreetScene:
+    """The scene of a street, with another unit of the sensor for each; the last one is cached for its next pair."""
     model = replace(config.sensor.assumed_model, unit=number)
-    return street, Scanner.from_layout(
-        street.scene, config.sensor, model=model, weather=config.weather, threads=threads
-    )
+    sweeper = Sweeper.of(config.sensor, model, config.weather, threads)
+    return StreetScene.of(make_street(seed=seed, config=config, number=number), sweeper)
 
 
 def _in_processes(runs: Iterator[_StreetRun], config: StreetConfig, workers: int) -> Generator[StreetPair, None, None]:
     sensor = config.sensor
-    pixel_bytes = sum(IMAGES[name].itemsize for name in _SCAN + _CONDITION_IMAGE + _SIMULATED * config.simulated)
+    pixel_bytes = sum(IMAGES[name].itemsize for name in _SCAN + _CONDITION_IMAGE)
     with worker_processes(workers, math.prod(sensor.shape) * pixel_bytes) as processes:
         turns = itertools.cycle(processes)
 
@@ -151,21 +160,19 @@ def _in_processes(runs: Iterator[_StreetRun], config: StreetConfig, workers: int
             street = ahead.popleft()
             while street:
                 arrays, rest = street.popleft().result()
-                scan, condition_image, *simulated = [
+                scan, condition_image = (
                     RangeImage.unchecked(sensor, **{name: arrays.pop(0) for name in names})
-                    for names in (_SCAN, _CONDITION_IMAGE, *[_SIMULATED] * config.simulated)
-                ]
-                yield StreetPair(scan, condition_image, *rest, *simulated)
+                    for names in (_SCAN, _CONDITION_IMAGE)
+                )
+                yield StreetPair(scan, condition_image, *rest)
             ahead.append(submit())
 
 
 def _pair_in_worker(run: _StreetRun, index: int) -> tuple[list[np.ndarray], _Rest]:
     """The images of a pair, and its other fields."""
-    pair = _pair(*scanned_street(run.seed, run.config, run.number, 1), run.config, index)
+    pair = _pair(street_scene(run.seed, run.config, run.number, 1), index)
     images = [getattr(pair.scan, name) for name in _SCAN]
     images += [getattr(pair.condition_image, name) for name in _CONDITION_IMAGE]
-    if pair.simulated is not None:
-        images += [getattr(pair.simulated, name) for name in _SIMULATED]
     return images, (pair.shapes, pair.pose, pair.style, pair.district, pair.speed, pair.index, pair.things)
 
 
@@ -177,37 +184,26 @@ def sample_viewpoint(street: Street, sensor: Sensor, index: int) -> tuple[Ego, n
     return ego, mount(sensor, ego, rng), rng
 
 
-def scan_street(street: Street, scanner: Scanner, index: int) -> tuple[Ego, VisibleObjects, np.random.Generator]:
+def scan_street(scene: StreetScene, index: int) -> tuple[Ego, VisibleObjects, np.random.Generator]:
     """Scan `index` of a street: the ego vehicle, the visible objects, and the generator for further random numbers."""
-    ego, pose, rng = sample_viewpoint(street, scanner.sensor, index)
-    poses = ego.pose @ scanner.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
-    scan = scanner.observe(scanner.cast(poses, seed=index), poses, rng)
+    street, bodies, sweeper = scene
+    ego, pose, rng = sample_viewpoint(street, sweeper.sensor, index)
+    poses = ego.pose @ sweeper.sensor.poses_in_motion(pose, (ego.speed, 0.0, 0.0))
+    scan = sweeper.observe(sweeper.cast(bodies, (), poses, index), bodies.surfaces, poses, rng)
     coarse = street.coarse
     return ego, VisibleObjects(place_of(ego.pose), pose, scan, coarse.owners, len(coarse.objects)), rng
 
 
-def _pair(street: Street, scanner: Scanner, config: StreetConfig, index: int) -> StreetPair:
-    ego, visible, rng = scan_street(street, scanner, index)
+def _pair(scene: StreetScene, index: int) -> StreetPair:
+    street, _, sweeper = scene
+    ego, visible, rng = scan_street(scene, index)
     style = sample_style(rng)
     shapes = coarse_layout(street.coarse, style, rng, ego.pose, visible)
-    poses = scanner.sensor.poses_in_motion(visible.pose, (ego.speed, 0.0, 0.0))
-    condition_image = shapes.scan(scanner.sensor, poses, threads=scanner.threads)
+    poses = sweeper.sensor.poses_in_motion(visible.pose, (ego.speed, 0.0, 0.0))
+    condition_image = shapes.scan(sweeper.sensor, poses, threads=sweeper.threads)
     things = street.coarse.standing(street.coarse.exact, street.coarse.instances > 0, ego.pose, relief=True)
     about = (shapes, visible.pose, style, street.district, ego.speed, index, things)
-    pair = StreetPair(as_sent(visible.scan), condition_image, *about)
-    if not config.simulated:
-        return pair
-    from lidardraft.simulation.simulate import Simulator  # pictures come with it, which pairs do not need
-
-    simulator = Simulator(
-        pair.layout,
-        scanner.sensor,
-        seed=index,
-        model=scanner.model,
-        weather=config.weather,
-        threads=scanner.threads,
-    )
-    return replace(pair, simulated=as_sent(simulator.scan(pair.pose, speed=pair.speed, seed=index).image))
+    return StreetPair(as_sent(visible.scan), condition_image, *about)
 
 
 def as_sent(scan: RangeImage) -> RangeImage:

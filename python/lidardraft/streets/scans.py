@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from lidardraft.errors import check_number, check_seed
 from lidardraft.streets.coarse.coarse_layout import BoxStyle, as_boxes
-from lidardraft.streets.pairs import as_sent, scan_street, scanned_street
+from lidardraft.streets.pairs import as_sent, scan_street, street_scene
 from lidardraft.streets.street import StreetConfig
 
 if TYPE_CHECKING:
@@ -25,8 +25,8 @@ def street_scan(index: int, *, seed: int = 0, config: StreetConfig | None = None
     seed, index = check_seed(seed), check_number("index", index)
     config = config or StreetConfig()
     number = index // config.poses_per_street
-    street, scanner = scanned_street(seed, config, number, threads)
-    ego, visible, _ = scan_street(street, scanner, index)
+    scene = street_scene(seed, config, number, threads)
+    street, (ego, visible, _) = scene.street, scan_street(scene, index)
     provenance = {"source": "streets", "seed": seed, "index": index, "district": street.district}
     shapes = as_boxes(street.coarse, BoxStyle(relief=True), ego.pose)
     layout = street.with_roads(shapes.layout(provenance, intent=street.scene.intent), ego.pose, relief=True)

@@ -32,16 +32,14 @@ class StreetConfig:
     """The settings of streets and their scans.
 
     `sensor` scans them in `weather`, from `poses_per_street` places each. A street reaches `half_length` [m] either way
-    from its middle; `mix` is the composition of streets. With `simulated` a pair also has the simulated scan of its
-    coarse layout, which takes as long again. Raises `LayoutError` for less than one place, or a half length that is not
-    40 to 200 m.
+    from its middle; `mix` is the composition of streets. Raises `LayoutError` for less than one place, or a
+    half length that is not 40 to 200 m.
     """
 
     sensor: Sensor = PRESETS["hdl64e"]
     poses_per_street: int = 32
     half_length: float = 90.0
     mix: StreetMix = USUAL_MIX
-    simulated: bool = False
     weather: Weather = _CLEAR
 
     def __post_init__(self) -> None:

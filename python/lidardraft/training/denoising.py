@@ -14,8 +14,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.channels import HIDDEN
-from lidardraft.diffusion.codec import decode_scan, encode_condition
+from lidardraft.diffusion.codec import decode_scan, encode_scan
 from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
 from lidardraft.diffusion.noise import training_levels
@@ -24,13 +23,11 @@ from lidardraft.errors import TrainingError
 from lidardraft.metrics.adherence import adherence
 from lidardraft.networks.layers import reduced_precision
 from lidardraft.scene.sensor import Sensor
-from lidardraft.semantics import BY_NAME, CLASSES, GROUND, NUM_CLASSES
 from lidardraft.streets import StreetConfig, streets
 from lidardraft.training.learner import LearningConfig
 from lidardraft.training.loop import Measures, Report, device_for_training, train
 from lidardraft.training.processes import Processes
 from lidardraft.training.sources import PairSource, scans_of_step
-from lidardraft.training.stack import PairStack
 
 OWN, OTHER = "objects", "objects of the other street"
 _SEED = 2_000_000  # of streets that no training learns from
@@ -38,16 +35,6 @@ _STREETS = 2
 _CALLS = 8  # of the network a scan, from noise
 _DEADLINE = 1_000  # steps after which a network must follow its condition
 BANDS = (0.0, 0.05, 0.2, 1.0, float("inf"))  # edges of the separately reported bands of noise
-_SILENT = 20  # steps after which a zero convolution must have changed
-# How often each is drawn: an azimuth sector, all but such a sector, all but objects, all but objects and the road, all
-# pixels without a statement (terrain, and rays without a hit), everything. Estimates of users' inputs.
-_SHARES = {"sector": 0.2, "all but a sector": 0.15, "all but objects": 0.15, "all but the road": 0.2, "filler": 0.2}
-_SECTOR = (np.pi / 4, np.pi)  # rad, of open sectors
-_VIEW = (np.pi / 3, 2 * np.pi / 3)  # rad, the field of view of a camera
-_FILLER = [BY_NAME[name].id for name in ("none", "terrain")]
-_ROAD = [BY_NAME[name].id for name in GROUND if name != "terrain"]
-_THINGS = [row.id for row in CLASSES if row.is_thing]
-_KEPT_STUFF = 0.3  # how often a class of stuff is given nevertheless
 
 
 class AdherenceWatch:
@@ -58,12 +45,11 @@ class AdherenceWatch:
     """
 
     def __init__(self, sensor: Sensor) -> None:
-        config = StreetConfig(sensor=sensor, poses_per_street=1, simulated=True)
+        config = StreetConfig(sensor=sensor, poses_per_street=1)
         pairs = list(itertools.islice(streets(seed=_SEED, config=config), _STREETS))
         self.sensor = sensor
         self.condition_images = [pair.condition_image for pair in pairs]
-        encoded = [encode_condition(pair.condition_image, pair.simulated) for pair in pairs if pair.simulated]
-        self.condition = torch.from_numpy(np.stack(encoded))
+        self.condition = torch.from_numpy(np.stack(list(map(encode_scan, self.condition_images))))
 
     @torch.no_grad()
     def measure(self, denoiser: Denoiser) -> dict[str, float]:
@@ -121,10 +107,9 @@ def train_denoiser(
     begin: Denoiser | None = None,
     device: str | None = "cpu",
     max_minutes: float = float("inf"),
-    compiles: bool = False,
 ) -> Iterator[Report]:
     """Train a denoiser on pairs, from fresh weights, those of `begin` or of the base of `begin`. If it has a
-    ControlNet, train that alone, on a frozen base. `compiles` runs the loss through `torch.compile` first.
+    ControlNet, train that alone, on a frozen base.
 
     `training.loop.train` describes the contents of the folder `run`, and how a run continues; the loss is also reported
     by bands of noise. Raises `TrainingError` as that does, and if the pairs or the device do not fit.
@@ -133,7 +118,6 @@ def train_denoiser(
     on = device_for_training(device)
     processes = Processes.from_environment(on)
     denoiser = beginning(config, begin)
-    loss_of = torch.compile(denoiser.loss, dynamic=False) if compiles else denoiser.loss
     watches = config.watch_every and config.denoiser.condition
     watch = AdherenceWatch(source.sensor or Sensor.preset("hdl64e")) if watches else None
 
@@ -148,13 +132,13 @@ def train_denoiser(
         if denoiser.controlnet is not None:
             denoiser.controlnet.learn(everything=step >= config.zero_conv_steps)
         with reduced_precision(on):
-            losses = loss_of(batch.clean, batch.sigma, batch.noise, batch.rays, batch.condition, wraps=batch.wraps)
+            losses = denoiser.loss(
+                batch.clean, batch.sigma, batch.noise, batch.rays, batch.condition, wraps=batch.wraps
+            )
         return losses, _by_band(batch.sigma, losses.detach()) | watched(step)
 
     batch = partial(_batch, source=source, processes=processes, device=on)
-    for report in train(config, denoiser, batch, loss, source, run, device=on, max_minutes=max_minutes):
-        _check_zero_convs(denoiser, report.step)
-        yield report
+    yield from train(config, denoiser, batch, loss, source, run, device=on, max_minutes=max_minutes)
 
 
 def beginning(config: DenoisingConfig, begin: Denoiser | None) -> Denoiser:
@@ -182,14 +166,6 @@ def _by_band(sigma: Tensor, losses: Tensor) -> Measures:
         f"loss, sigma {low:g} to {high:g}": losses.where((low <= sigma) & (sigma < high), torch.nan)
         for low, high in itertools.pairwise(BANDS)
     }
-
-
-def _check_zero_convs(denoiser: Denoiser, step: int) -> None:
-    """Stop a run that has failed, with a clear message, instead of wasting days."""
-    if denoiser.controlnet is not None and step >= _SILENT:
-        for name, conv in denoiser.controlnet.zero_convs():
-            if not conv.weight.any():
-                raise TrainingError(f"zero convolution {name!r} is still zero after {step} steps")
 
 
 class _Batch(NamedTuple):
@@ -223,43 +199,5 @@ def _batch(
     clean = stack.states()
     sigma = training_levels(scans, levels, mean=config.sigma_mean, std=config.sigma_std)[share].to(device)
     noise = torch.randn((scans, *clean.shape[1:]), generator=noises, device=device)[share]
-    condition = None
-    if config.denoiser.condition:
-        condition = stack.conditions(_opened(config, stack, [(config.seed, step, number) for number in share]))
+    condition = stack.conditions() if config.denoiser.condition else None
     return _Batch(clean, sigma, noise, stack.rays, condition, stack.sensor.wraps)
-
-
-def _opened(config: DenoisingConfig, stack: PairStack, seeds: list[tuple[int, int, int]]) -> Tensor:
-    """The pixels that each scan of a step leaves open, bool [B, H, W], without those that the vehicle hides."""
-    label = stack.images["condition_label"]
-    if not config.denoiser.completes:
-        return torch.zeros_like(label, dtype=torch.bool)
-    drawn = [sample_opening(stack.sensor, np.random.default_rng(seed)) for seed in seeds]
-    classes, columns = (torch.from_numpy(np.stack(part)).to(label.device) for part in zip(*drawn, strict=True))
-    opened = classes.gather(1, label.flatten(1).long()).view_as(label) & columns[:, None]
-    return opened & (stack.rays[HIDDEN] == 0)
-
-
-def sample_opening(sensor: Sensor, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """A random opening, as in a user's draft of a place: the open classes, bool [K], in the open columns, bool [W]."""
-    kinds = list(_SHARES)
-    kind = rng.choice([*kinds, "everything"], p=[*_SHARES.values(), 1 - sum(_SHARES.values())])
-    classes, columns = np.ones(NUM_CLASSES, dtype=bool), np.ones(sensor.columns, dtype=bool)
-    if kind == "filler":
-        classes = np.isin(np.arange(NUM_CLASSES), _FILLER)
-    elif kind == "sector":
-        columns = _sector(sensor, rng.uniform(*_SECTOR), rng)
-    elif kind == "all but a sector":
-        columns = ~_sector(sensor, rng.uniform(*_VIEW), rng)
-    elif kind != "everything":
-        given = _THINGS if kind == "all but objects" else [*_THINGS, *_ROAD]
-        stuff = [id for id in range(NUM_CLASSES) if id not in (*given, *_FILLER) and rng.random() < _KEPT_STUFF]
-        classes[[*given, *stuff]] = False
-    return classes, columns
-
-
-def _sector(sensor: Sensor, width: float, rng: np.random.Generator) -> np.ndarray:
-    """The columns, bool [W], of a sector `width` [rad] wide at a random azimuth; at most three quarters of the
-    image."""
-    columns = max(round(sensor.columns * min(width / sensor.azimuth_span, 0.75)), 1)
-    return (np.arange(sensor.columns) + rng.integers(sensor.columns)) % sensor.columns < columns

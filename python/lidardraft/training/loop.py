@@ -12,7 +12,7 @@ import warnings
 import zlib
 from collections.abc import Callable, Generator, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import closing
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -26,7 +26,7 @@ from lidardraft.files import written_whole
 from lidardraft.json_fields import is_number, parse_object
 from lidardraft.networks.weight_file import Network
 from lidardraft.training.learner import Learner, LearningConfig, RunIdentity
-from lidardraft.training.processes import ALONE, Processes
+from lidardraft.training.processes import Processes
 from lidardraft.training.sources import PairSource
 
 Batch = TypeVar("Batch")
@@ -82,15 +82,11 @@ def train(
     began, window = time.monotonic(), _Window()
     upcoming = _prefetched(partial(batch, config), start)
 
-    def learn(step: int, size: int) -> None:
-        whole = size == config.batch  # else only this process tries which batch fits
-        made = next(upcoming) if whole else batch(dataclasses.replace(config, batch=size), step)
-        losses, measures = loss(step, made)
-        window.add(losses.detach(), learner.step(step, losses, processes if whole else ALONE), measures)
-
     with closing(upcoming):
         for step in range(start, config.steps):
-            check_memory_for(config.batch, partial(learn, step), step=step)
+            with naming_lack_of_memory(config.batch, step):
+                losses, measures = loss(step, next(upcoming))
+                window.add(losses.detach(), learner.step(step, losses, processes), measures)
             minutes = (time.monotonic() - began) / 60
             # all processes stop at the same step
             last = step + 1 == config.steps or processes.total(minutes > max_minutes, device) > 0
@@ -147,31 +143,17 @@ def device_for_training(name: str | None = None) -> torch.device:
     return device
 
 
-def check_memory_for(batch: int, learn: Callable[[int], object], *, step: int) -> None:
-    """`learn` a batch of that size. If memory lacks, raise `TrainingError` naming the largest power of two that fits,
-    found by trials."""
-    if lacking := _lack_of_memory(lambda: learn(batch)):
-        smaller = (2**power for power in reversed(range(batch.bit_length())) if 2**power < batch)
-        fitting = next((size for size in smaller if not _lack_of_memory(partial(learn, size))), None)
-        advice = f"--batch {fitting} fits" if fitting else "a smaller --batch does not fit either"
-        raise TrainingError(
-            f"step {step + 1} of batches of {batch} needs more memory than there is; {advice} ({lacking})"
-        )
-
-
-def _lack_of_memory(attempt: Callable[[], object]) -> str:
-    """The message of a lack of memory in an attempt, on any device; "" if there is none.
-
-    The tensors of an attempt are freed when this returns, as its error is.
-    """
+@contextmanager
+def naming_lack_of_memory(batch: int, step: int) -> Iterator[None]:
+    """Raises `TrainingError` with an advice if memory lacks in the block, on any device."""
     try:
-        attempt()
+        yield
     except (MemoryError, RuntimeError) as error:  # torch raises RuntimeErrors, of one kind for a GPU alone
         text = (str(error) or "MemoryError").splitlines()[0]
-        if isinstance(error, MemoryError) or "out of memory" in text or "t allocate memory" in text:
-            return text
-        raise
-    return ""
+        if not isinstance(error, MemoryError) and "out of memory" not in text and "t allocate memory" not in text:
+            raise
+        needs = f"step {step + 1} of batches of {batch} needs more memory than there is"
+        raise TrainingError(f"{needs}; a smaller --batch needs less ({text})") from None
 
 
 class _Window:

@@ -1,11 +1,11 @@
-"""Recipes: complete configurations of trainings, one stage after the other; and the arms of the paper's ablation.
+"""Recipes: complete configurations of trainings, one stage after the other.
 
 A stage with a ControlNet uses the previous stage as its frozen base; any other continues with its weights.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 from lidardraft.diffusion.denoiser_config import DenoiserConfig
@@ -19,15 +19,10 @@ _CONDITIONED: dict[str, Any] = {"sigma_mean": 0.5, "sigma_std": 1.4}
 def paper_small() -> Stages:
     """The paper's form for two CPU cores, on folded pixels: a base on every second beam and column, then on all, and
     its ControlNet."""
-    return _with_controlnet(_small_base(), steps=8_000, zero_conv_steps=200)
-
-
-def small() -> Stages:
-    """The recipe of the packaged weights for two CPU cores: the base of `paper_small`, then a network that completes
-    simulated scans."""
-    *base, last = _small_base()
-    denoiser = replace(last.denoiser, condition=("simulated", "open"))
-    return *base, last, replace(last, denoiser=denoiser, steps=8_000, **_CONDITIONED)
+    denoiser = DenoiserConfig(cell=(2, 4), widths=(64, 96, 128, 128), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2))
+    coarse = DenoisingConfig(denoiser=denoiser, steps=20_000, batch=2, learning_rate=0.01, thinnings=(2,))
+    base = coarse, replace(coarse, steps=10_000, thinnings=(1, 2))
+    return _with_controlnet(base, steps=8_000, zero_conv_steps=200)
 
 
 def paper() -> Stages:
@@ -73,12 +68,7 @@ def small_map() -> Stages:
 
 
 def tiny() -> Stages:
-    """`small`, an eighth as wide, for tests and a look at the loop: seconds."""
-    return (_tiny(small()[-1]),)
-
-
-def tiny_paper() -> Stages:
-    """`paper_small`, an eighth as wide, for tests."""
+    """`paper_small`, an eighth as wide, for tests and a look at the loop: seconds."""
     *_, base, control = paper_small()
     return _tiny(base), replace(_tiny(control), zero_conv_steps=5)
 
@@ -86,12 +76,6 @@ def tiny_paper() -> Stages:
 def _of_maps(stages: Stages) -> Stages:
     *base, control = stages
     return *base, replace(control, denoiser=replace(control.denoiser, condition=("class",)))
-
-
-def _small_base() -> Stages:
-    denoiser = DenoiserConfig(cell=(2, 4), widths=(64, 96, 128, 128), strides=(1, 2, 2, 1), dilations=(1, 1, 1, 2))
-    coarse = DenoisingConfig(denoiser=denoiser, steps=20_000, batch=2, learning_rate=0.01, thinnings=(2,))
-    return coarse, replace(coarse, steps=10_000, thinnings=(1, 2))
 
 
 def _with_controlnet(base: Stages, *, steps: int, zero_conv_steps: int) -> Stages:
@@ -107,36 +91,3 @@ def _with_controlnet(base: Stages, *, steps: int, zero_conv_steps: int) -> Stage
 def _tiny(stage: DenoisingConfig) -> DenoisingConfig:
     denoiser = replace(stage.denoiser, widths=(8, 8, 16, 16))
     return replace(stage, denoiser=denoiser, steps=20, batch=4, warmup=5, watch_every=0)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Arm:
-    """The change of the paper's form in one row of the table.
-
-    The parts of the condition; whether it enters through a ControlNet, or beside the state of a base that learns on;
-    whether the ControlNet's copy of the encoder learns, or its zero convolutions alone; whether the layout's top view
-    (`top_view`) replaces its cast.
-    """
-
-    condition: tuple[str, ...] = ("depth", "class")
-    controlnet: bool = True
-    tuned: bool = True
-    from_above: bool = False
-
-    def stage(self, control: DenoisingConfig) -> DenoisingConfig:
-        """The stage of this arm on the base in place of the paper's `control`, with as many steps."""
-        denoiser = replace(control.denoiser, condition=self.condition, controlnet=self.controlnet)
-        alone = control.zero_conv_steps if self.tuned else control.steps
-        return replace(control, denoiser=denoiser, zero_conv_steps=alone, watch_every=0)
-
-
-# The paper's Table 2: the value of each part of its form, at one budget of training; the paper's own form last.
-# "Semantic map alone" is the paper's "without depth estimation".
-ARMS = {
-    "ControlNet not fine-tuned": Arm(tuned=False),
-    "top view, not cast": Arm(from_above=True),
-    "without classes": Arm(condition=("depth",)),
-    "semantic map alone": Arm(condition=("class",)),
-    "condition concatenated": Arm(controlnet=False),
-    "paper": Arm(),
-}

@@ -1,4 +1,4 @@
-"""Pairs of recorded scans: the scan of a sensor, and the cast and simulated scan of a layout made from it."""
+"""Pairs of recorded scans: the scan of a sensor, and the cast of a layout made from it."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.raycast import raycast
 from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import CLASSES, NUM_CLASSES
-from lidardraft.simulation.simulate import simulate
 
 _MOST_OUTSIDE = 0.25  # of the points; with the right sensor up to 0.05 are out of range or above the highest beam
 _FEWEST = 0.05  # of the pixels; a scan has more returns
@@ -62,8 +61,8 @@ class ReturnShares:
         )
 
 
-def recorded_pair(scan: LabelledCloud, sensor: Sensor, *, seed: int = 0) -> Pair:
-    """The pair of a recorded scan: on the grid of `sensor`, with the cast and the simulated scan of its layout.
+def recorded_pair(scan: LabelledCloud, sensor: Sensor) -> Pair:
+    """The pair of a recorded scan: on the grid of `sensor`, with the cast of its layout.
 
     The layout is that of `layout_from_cloud`, scanned from the place of the sensor, at rest. Raises `FormatError` if
     the points do not fit the sensor, `LayoutError` if they give no layout.
@@ -72,7 +71,7 @@ def recorded_pair(scan: LabelledCloud, sensor: Sensor, *, seed: int = 0) -> Pair
     if not (scan.label > 0).any():
         raise FormatError("no point has a class; a layout is made of classes")
     layout = layout_from_cloud(scan.points, scan.label, instances=scan.instance, sensor_height=sensor.mount_height)
-    return Pair(image, raycast(layout, sensor, sensor.pose()), simulate(layout, sensor, seed=seed).image)
+    return Pair(image, raycast(layout, sensor, sensor.pose()))
 
 
 def on_grid(scan: LabelledCloud, sensor: Sensor) -> RangeImage:

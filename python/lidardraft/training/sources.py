@@ -20,10 +20,8 @@ import torch
 from torch import Tensor
 
 from lidardraft.errors import TrainingError
-from lidardraft.formats.pairs import IMAGES, Images, Pair, PairIndex
-from lidardraft.scene.layout import Layout
+from lidardraft.formats.pairs import IMAGES, Pair, PairIndex
 from lidardraft.scene.range_image import RangeImage
-from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import Sensor
 from lidardraft.streets import StreetConfig, StreetPair, streets
 from lidardraft.training.processes import ALONE, Processes
@@ -36,9 +34,6 @@ _POSES_MEANWHILE = 4  # of a street that workers make: the higher rate of pairs 
 _MOST = 16_000  # pairs kept in a bank
 _LEAST = 16  # batches' worth of pairs in a bank before the first step
 _SENSOR_STREAM = 11  # random numbers of a step's sensor
-NEAR, FAR = 2.0, 80.0  # m from the sensor along the ground: the lowest row and the highest of a top view
-_CEILING = 12.0  # m over the sensor's origin: the limit of heights
-_HIGH = 200.0  # m over the sensor's origin: the start of the rays
 _CHOICE_STREAM = 5  # random numbers that choose a source
 _MEMINFO = Path("/proc/meminfo")  # of Linux; other systems are not asked
 _PIXELS = 64 * 1024  # of the images that memory is counted in
@@ -69,7 +64,7 @@ class PairSource:
 
 
 class PairFolder(PairSource):
-    """The pairs of a prepared folder, held in memory: 0.66 MB for each pair of 64 x 1024.
+    """The pairs of a prepared folder, held in memory: 0.46 MB for each pair of 64 x 1024.
 
     `folder[i]` is a `Pair` with depth to the millimetre and intensity, as `Pair.from_compact` gives it. `notes[i]` is
     its note, `checksum` that of all images. Raises `FormatError` naming a file that is missing, truncated or not from
@@ -114,29 +109,28 @@ class PairFolder(PairSource):
 
 
 class StreetSource(PairSource):
-    """The streets of a seed, scanned by `sensor`, or by another one at each step (`sample_sensor`).
+    """The streets of a seed, scanned by `sensor`, or by another one at each step (`sample_sensor`)."""
 
-    With `from_above` the layout's top view replaces its cast (`top_view`).
-    """
-
-    def __init__(self, *, seed: int = 0, sensor: Sensor | None = None, from_above: bool = False) -> None:
+    def __init__(self, *, seed: int = 0, sensor: Sensor | None = None) -> None:
         seen_by = "sensors drawn at random" if sensor is None else sensor.name
-        decisive = [seed, None if sensor is None else sensor.to_json(), from_above]
-        words = f"streets of seed {seed}, {seen_by}{', layouts from above' * from_above}"
-        super().__init__(sensor, words, zlib.crc32(repr(decisive).encode()))
-        self.seed, self.from_above = seed, from_above
+        decisive = [seed, None if sensor is None else sensor.to_json()]
+        super().__init__(sensor, f"streets of seed {seed}, {seen_by}", zlib.crc32(repr(decisive).encode()))
+        self.seed = seed
 
     def stack(self, step: int, scans: int, processes: Processes = ALONE, device: torch.device = CPU) -> PairStack:
         """Pairs of one sensor, the same for a step (`PairSource.stack`)."""
         sensor = self.sensor or sample_sensor(np.random.default_rng([self.seed, step, _SENSOR_STREAM]))
-        config = StreetConfig(sensor=sensor, poses_per_street=_POSES, simulated=True)
+        config = StreetConfig(sensor=sensor, poses_per_street=_POSES)
         pairs = []
         for number in processes.share(scans_of_step(scans, sensor)):
             pair = next(streets(seed=self.seed, config=config, start=step * scans + number))
-            image = top_view(pair.layout, sensor, pair.pose) if self.from_above else pair.condition_image
-            pairs.append(_compact(pair, image))
+            pairs.append(Pair(pair.scan, self.condition_image(pair)).compact())
         images = as_tensors({name: np.stack([pair[name] for pair in pairs]) for name in IMAGES})
         return PairStack.of(sensor, {name: rows.to(device) for name, rows in images.items()})
+
+    def condition_image(self, pair: StreetPair) -> RangeImage:
+        """The condition image to learn from: the cast of the layout."""
+        return pair.condition_image
 
 
 class StreetBank(PairSource):
@@ -178,13 +172,13 @@ class StreetBank(PairSource):
                 self._ended.set()
 
     def _fill(self, kept: int, processes: Processes) -> None:
-        config = StreetConfig(sensor=self.sensor, poses_per_street=_POSES_MEANWHILE, simulated=True)
+        config = StreetConfig(sensor=self.sensor, poses_per_street=_POSES_MEANWHILE)
         shard = (processes.rank, processes.count)
         with closing(streets(seed=self.seed, config=config, shard=shard, workers=self.workers)) as made:
             for pair in made:
                 if self._ended.is_set():
                     return
-                images = as_tensors(_compact(pair, pair.condition_image))
+                images = as_tensors(Pair(pair.scan, pair.condition_image).compact())
                 with self._lock:
                     for name, image in images.items():
                         self._images[name][self.made % kept].copy_(image)
@@ -232,11 +226,6 @@ class MixedSource(PairSource, Generic[SourceT]):
         return self.draw(np.random.default_rng([step, _CHOICE_STREAM])).stack(step, scans, processes, device)
 
 
-def _compact(pair: StreetPair, condition_image: RangeImage) -> Images:
-    assert pair.simulated is not None
-    return Pair(pair.scan, condition_image, pair.simulated).compact()
-
-
 def scans_of_step(scans: int, sensor: Sensor) -> int:
     """The number of scans of a sensor in a step that has room for `scans` of 64 x 1024."""
     return max(1, min(scans, scans * _PIXELS // math.prod(sensor.shape)))
@@ -263,29 +252,3 @@ def free_memory(device: torch.device = CPU) -> int | None:
     except OSError:
         return None
     return next((1024 * int(line.split()[1]) for line in lines if line.startswith("MemAvailable:")), None)
-
-
-def top_view(layout: Layout, sensor: Sensor, pose: np.ndarray) -> RangeImage:
-    """The top view of a layout around a sensor at world_from_sensor `pose` [4, 4], in images of its shape.
-
-    A pixel is a vertical ray at its own place: its column's azimuth is the sensor's, and higher rows are farther, in
-    equal ratios from 2 to 80 m. `depth` is the distance of the surface below a ceiling of 12 m, `label` its class. The
-    paper does not state its projection; azimuths that agree with those of the scan are the best case for it.
-    """
-    rows, columns = sensor.shape
-    azimuth = sensor.azimuth_start - (np.arange(columns) + 0.5) * sensor.azimuth_span / columns
-    azimuth = azimuth + np.arctan2(pose[1, 0], pose[0, 0])
-    distance = np.geomspace(FAR, NEAR, rows)[:, None]
-    origins = np.empty((rows, columns, 3))
-    origins[..., 0] = pose[0, 3] + distance * np.cos(azimuth)
-    origins[..., 1] = pose[1, 3] + distance * np.sin(azimuth)
-    origins[..., 2] = pose[2, 3] + _HIGH
-    down = np.broadcast_to((0.0, 0.0, -1.0), (rows * columns, 3))
-    hits = Raycaster(layout).cast(origins.reshape(-1, 3), down)
-    depth = np.where(hits.valid, np.maximum(hits.distance - (_HIGH - _CEILING), 0.1), 0)
-    return RangeImage(
-        sensor=sensor,
-        depth=depth.reshape(sensor.shape).astype(np.float32),
-        label=hits.label.reshape(sensor.shape),
-        instance=hits.instance.reshape(sensor.shape),
-    )

@@ -13,7 +13,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from lidardraft.diffusion.codec import encode_conditions, encode_rays, encode_scans
+from lidardraft.diffusion.codec import encode_rays, encode_scans
 from lidardraft.formats.pairs import DEPTH_STEP, INTENSITY_STEP
 from lidardraft.scene.sensor import Sensor
 
@@ -55,11 +55,9 @@ class PairStack:
         intensity = self.images["scan_intensity"] * INTENSITY_STEP
         return encode_scans(self._depth("scan"), self.images["scan_label"], intensity, self.sensor)
 
-    def conditions(self, is_open: Tensor) -> Tensor:
-        """The conditions, f32 [B, 17, H, W], open where `is_open`, bool [B, H, W]."""
-        intensity = self.images["simulated_intensity"] * INTENSITY_STEP
-        cast = self._depth("condition"), self.images["condition_label"]
-        return encode_conditions(*cast, self._depth("simulated"), intensity, is_open, self.sensor)
+    def conditions(self) -> Tensor:
+        """The conditions, f32 [B, 8, H, W]: the states of the casts."""
+        return encode_scans(self._depth("condition"), self.images["condition_label"], None, self.sensor)
 
     def _depth(self, name: str) -> Tensor:
         return (self.images[f"{name}_depth"].int() & 0xFFFF) * DEPTH_STEP  # [m]

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from lidardraft.errors import LayoutError, check_that, check_type
-from lidardraft.files import named, read_text, write_text
+from lidardraft.files import JsonFile, named
 from lidardraft.json_fields import are_numbers, check_fields, check_object, parse_document
 from lidardraft.scene.sensor import Sensor
 from lidardraft.simulation.sweeps import Spot
@@ -33,7 +32,7 @@ class Mount:
 
 
 @dataclass(frozen=True, slots=True)
-class Rig:
+class Rig(JsonFile):
     """Sensors of one vehicle, by the names of their channels; all of them scan one moment."""
 
     mounts: Mapping[str, Mount]
@@ -44,22 +43,20 @@ class Rig:
         for name, mount in self.mounts.items():
             check_type(f"mount {name!r}", mount, Mount)
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the rig as JSON."""
+    def to_json(self) -> str:
+        """The rig as JSON text; `from_json` gives an equal one."""
         rows = {
             name: {"sensor": json.loads(mount.sensor.to_json()), "spot": mount.spot}
             for name, mount in self.mounts.items()
         }
-        write_text(path, json.dumps({"schema": SCHEMA, "mounts": rows}))
+        return json.dumps({"schema": SCHEMA, "mounts": rows})
 
     @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> Rig:
-        """Raises `FormatError` if the file is no rig, and the errors of its sensors; all errors name the file."""
-        text = read_text(path)
-        with named(path):
-            mounts = {}
-            for name, row in check_object(parse_document(text, SCHEMA, ("mounts",), ())["mounts"]).items():
-                with named(name):
-                    check_fields(check_object(row), ("sensor", "spot"))
-                    mounts[name] = Mount(Sensor.from_json(json.dumps(row["sensor"])), row["spot"])
-            return cls(mounts)
+    def from_json(cls, text: str) -> Rig:
+        """Raises `FormatError` if the text is not the JSON of a rig, and the errors of its sensors."""
+        mounts = {}
+        for name, row in check_object(parse_document(text, SCHEMA, ("mounts",), ())["mounts"]).items():
+            with named(name):
+                check_fields(check_object(row), ("sensor", "spot"))
+                mounts[name] = Mount(Sensor.from_json(json.dumps(row["sensor"])), row["spot"])
+        return cls(mounts)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any
@@ -11,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from lidardraft.errors import FormatError, check_number, check_seed
-from lidardraft.files import named, read_text, write_text
+from lidardraft.files import JsonFile
 from lidardraft.json_fields import check_object, parse_document, read_as, write_as
 from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import Place
@@ -80,7 +79,7 @@ class Collision:
 
 
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
-class WorldState:
+class WorldState(JsonFile):
     """All that the scans of a `World` depend on, except its sensor and weather.
 
     `layouts` are the layout and all additions, as given; `actors` are the things left of them, with their places.
@@ -145,14 +144,3 @@ class WorldState:
             actors=actors,
             collisions=read_as(tuple[Collision, ...], document["collisions"], "collisions"),
         )
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the JSON of `to_json`."""
-        write_text(path, self.to_json())
-
-    @classmethod
-    def load(cls, path: str | os.PathLike[str]) -> WorldState:
-        """As `from_json`, from a file; the errors name it."""
-        text = read_text(path)
-        with named(path):
-            return cls.from_json(text)

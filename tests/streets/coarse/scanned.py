@@ -5,18 +5,18 @@ from dataclasses import replace
 import numpy as np
 
 from lidardraft import CLASSES
-from lidardraft.scene.scanner import Scanner
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.scene.shape_table import ShapeTable
+from lidardraft.simulation.sweeps import Sweeper
 from lidardraft.streets.coarse.coarse_layout import Style, coarse_layout
-from lidardraft.streets.pairs import scan_street
+from lidardraft.streets.pairs import StreetScene, scan_street
 from lidardraft.streets.street import make_street
 
 STREET = make_street(seed=2)
 OBJECTS = STREET.occupancy.objects
 SENSOR = PRESETS["hdl64e"]
-SCANNER = Scanner.from_layout(STREET.scene, SENSOR)
-EGO, VISIBLE, _ = scan_street(STREET, SCANNER, 0)
+SCENE = StreetScene.of(STREET, Sweeper.of(SENSOR, None, None))
+EGO, VISIBLE, _ = scan_street(SCENE, 0)
 SCAN = VISIBLE.scan
 NAMES = [row.name for row in CLASSES]
 

@@ -32,7 +32,7 @@ from lidardraft.scene.solids import Solid
 from lidardraft.scene.street import StreetFrame
 from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.around.land import drawn_relief
-from lidardraft.simulation.around.sights import SENSOR, Sights
+from lidardraft.simulation.around.lines_of_sight import SENSOR, LinesOfSight
 from lidardraft.simulation.roads import NoStreetError, with_roads
 
 _STREAM = 5  # of random numbers, apart from those that made the layout
@@ -86,8 +86,13 @@ def surround(layout: Layout, *, seed: int = 0) -> Layout:
     street = dataclasses.replace(street, speed=frame.district.speed, lights=frame.street.lights)
     roads = roads.but(street=street, relief=scene.relief(frame.occupancy.ground))
     whole = dataclasses.replace(layout, primitives=(*layout.primitives, *around), intent=intent, roads=roads)
-    said = {"district": name, "seed": seed, "objects": len(standing), "in_sight": scene.sights.share_open(whole)}
-    hidden = {name: by for name, by in scene.sights.hidden.items() if name not in scene.free}
+    said = {
+        "district": name,
+        "seed": seed,
+        "objects": len(standing),
+        "in_sight": scene.lines_of_sight.share_open(whole),
+    }
+    hidden = {name: by for name, by in scene.lines_of_sight.hidden.items() if name not in scene.free}
     notes = [f"{name} cannot be seen: {by} stands before it" for name, by in hidden.items()]
     return dataclasses.replace(whole, provenance=layout.provenance | {"surroundings": said}).noted(*notes)
 
@@ -110,7 +115,7 @@ class _Scene:
         watched = {
             name for name, some in self.asked.items() if name not in self.free or BY_NAME[some[0].label].is_thing
         }
-        self.sights = Sights(layout, watched)
+        self.lines_of_sight = LinesOfSight(layout, watched)
 
     def frame(self, rng: np.random.Generator) -> tuple[Frame, str]:
         """The frame to fill, with all that was asked for reserved, and the name of its district."""
@@ -129,7 +134,7 @@ class _Scene:
         occupancy = Occupancy(road, ground, denied=denied, instances=instances)
         for space in (*self._footprints(rng), *self._view(), *self._beyond_ends()):
             occupancy.reserve(space)
-        for place, size, bottom, top in self.sights.spaces(_REACH):
+        for place, size, bottom, top in self.lines_of_sight.spaces(_REACH):
             occupancy.reserve(Solid.box(*in_frame(place, self.ego), size, bottom, top))
         for area in road.paved_areas:
             x, y, yaw = road.at(sum(area.along) / 2, sum(area.across) / 2)

@@ -8,9 +8,9 @@ import pytest
 
 from lidardraft.errors import LidarDraftError
 from lidardraft.metrics.sweep import Sweep
-from lidardraft.metrics.two_sample import CROP_COLUMNS, FAMILIES, crop_features, shown_pixels, two_sample
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.streets import StreetConfig, streets
+from two_sample import CROP_COLUMNS, FAMILIES, crop_features, shown_pixels, two_sample
 
 ROAD = -1.7
 Drives = dict[str, list[Sweep]]

@@ -47,7 +47,7 @@ class _View(NamedTuple):
         return np.column_stack([self.x + aside[:, 0], self.y + aside[:, 1], up]) - _EYE
 
 
-class Sights:
+class LinesOfSight:
     """The lines of sight to the objects `names` of a layout, as far as its other objects leave them open.
 
     `hidden` maps each object without an open line to the object that hides most of it.
