@@ -212,20 +212,6 @@ def test_a_scan_says_what_was_hit_and_what_was_not(backend: str | None) -> None:
     assert missed == {"depth": 0, "label": 0, "instance": 0, "primitive": -1, "incidence": 0, "normal": [0, 0, 0]}
 
 
-def test_a_moved_scene_and_the_old_one() -> None:
-    pattern, scene = _core.SensorPattern(**PATTERN), _core.Scene(**{**BALL, "sizes": np.full((1, 3), 12.0)})
-    elsewhere = np.eye(4)
-    elsewhere[0, 3] = -10.0
-    before, after, old = images(1), images(1), images(1)
-    scene.scan(pattern, poses(1), **before)
-    moved = scene.moved(np.array([0], np.uint32), elsewhere[None])
-    moved.scan(pattern, poses(1), **after)
-    scene.scan(pattern, poses(1), **old)
-    np.testing.assert_array_equal(old["depth"], before["depth"])
-    np.testing.assert_allclose(after["depth"][0], np.roll(before["depth"][0], 4, axis=1), rtol=1e-6)
-    assert (after["depth"] != before["depth"]).any()
-
-
 RAYS = np.ones((3, 3))
 
 
