@@ -117,24 +117,6 @@ def test_a_pattern_of_other_arrays_is_refused() -> None:
         _core.SensorPattern(**{**PATTERN, "origins": np.zeros((2, 2))})
 
 
-BROKEN = {
-    "stretched": (np.diag([1.0, 1, 2, 1]), "the rotation of the pose is off"),
-    "mirrored": (np.diag([1.0, 1, -1, 1]), "determinant -1"),
-    "nan": (np.full((4, 4), np.nan), r"entry \[0, 0\] of the pose is NaN"),
-    "shuffled": (np.eye(4)[[0, 1, 3, 2]], "last row"),
-    "far": (np.eye(4) + 1e10 * np.eye(4, k=3), r"entry \[0, 3\] of the pose is 10000000000"),
-}
-
-
-@pytest.mark.parametrize("columns", [1, 8])
-@pytest.mark.parametrize("broken", BROKEN)
-def test_poses_that_are_not_rigid(broken: str, columns: int) -> None:
-    pose, said = BROKEN[broken]
-    some = poses(2, columns)
-    some[1, columns - 1] = pose
-    refuses(LayoutError, rf"world_from_sensor\[1, {columns - 1}\]: .*{said}", some)
-
-
 @pytest.mark.parametrize(
     ("some", "error", "said"),
     [

@@ -433,10 +433,6 @@ def test_a_script_among_other_words(reply: str) -> None:
     assert code_of(reply) == CUBE
 
 
-def test_a_script_is_never_taken_for_a_path() -> None:
-    assert code_of("/etc/secrets.py") == "/etc/secrets.py\n"
-
-
 def test_fences_that_are_never_closed_are_read_in_one_pass() -> None:
     """A pattern that looks for the end of each would take minutes."""
     reply = "\n".join("`" * n for n in range(2000, 2, -1)) + "\n~~~\n" + "x\n" * 1_000_000
