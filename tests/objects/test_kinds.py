@@ -101,7 +101,7 @@ def test_names_of_models_say_kinds_of_the_table() -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_objects_of_many_seeds_keep_to_their_extents_classes_instances_and_materials(kind: str):
     seen: set[str] = set()
-    for seed in range(40):
+    for seed in range(100):
         made = placed(kind, seed)
         primitives = build(made, seed)
         # unit shapes lie within [-1/2, 1/2]^3: their boxes hold them

@@ -133,7 +133,7 @@ def test_a_labelled_scan_of_a_street_is_that_of_its_pair() -> None:
 
 
 def test_scan_and_condition_image_agree_on_most_objects():
-    pairs = take(11, StreetConfig(poses_per_street=1), 40)
+    pairs = take(11, StreetConfig(poses_per_street=1), 60)
     cards = [adherence(pair.scan, pair.condition_image) for pair in pairs]
     seen = [card for card, pair in zip(cards, pairs, strict=True) if pair.style.source in ("cloud", "boxes")]
     # half of the returns from cars within 5 m are from within them or beyond, as in recordings: the rest has to agree

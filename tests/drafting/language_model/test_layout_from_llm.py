@@ -373,7 +373,7 @@ def test_the_specs_of_sentences_leave_nothing_out_and_without_a_kind_it_is_misse
     lines = [line for line in SENTENCES.read_text().splitlines() if line and not line.startswith(("    ", "#"))]
     loads = ("carrying logs", "loaded with four cars")  # which the grammar knows as no objects of their own
     missed = total = 0
-    for line in lines[::12]:
+    for line in lines[::8]:
         try:
             spec = spec_from_text(line, strict=True)
         except TextError:
@@ -499,7 +499,7 @@ def test_it_has_the_fields_of_a_spec_each_of_them_required() -> None:
 def test_it_allows_what_every_sentence_says_and_it_is_read_back() -> None:
     schema, seen = scene_spec_schema(), 0
     lines = [line for line in SENTENCES.read_text().splitlines() if line and not line.startswith(("    ", "#"))]
-    for line in lines[::12]:
+    for line in lines[::8]:
         try:
             spec = spec_from_text(line)
         except TextError:
@@ -508,7 +508,7 @@ def test_it_allows_what_every_sentence_says_and_it_is_read_back() -> None:
         assert allows(schema, fields), line
         assert SceneSpec.from_dict(fields) == spec
         seen += 1
-    assert seen > 30
+    assert seen > 25
 
 
 def test_it_forbids_what_no_spec_says() -> None:
