@@ -5,6 +5,7 @@ A flat road and two cars: a return of the road lies on it, one of a car in its b
 
 import copy
 import math
+import multiprocessing
 import pickle
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +13,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from torch.utils.data import DataLoader
 
 from foreign_readers import READERS
 from lidardraft import (
@@ -294,9 +294,9 @@ def test_workers_that_are_spawned_have_what_is_compiled() -> None:
     seen = moved.scan(seed=1)
     points = np.column_stack([seen.points(), seen.intensities()])
     samples = [{"points": points, "gt_boxes": np.zeros((0, 7), np.float32), "gt_names": np.zeros(0, str)}] * 2
-    workers = {"batch_size": None, "num_workers": 1, "multiprocessing_context": "spawn"}
-    scans = list(DataLoader([TURN.pose(), TURN.pose(x=3.0)], collate_fn=moved.scan, **workers))
-    sampled = list(DataLoader(samples, collate_fn=sampling, **workers))
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
+        scans = pool.map(moved.scan, [TURN.pose(), TURN.pose(x=3.0)], chunksize=2)
+        sampled = pool.map(sampling, samples, chunksize=2)
     for found, pose in zip(scans, (TURN.pose(), TURN.pose(x=3.0)), strict=True):
         np.testing.assert_array_equal(found.image.depth, moved.scan(pose).image.depth)
     for found, sample in zip(sampled, samples, strict=True):

@@ -65,6 +65,7 @@ def test_kitti_fills_its_rows() -> None:
     assert sweeps.shares["all of SemanticKITTI"].sum() == pytest.approx(0.98, abs=0.02)
 
 
+@pytest.mark.slow
 @needs_recordings
 def test_streets_are_told_from_recordings(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.setattr("sys.argv", ["report_two_sample.py", "--num", "8", "--sensor", "hdl64e"])

@@ -111,6 +111,7 @@ def test_sweeps_have_the_lasers_in_the_rows_of_the_table(fitted):
     )
 
 
+@pytest.mark.slow
 @needs_data
 def test_a_recorded_hdl64e_loses_no_point_to_another_laser():
     paths = sorted(Path(DATA).glob("kitti/object/*/velodyne/*.bin"))[:1]  # whose motion was not taken out
@@ -126,6 +127,7 @@ def test_a_recorded_hdl64e_loses_no_point_to_another_laser():
         assert (row != found.table.rows(scan)).mean() < 0.01
 
 
+@pytest.mark.slow
 @needs_data
 def test_the_rings_of_a_recorded_pandar64_are_those_of_its_table():
     paths = sorted(Path(DATA).glob("permissive/pjlab_pandar64/lidar2lidar*top.pcd"))[:1]

@@ -1,6 +1,5 @@
 """`lidardraft streets` and `pairs`: folders that train, and streets to look at."""
 
-import os
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -11,15 +10,10 @@ import pytest
 from lidardraft import Layout, Primitive, Sensor, simulate
 from lidardraft.cli import main as cli
 from lidardraft.cli import pairs as module
-from lidardraft.cli import train
-from lidardraft.diffusion.denoiser import Denoiser
 from lidardraft.formats import kitti, semantickitti
 from lidardraft.formats.datasets import RecordedFile
-from lidardraft.networks import weight_file
-from lidardraft.training import recipes
 from lidardraft.training.sources import PairFolder
 
-SEQUENCE = Path(os.environ.get("LIDARDRAFT_DATA", "nowhere")).absolute() / "kitti/odometry_00"
 STREETS = ["streets", "--sensor", "small.json", "--workers", "1"]
 Refused = Callable[..., str]
 RECORDED = ["pairs", "00", "--sensor", "small.json", "-o", "out"]
@@ -127,24 +121,6 @@ def test_a_data_set_becomes_pairs(recordings: Path, capsys: pytest.CaptureFixtur
     assert "split is 'vall'; of semantickitti it must be one of train, val, all" in capsys.readouterr().err
     assert cli.main(["pairs", "--dataset", "kitti", "set", "set", "-o", "out"]) == 2
     assert "--dataset takes one folder, that of kitti; there are 2" in capsys.readouterr().err
-
-
-def test_the_paper_is_trained_on_a_data_set_by_two_commands(recordings: Path) -> None:
-    sequence = SEQUENCE if SEQUENCE.exists() else recordings  # a recorded scan where there is one
-    for name in ("velodyne/000000.bin", "labels/000000.label"):
-        link = Path("set/sequences/00", name)
-        link.parent.mkdir(parents=True, exist_ok=True)
-        link.symlink_to(sequence.absolute() / name)
-    elevations = tuple(np.deg2rad(np.linspace(2, -24, 8)).tolist())
-    Path("coarse.json").write_text(Sensor(name="coarse", elevations=elevations, columns=32).to_json())
-    argv = ["pairs", "--dataset", "semantickitti", "set", "--split", "train", "--sensor", "coarse.json", "-o", "out"]
-    assert cli.main(argv) == 0
-    argv = ["street", "--data", "out", "--recipe", "paper", "--steps", "1", "--batch", "1", "--evaluate", "1"]
-    assert train.main([*argv, "-o", "paper.safetensors"]) == 0
-    card = weight_file.read_card("paper.safetensors")
-    assert card["data"] == "recordings, coarse"
-    assert [stage["step"] for stage in card["stages"]] == [1, 1]
-    assert weight_file.load("paper.safetensors", Denoiser).config == recipes.paper()[-1].denoiser
 
 
 @pytest.mark.usefixtures("recordings")

@@ -193,6 +193,7 @@ def test_a_data_set_becomes_the_papers_training(capsys: pytest.CaptureFixture[st
     assert card["data"] == "recordings, tiny"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not (DATA / "kitti/object").is_dir(), reason="LIDARDRAFT_DATA holds no objects of KITTI")
 def test_real_scans_become_a_training() -> None:
     Path("set").symlink_to(DATA / "kitti/object")

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from strategies import layouts, poses, sensors
 
 from lidardraft import _core
-from lidardraft.scene.layout import Layout, Primitive
+from lidardraft.scene.layout import Layout
 from lidardraft.scene.range_image import blank_images
 from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor import Sensor
@@ -50,42 +50,6 @@ def test_backends_see_what_the_reference_sees(backend, layout, sensor, pose):
     assert_agree(scanned(layout, sensor, pose[None, None], backend=backend), expected)
 
 
-@pytest.mark.parametrize("backend", FAST)
-@settings(max_examples=20, deadline=None)
-@given(layouts(), sensors(), poses(), poses())
-def test_backends_see_what_the_reference_sees_with_a_pose_a_column(backend, layout, sensor, first, last):
-    share = np.linspace(0, 1, sensor.columns)[:, None]
-    several = np.tile(first, (1, sensor.columns, 1, 1))
-    several[0, :, :3, 3] = (1 - share) * first[:3, 3] + share * last[:3, 3]
-    expected = scanned(layout, sensor, several, backend="reference")
-    assert_agree(scanned(layout, sensor, several, backend=backend), expected)
-
-
-@pytest.mark.parametrize("backend", FAST)
-@pytest.mark.parametrize("seed", range(3))
-def test_a_crowd_looks_the_same(backend, seed):
-    random = np.random.default_rng(seed)
-    crowd = [
-        Primitive(
-            shape=("box", "ellipsoid", "cylinder", "plane")[i % 4],
-            center=tuple(random.uniform(-30, 30, 3)),
-            size=(*random.uniform(0.05, 8, 2), 0.0 if i % 4 == 3 else random.uniform(0.05, 8)),
-            yaw=random.uniform(-4, 4),
-            label="car",
-            id=f"{i}",
-            instance=i + 1,
-        )
-        for i in range(400)
-    ]
-    layout, pose = Layout(tuple(crowd)), np.eye(4)
-    pose[:3, :3] = np.linalg.qr(random.normal(size=(3, 3)))[0]
-    pose[:3, :3] *= np.linalg.det(pose[:3, :3])
-    pose[:3, 3] = random.uniform(-5, 5, 3)
-    expected = scanned(layout, SENSOR, pose[None, None], backend="reference")
-    assert (expected["depth"] > 0).mean() > 0.3
-    assert_agree(scanned(layout, SENSOR, pose[None, None], backend=backend), expected)
-
-
 @pytest.mark.parametrize("backend", _core.backends())
 @settings(max_examples=8, deadline=None)
 @given(layouts(), sensors(), poses(), poses())
@@ -97,14 +61,3 @@ def test_threads_change_no_bit(backend, layout, sensor, first, last):
             more = scanned(layout, sensor, several, threads=threads, backend=backend)
             for name, image in one.items():
                 np.testing.assert_array_equal(more[name].view(np.uint8), image.view(np.uint8), err_msg=name)
-
-
-@pytest.mark.parametrize("backend", _core.backends())
-def test_threads_change_no_bit_of_a_large_scan(backend):
-    layout = Layout((Primitive(shape="ellipsoid", center=(9, 0, 1), size=(9, 9, 9), label="car", id="a", instance=1),))
-    sensor = Sensor.preset("hdl32e")
-    one = scanned(layout, sensor, sensor.pose()[None, None], threads=1, backend=backend)
-    for threads in (2, 3, 5):
-        more = scanned(layout, sensor, sensor.pose()[None, None], threads=threads, backend=backend)
-        for name, image in one.items():
-            np.testing.assert_array_equal(more[name].view(np.uint8), image.view(np.uint8), err_msg=name)

@@ -4,8 +4,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from strategies import layouts, poses, sensors
 
 from lidardraft.errors import LayoutError, LidarDraftError
 from lidardraft.scene.layout import Layout, Primitive
@@ -22,18 +20,6 @@ def rays_of(sensor, pose):
     origins = sensor.pattern.origins() @ pose[:3, :3].T + pose[:3, 3]
     directions = 3.0 * sensor.pattern.directions() @ pose[:3, :3].T
     return origins.reshape(-1, 3), directions.reshape(-1, 3)
-
-
-@settings(max_examples=50, deadline=None)
-@given(layouts(), sensors(), poses())
-def test_the_rays_of_a_sensor_reach_as_far_as_its_scan(layout, sensor, pose):
-    everywhere = dataclasses.replace(sensor, min_range=0.0, max_range=1e4)
-    caster = Raycaster(layout)
-    image, hits = caster.scan(everywhere, pose), caster.cast(*rays_of(everywhere, pose))
-    assert len(hits) == image.depth.size
-    # The rays were turned in another order of rounding: one on the rim of a shape may fall to either side of it.
-    off = ~np.isclose(hits.distance, image.depth.ravel(), rtol=1e-5, atol=2e-3)
-    assert off.sum() <= max(2, 0.02 * len(hits))
 
 
 @pytest.mark.parametrize("seed", range(5))

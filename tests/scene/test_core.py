@@ -117,24 +117,6 @@ def test_a_pattern_of_other_arrays_is_refused() -> None:
         _core.SensorPattern(**{**PATTERN, "origins": np.zeros((2, 2))})
 
 
-BROKEN = {
-    "stretched": (np.diag([1.0, 1, 2, 1]), "the rotation of the pose is off"),
-    "mirrored": (np.diag([1.0, 1, -1, 1]), "determinant -1"),
-    "nan": (np.full((4, 4), np.nan), r"entry \[0, 0\] of the pose is NaN"),
-    "shuffled": (np.eye(4)[[0, 1, 3, 2]], "last row"),
-    "far": (np.eye(4) + 1e10 * np.eye(4, k=3), r"entry \[0, 3\] of the pose is 10000000000"),
-}
-
-
-@pytest.mark.parametrize("columns", [1, 8])
-@pytest.mark.parametrize("broken", BROKEN)
-def test_poses_that_are_not_rigid(broken: str, columns: int) -> None:
-    pose, said = BROKEN[broken]
-    some = poses(2, columns)
-    some[1, columns - 1] = pose
-    refuses(LayoutError, rf"world_from_sensor\[1, {columns - 1}\]: .*{said}", some)
-
-
 @pytest.mark.parametrize(
     ("some", "error", "said"),
     [
@@ -210,20 +192,6 @@ def test_a_scan_says_what_was_hit_and_what_was_not(backend: str | None) -> None:
     assert hit["normal"] == pytest.approx([-1.0, 0.0, 0.0], abs=0.02)
     missed = {name: array[0, 1, 0].tolist() for name, array in out.items()}
     assert missed == {"depth": 0, "label": 0, "instance": 0, "primitive": -1, "incidence": 0, "normal": [0, 0, 0]}
-
-
-def test_a_moved_scene_and_the_old_one() -> None:
-    pattern, scene = _core.SensorPattern(**PATTERN), _core.Scene(**{**BALL, "sizes": np.full((1, 3), 12.0)})
-    elsewhere = np.eye(4)
-    elsewhere[0, 3] = -10.0
-    before, after, old = images(1), images(1), images(1)
-    scene.scan(pattern, poses(1), **before)
-    moved = scene.moved(np.array([0], np.uint32), elsewhere[None])
-    moved.scan(pattern, poses(1), **after)
-    scene.scan(pattern, poses(1), **old)
-    np.testing.assert_array_equal(old["depth"], before["depth"])
-    np.testing.assert_allclose(after["depth"][0], np.roll(before["depth"][0], 4, axis=1), rtol=1e-6)
-    assert (after["depth"] != before["depth"]).any()
 
 
 RAYS = np.ones((3, 3))

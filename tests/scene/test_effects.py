@@ -16,7 +16,6 @@ from lidardraft.scene.raycast import Raycaster
 from lidardraft.scene.sensor_model import MODELS, IntensityCurve, SensorModel
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather, first_particle, particles
-from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.sweeps import Sweeper
 
 
@@ -202,16 +201,6 @@ def test_a_return_from_nothing_is_no_return_in_every_image():
         assert (getattr(scan, name)[dropped] == blank).all()
 
 
-def test_a_single_surface_is_the_same_through_sub_rays():
-    one, three, seven = (
-        seen(wall(15.0), replace(IDEAL, rays_per_beam=rays, divergence_h=2e-3, divergence_v=2e-3)) for rays in (1, 3, 7)
-    )
-    for many in (three, seven):
-        np.testing.assert_allclose(many.depth, one.depth, atol=2e-3)
-        np.testing.assert_allclose(many.intensity, one.intensity, rtol=0.02)
-        np.testing.assert_array_equal(many.label, one.label)
-
-
 def step(gap: float) -> Layout:
     """A near board before a wall, `gap` apart; beams cross the board's edges."""
     return Layout(primitives=(
@@ -242,29 +231,6 @@ def test_an_edge_loses_firings_and_slanted_ground_does_not():
     road = Layout((Primitive(shape="plane", center=(0, 0, -1.7), size=(400, 400, 0), label="road", id="road"),))
     flat = replace(SENSOR, elevations=(-0.03, -0.04))  # a beam's ground is 10 m long
     assert seen(road, model, sensor=flat).valid.all()
-
-
-def test_the_return_mode_is_strongest_or_last():
-    model = replace(IDEAL, rays_per_beam=7, divergence_h=6e-3, divergence_v=6e-3, detection_threshold=1e-9)
-    ahead = replace(SENSOR, azimuth_start=0.3, azimuth_span=0.6)
-    strongest, last = (
-        seen(step(3.0), replace(model, last_return=on, fading=0.0), sensor=ahead) for on in (False, True)
-    )
-    changed = strongest.label != last.label
-    assert changed.any()
-    assert (strongest.label[changed] == BY_NAME["fence"].id).all()
-    assert (last.label[changed] == BY_NAME["wall"].id).all()
-    assert (last.depth >= strongest.depth).all()
-
-
-def test_a_thin_pole_gives_a_weak_echo():
-    pole = Primitive(shape="cylinder", center=(20.0, 0.0, 0.0), size=(0.06, 0.06, 9.0), label="pole", id="pole")
-    layout = Layout(primitives=(replace(pole, material="concrete"),))
-    model = replace(IDEAL, rays_per_beam=3, divergence_h=3e-3, divergence_v=3e-3)
-    narrow = replace(SENSOR, azimuth_start=0.02, azimuth_span=0.04)
-    thin, whole = (seen(layout, each, sensor=narrow) for each in (model, IDEAL))
-    assert thin.valid.sum() >= whole.valid.sum()
-    assert thin.intensity[thin.valid].mean() < 0.8 * whole.intensity[whole.valid].mean()
 
 
 def test_glass_is_seen_through_to_one_depth_a_pane_and_not_when_that_is_off():
@@ -317,14 +283,6 @@ def test_rain_snow_and_fog_bring_echoes_of_nothing_from_near_by():
         assert backscatter.mean() > 0.01
         assert (scan.primitive[backscatter] == -1).all()
         assert not clear.valid.any()
-
-
-def test_power_falls_with_the_square_of_range():
-    # what is not corrected for range shows the power
-    model = replace(IDEAL, compensation_range=1e-3, full_scale=1e-8)
-    near, far = (seen(wall(distance), model).intensity for distance in (10.0, 20.0))
-    np.testing.assert_allclose(near, 0.45 * (1e-3 / 10.0) ** 2 / 1e-8, rtol=0.01)
-    np.testing.assert_allclose(far, near / 4, rtol=1e-5)
 
 
 def test_fog_takes_its_share_there_and_back():

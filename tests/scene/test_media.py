@@ -12,7 +12,6 @@ from lidardraft.errors import FormatError, LayoutError, LidarDraftError
 from lidardraft.scene import edit
 from lidardraft.scene.layout import SHAPES, primitive_mesh
 from lidardraft.scene.mesh import TriangleMesh
-from lidardraft.scene.pose import upright
 
 SENSOR = Sensor(name="test", elevations=tuple(np.deg2rad(np.linspace(8, -12, 24)).tolist()), columns=600)
 ROAD = Primitive(shape="plane", center=(0, 0, 0), size=(200, 200, 0), label="road", id="road")
@@ -28,7 +27,6 @@ STREET = Layout(
         Primitive(shape="box", center=(30, 0, 3), size=(1, 60, 6), label="building", id="house"),
     )
 )
-ALL = {"primitive": True, "incidence": True, "normal": True}
 
 
 def unit(shape: str) -> TriangleMesh:
@@ -82,32 +80,6 @@ def test_json_and_edits_keep_it():
         Primitive.from_dict({**CROWN.to_dict(), "extinctions": 1})
 
 
-def test_rays_go_in_and_some_through():
-    porous = raycast(STREET, SENSOR, **ALL)
-    solid = raycast(edit.replace(STREET, "*", extinction=None), SENSOR, **ALL)
-    crown = solid.primitive == 1
-    inside, through = crown & (porous.primitive == 1), crown & (porous.primitive != 1)
-    assert inside.sum() > 200
-    assert through.sum() > 50
-    assert (porous.depth[inside] > solid.depth[inside]).all()
-    assert (porous.primitive == 1).sum() == inside.sum()
-    medium = np.isin(porous.primitive, [1, 2, 3])
-    np.testing.assert_allclose(porous.incidence[medium], 1, atol=1e-6)
-    rays = SENSOR.pattern.directions()
-    np.testing.assert_allclose(porous.normal[medium], -rays[medium], atol=1e-6)
-    # What is behind the crown, or no return, but never the crown's own label elsewhere.
-    assert (porous.label[through] != CROWN.label).all()
-
-
-def test_a_dense_medium_is_nearly_solid():
-    dense = raycast(edit.replace(STREET, "tree_1", extinction=1e6), SENSOR, primitive=True)
-    solid = raycast(edit.replace(STREET, "tree_1", extinction=None), SENSOR, primitive=True)
-    crown = solid.primitive == 1
-    assert (dense.primitive == 1)[crown].mean() > 0.999
-    both = crown & (dense.primitive == 1)
-    np.testing.assert_allclose(dense.depth[both], solid.depth[both], atol=1e-3)
-
-
 def test_seeds():
     caster = Raycaster(STREET)
     one, same, other = (caster.scan(SENSOR, seed=seed, primitive=True) for seed in (7, 7, 8))
@@ -123,13 +95,6 @@ def test_seeds():
     for call in (lambda: caster.scan(SENSOR, seed=2**63), lambda: caster.cast(np.zeros(3), np.eye(3), seed=2**63)):
         with pytest.raises(LidarDraftError, match="seed is 9223372036854775808; it must be an integer of 0 to 2"):
             call()
-
-
-def test_a_moved_crown_stays_porous():
-    caster = Raycaster(STREET)
-    caster.move("tree_1", upright((14.0, 1.0, 2.0), 0.4))
-    layout = edit.replace(STREET, "tree_1", center=(14.0, 1.0, 2.0), yaw=0.4)
-    np.testing.assert_array_equal(caster.scan(SENSOR, seed=3).depth, raycast(layout, SENSOR, seed=3).depth)
 
 
 def test_any_rays():

@@ -4,9 +4,6 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from strategies import layouts, poses, sensors
 
 from lidardraft.errors import LayoutError, LidarDraftError, SensorError
 from lidardraft.scene.layout import Layout, Primitive
@@ -51,16 +48,6 @@ def test_a_scan_has_what_is_asked_for_and_nothing_else():
     for name in ALL:
         assert images_of(CASTER.scan(SENSOR, **{name: True})).keys() == {"depth", "label", "instance", name}
     assert_same(raycast(CASTER.layout, SENSOR, POSES[1], **ALL), CASTER.scan(SENSOR, POSES[1], **ALL))
-
-
-def test_normals_are_of_unit_length_and_look_at_the_sensor():
-    image = CASTER.scan(SENSOR, POSES[2], normal=True, incidence=True)
-    assert image.normal is not None
-    assert image.incidence is not None
-    np.testing.assert_allclose(np.linalg.norm(image.normal[image.valid], axis=1), 1, atol=1e-5)
-    assert not image.normal[~image.valid].any()
-    rays = SENSOR.pattern.directions() @ POSES[2][:3, :3].T
-    np.testing.assert_allclose(-(rays * image.normal).sum(axis=2), image.incidence, atol=1e-4)
 
 
 def test_an_empty_image_is_one_without_returns_and_takes_a_scan():
@@ -149,16 +136,6 @@ def test_an_intensity_would_be_that_of_another_scan():
 
 
 SMALL = Sensor(name="small", elevations=(0.2, 0.1, 0.0, -0.1), columns=16)
-
-
-@settings(max_examples=25, deadline=None)
-@given(layouts(), sensors(), st.lists(poses(), max_size=4))
-def test_a_batch_is_its_scans_bit_for_bit(layout, sensor, several):
-    caster = Raycaster(layout)
-    batch = caster.scan_batch(sensor, np.array(several).reshape(-1, 4, 4), **ALL)
-    assert len(batch) == len(several)
-    for image, pose in zip(batch, several, strict=True):
-        assert_same(image, caster.scan(sensor, pose, **ALL))
 
 
 def test_a_batch_of_rolling_scans_is_its_scans():

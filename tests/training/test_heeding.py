@@ -107,6 +107,7 @@ CONFIG = DenoisingConfig(denoiser=DENOISER, steps=100, batch=8, learning_rate=0.
 HEEDS = 1.01  # of the loss by other layouts over that by their own
 
 
+@pytest.mark.slow
 def test_a_minute_of_training_is_enough_to_heed_layouts_of_unseen_streets(tmp_path: Path) -> None:
     found = itertools.islice(streets(seed=7, config=StreetConfig(sensor=SENSOR, poses_per_street=1)), 24)
     pairs = ((Pair(pair.scan, pair.condition_image), {}) for pair in found)

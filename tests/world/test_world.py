@@ -80,8 +80,11 @@ def changed(world: World, chance: random.Random) -> None:
             world.ego.pose = (x, y, chance.uniform(-1, 1))
 
 
-@pytest.mark.parametrize("sensor", SENSORS.values(), ids=SENSORS)
-@pytest.mark.parametrize("policy", ["allow", "stop", "refuse"])
+@pytest.mark.parametrize(
+    ("sensor", "policy"),
+    list(zip(SENSORS.values(), itertools.cycle(["allow", "stop", "refuse"]), strict=False)),
+    ids=SENSORS,
+)
 def test_a_scan_is_that_of_a_fresh_world_in_the_same_state(sensor: Sensor, policy: str) -> None:
     chance = random.Random(f"{sensor.columns} {policy}")
     world = World(CROSSROADS, sensor, seed=7, collisions=policy)

@@ -133,7 +133,7 @@ def test_wrong_seed(seed: object) -> None:
         layout_from_spec(SceneSpec(), seed=seed)  # type: ignore[arg-type]
 
 
-@pytest.mark.parametrize("tenth", [0, 1, 2, *(pytest.param(tenth, marks=pytest.mark.slow) for tenth in range(3, 10))])
+@pytest.mark.parametrize("tenth", [0, *(pytest.param(tenth, marks=pytest.mark.slow) for tenth in range(1, 10))])
 def test_every_relation_of_a_random_spec_holds(tenth: int) -> None:
     refused = 0
     for number in range(100 * tenth, 100 * tenth + 100):

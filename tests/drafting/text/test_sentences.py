@@ -7,18 +7,21 @@ import json
 import math
 import re
 from collections import Counter
-from functools import cache
 from pathlib import Path
 from typing import NamedTuple
 
 import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
+from readings import reading
 
+from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.scene_spec import ObjectGroup, SceneSpec, relations
 from lidardraft.drafting.text.explanation import Explanation
+from lidardraft.drafting.text.grammar import parse
 from lidardraft.drafting.text.layout import explain, layout_from_text, spec_from_text
-from lidardraft.drafting.text.lexicon import lexicon
+from lidardraft.drafting.text.lexicon import lexicon, vocabulary
+from lidardraft.drafting.text.tokens import clean, tokens_of
 from lidardraft.errors import LayoutError, TextError
 from lidardraft.objects.cars import PAINTS
 from lidardraft.objects.kinds import SENTENCE_KINDS
@@ -97,17 +100,17 @@ UNKNOWN_CLAUSES = [
 ]
 
 
-@cache
 def spec_of(text: str) -> SceneSpec | None:
     """The spec of a sentence without what is unknown, None where too much is."""
-    with contextlib.suppress(TextError):
-        return dataclasses.replace(spec_from_text(text), not_understood=())
-    return None
+    read = reading(text)
+    return read and dataclasses.replace(read.spec, not_understood=())
 
 
 def explained(text: str) -> Explanation:
     """What a sentence became, each content word of which gave something that is there, or is reported."""
-    explanation = explain(text)
+    explanation = reading(text)
+    if explanation is None:
+        raise TextError(f"{text!r} is refused")
     spec = explanation.spec
     for one in explanation.meanings:
         words = re.findall(r"[^\W_]+(?:'s|'re)?", one.words)
@@ -138,35 +141,38 @@ def test_what_is_understood_and_what_is_not(sentence: Sentence) -> None:
     assert list(spec.not_understood) == sentence.unknown
     assert list(explanation.not_shown) == sentence.shapeless
     assert list(explanation.mismatches) == sentence.mismatches
-    if sentence.unknown or sentence.mismatches:
-        with pytest.raises(TextError, match="not understood: " if sentence.unknown else "the sentence says "):
-            spec_from_text(sentence.text, strict=True)
-    else:
-        assert spec_from_text(sentence.text, strict=True) == spec
 
 
 @pytest.mark.parametrize("sentence", SENTENCES, ids=[sentence.text for sentence in SENTENCES])
-def test_every_relation_holds_for_three_seeds(sentence: Sentence) -> None:
+def test_every_relation_holds(sentence: Sentence) -> None:
+    spec = explained(sentence.text).spec
     if sentence.refusal:
         with pytest.raises(LayoutError, match=sentence.refusal):
-            layout_from_text(sentence.text, seed=0)
+            layout_from_spec(spec, seed=0)
         return
-    spec = spec_from_text(sentence.text)
-    layouts = [layout_from_text(sentence.text, seed=seed) for seed in range(3)]
+    layouts = [layout_from_spec(spec, seed=seed) for seed in range(2)]
     for layout in layouts:
         assert broken(spec, layout) == []
         assert check(layout) == []
         numbers = {name: asked.group for name, asked in layout.intent.objects.items()}
         assert numbers == layout.provenance["objects"]
         assert all(asked.kind == spec.groups[asked.group].kind for asked in layout.intent.objects.values())
-    assert layout_from_text(sentence.text, seed=2).to_json() == layouts[2].to_json()
-    assert len({tuple((primitive.center, primitive.size) for primitive in layout) for layout in layouts}) == 3
+    assert len({tuple((primitive.center, primitive.size) for primitive in layout) for layout in layouts}) == 2
+
+
+def test_a_sentence_and_a_seed_give_one_layout() -> None:
+    for sentence in SENTENCES[::25]:
+        if sentence.refusal:
+            continue
+        layout, same = (layout_from_text(sentence.text, seed=2) for _ in range(2))
+        assert layout.to_json() == same.to_json()
+        assert layout.primitives == layout_from_spec(explained(sentence.text).spec, seed=2).primitives
 
 
 @pytest.mark.parametrize("clause", UNKNOWN_CLAUSES)
 def test_an_unknown_clause_changes_nothing_of_the_rest(clause: str) -> None:
     """In nearly all sentences: some go on after the clause as if it were known, as in "two wombats crossing and X"."""
-    texts = [sentence.text for sentence in SENTENCES[UNKNOWN_CLAUSES.index(clause) :: 10]]
+    texts = [sentence.text for sentence in SENTENCES[UNKNOWN_CLAUSES.index(clause) :: 30]]
     changed = [text for text in texts if spec_of(clause.format(text.rstrip(".!"))) != spec_of(text)]
     assert len(changed) <= 0.1 * len(texts), changed
 
@@ -228,6 +234,12 @@ def test_long_and_deep_sentences_are_read_or_refused(text: str) -> None:
 def test_strict_refuses_what_is_left() -> None:
     with pytest.raises(TextError, match="not understood: 'flurby'"):
         layout_from_text("a flurby car ahead", strict=True)
+    for sentence in SENTENCES[::25]:
+        if sentence.unknown or sentence.mismatches:
+            with pytest.raises(TextError, match="not understood: " if sentence.unknown else "the sentence says "):
+                spec_from_text(sentence.text, strict=True)
+        else:
+            assert spec_from_text(sentence.text, strict=True) == explained(sentence.text).spec
 
 
 @pytest.mark.parametrize("kind", SENTENCE_KINDS)
@@ -239,7 +251,17 @@ def test_every_word_for_a_kind_means_it() -> None:
     words = [(" ".join(parts), word) for entries in lexicon().values() for parts, word in entries]
     nouns = {text: word.features for text, word in words if word.category == "kind"}
     assert {said["kind"] for said in nouns.values()} == set(SENTENCE_KINDS)
-    for noun, said in nouns.items():
+    for number, (noun, said) in enumerate(nouns.items()):
+        if not said.get("plural"):
+            (node,) = parse(tokens_of(clean(f"some {noun}"), vocabulary()))
+            read = dict(node.features)
+            assert (read["kind"], read.get("noun"), read["count"]) == (
+                said["kind"],
+                said.get("noun"),
+                said.get("count", "some"),
+            ), noun
+        if number % 7:
+            continue  # a whole explanation takes three times as long
         explanation = explain(f"some {noun}")  # two yards are a distance
         (found,) = explanation.spec.groups
         assert (found.kind, found.count, found.places) == (said["kind"], "some", ()), noun
@@ -407,7 +429,7 @@ def test_any_run_of_words_is_read_or_refused(words: list[str]) -> None:
     assert SceneSpec.from_dict(json.loads(json.dumps(spec.to_dict()))) == spec
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=100, deadline=None)
 @given(st.lists(st.sampled_from(WORDS) | st.sampled_from(STRANGE), min_size=1, max_size=12))
 def test_words_that_are_not_in_the_vocabulary_are_reported(words: list[str]) -> None:
     try:
@@ -432,7 +454,7 @@ def test_an_unknown_word_put_in_is_always_reported(sentence: Sentence, word: str
         assert word in " ".join(spec_from_text(text).not_understood).split()
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=75, deadline=None, derandomize=True)
 @given(st.sampled_from(SENTENCES), st.sampled_from(PUT_IN), st.integers(0, 40))
 def test_a_word_put_in_that_changes_nothing_is_reported(sentence: Sentence, word: str, index: int) -> None:
     words = sentence.text.split()
@@ -448,7 +470,7 @@ def test_a_word_put_in_that_changes_nothing_is_reported(sentence: Sentence, word
     assert before != after or len(said[1]) > len(said[0]) or set(word.split()) <= set(said[1])
 
 
-@settings(max_examples=500, deadline=None)
+@settings(max_examples=150, deadline=None)
 @given(
     st.lists(st.sampled_from(PLAIN_WORDS), max_size=5),
     st.lists(
