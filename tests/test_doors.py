@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from torch.utils.data import DataLoader
 
 from foreign_readers import READERS
 from lidardraft import (
@@ -296,7 +297,8 @@ def test_workers_that_are_spawned_have_what_is_compiled() -> None:
     samples = [{"points": points, "gt_boxes": np.zeros((0, 7), np.float32), "gt_names": np.zeros(0, str)}] * 2
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         scans = pool.map(moved.scan, [TURN.pose(), TURN.pose(x=3.0)], chunksize=2)
-        sampled = pool.map(sampling, samples, chunksize=2)
+    workers = {"batch_size": None, "num_workers": 1, "multiprocessing_context": "spawn"}
+    sampled = list(DataLoader(samples, collate_fn=sampling, **workers))
     for found, pose in zip(scans, (TURN.pose(), TURN.pose(x=3.0)), strict=True):
         np.testing.assert_array_equal(found.image.depth, moved.scan(pose).image.depth)
     for found, sample in zip(sampled, samples, strict=True):
