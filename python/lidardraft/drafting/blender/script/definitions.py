@@ -274,7 +274,7 @@ class Instance(Record):
     def __init__(self, of: ScriptClass) -> None:
         self.of = of
         self.kind = f"an instance of {of.kind}"
-        self.is_key = of.made_from is None  # type: ignore[misc]
+        self.is_key = of.made_from is None
         self.values: dict[str, Value] = {}
 
     def compared_as(self) -> Value:
