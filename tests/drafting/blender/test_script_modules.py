@@ -16,7 +16,7 @@ AGREED: list[str] = [
     "assert args == [] and sys.version_info >= (3, 8)",
     # names of files and arguments of commands may be made, as nothing depends on them
     "import argparse, os\nfrom pathlib import Path\npath = Path(os.getcwd()) / 'a' / os.path.join('b', 'c')\n"
-    "os.makedirs(path.parent.parent, exist_ok=True) if 0 else None\nprint(f'{path} {os.environ.get(\"HOME\")}')\n"
+    "print(path, os.environ.get('HOME'))\n"
     "parser = argparse.ArgumentParser()\nparser.add_argument('--count', type=int, default=3)\n"
     "args = parser.parse_args([])",
     # what is said to nobody is passed over
@@ -38,6 +38,8 @@ REFUSED: list[tuple[str, str, int]] = [
     ("from datetime import datetime\ndatetime.now() + 1", r"datetime.datetime.now\(\) . 1 is not supported", 2),
     ("import os\nif os.path.exists('/'):\n    pass", r"the value of os.path.exists\(\) is not known", 2),
     ("import os\nx = len(os.environ['HOME'])", "os.environ has no item 'HOME'", 2),
+    ("import os\nos.environ.get('A') is None", r"the value of os.environ.get\(\) is not known", 2),
+    ("import os\nf'{os.getcwd()}'", r"the value of os.getcwd\(\) is not known", 2),
     ("from pathlib import Path\nlist(Path('/').iterdir())", "cannot be looped over", 2),
     # what reaches outside is refused where it is called
     ("import sys\nsys.exit(1)", "the script ends here", 2),

@@ -189,7 +189,7 @@ class Outside(Record):
         return bool(self)
 
     def text(self, _as_repr: bool) -> str:
-        return f"<{self.kind}>" if self._silent else str(bool(self))
+        return str(bool(self))
 
 
 def call(function: Value, arguments: list[Value], keywords: dict[str, Value], script: Script) -> Value:
