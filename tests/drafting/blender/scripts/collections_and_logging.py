@@ -1,6 +1,5 @@
 import logging
 import sys
-from contextlib import suppress
 
 import bpy
 
@@ -38,8 +37,10 @@ def cube(name, loc, dims, coll):
 
 
 def main():
-    with suppress(RuntimeError):
+    try:
         bpy.ops.object.mode_set(mode="OBJECT")
+    except RuntimeError:
+        log.debug("the scene has no object")
     for o in list(bpy.context.scene.objects):
         bpy.data.objects.remove(o, do_unlink=True)
     vehicles = ensure_collection("Vehicles")

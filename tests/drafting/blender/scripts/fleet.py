@@ -1,11 +1,20 @@
 import itertools
 import math
-from collections import defaultdict, namedtuple
+from collections import defaultdict
+from dataclasses import dataclass
 from functools import partial
 
 import bpy
 
-Vehicle = namedtuple("Vehicle", ["name", "length", "width", "height"])
+
+@dataclass
+class Vehicle:
+    name: str
+    length: float
+    width: float
+    height: float
+
+
 FLEET = {
     "sedan": Vehicle("Car", 4.6, 1.8, 1.45),
     "suv": Vehicle("Car", 4.8, 1.95, 1.75),
