@@ -269,7 +269,11 @@ def panoramas(folder: Path) -> np.ndarray:
     ouster = recordings.os1_32(folder, PRESETS["os1-32"].columns).plain
     halves = [sweep for half in ("left", "right") for sweep in ouster[half]]
     points, intensity = (np.concatenate([getattr(half, name) for half in halves], axis=1) for name in FIELDS)
-    whole = Sweep(points, None, intensity)
+    seen = points.any(axis=2)
+    height, width = seen.shape
+    whole = Sweep.from_points(
+        points[seen], np.nonzero(seen)[0], height=height, columns=width, intensity=intensity[seen]
+    )
     columns = []
     for name, title, recorded in (("pandar64", "PandaSet", pandaset), ("os1-32", "Ouster OS1-32", whole)):
         assert recorded.intensity is not None
@@ -444,7 +448,7 @@ def main() -> None:
     elif given.name == "panoramas":
         if folder is None:
             parser.error("give the folder of the recordings as --data or LIDARDRAFT_DATA")
-        Image.fromarray(panoramas(folder)).save(output.with_suffix(".jpg"), quality=82, optimize=True)
+        Image.fromarray(panoramas(folder)).save(output.with_suffix(".jpg"), quality=78, optimize=True)
     elif given.name == "generated":
         pipelines = {Path(name).stem: Pipeline.from_pretrained(name, steps=given.steps) for name in given.weights}
         save_png(output, stack([stack(row, across=True) for row in generated(pipelines, given.rows)]))
