@@ -69,7 +69,7 @@ _COVER_ENDS, _COVER_BED, _COVER_GAP = (
 _COVER_OFF, _COVER_DEPTH = (0.05, 0.3), (0.8, 4.0)  # m from the verge, m across a bed
 _COVER_LENGTH, _COVER_WIDTH = (2.0, 6.0), (0.6, 2.2)  # m
 _COVER_HEIGHT, _TALL_COVER, _TALL = (0.15, 0.45), (0.45, 1.2), 0.5  # m of low beds, m of others, share of these
-_COVER_UNEVEN, _COVER_LINE = (0.6, 1.4), 0.1  # height against the bed's; m off the line, deviation
+_COVER_UNEVEN, _COVER_SEAM = (0.6, 1.4), 0.02  # height against the bed's; m between two plants
 
 # Thickets: runs of high shrubs.
 _THICKET_BEGINS = (-1.0, 0.7)  # of the half length of the street
@@ -277,9 +277,8 @@ def _place_cover_row(
     along, stop = span
     while along < stop:
         length = rng.uniform(*_COVER_LENGTH)
-        size = (length, section[0], section[1] * rng.uniform(*_COVER_UNEVEN))
-        place = across + rng.normal(0.0, _COVER_LINE)
-        occupancy.place("ground_cover", along + length / 2, place, size, margin=-_COVER_LINE, private=True)
+        size = (length - _COVER_SEAM, section[0] - _COVER_SEAM, section[1] * rng.uniform(*_COVER_UNEVEN))
+        occupancy.place("ground_cover", along + length / 2, across, size, margin=0.0, private=True)
         along += length
 
 
