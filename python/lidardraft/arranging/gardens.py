@@ -61,11 +61,8 @@ _BED_LINE, _BED_ANGLE = 0.1, 0.15  # m and rad off the line, deviations
 
 # Low plants in beds along the verge, before and behind fences, and before houses: estimates. In SemanticKITTI's
 # sequence 00, 9 % of all returns are from plants within 8 m, as many from those under 0.4 m.
-_COVER_ENDS, _COVER_BED, _COVER_GAP = (
-    0.5,
-    (4.0, 22.0),
-    (1.0, 10.0),
-)  # of the half length; m of a bed; mean m to the next
+_COVER_ENDS, _COVER_BED = 0.5, (4.0, 22.0)  # of the half length; m of a bed
+_COVER_GAP = (1.0, 10.0)  # mean m to the next bed, on land and in paved streets
 _COVER_OFF, _COVER_DEPTH = (0.05, 0.3), (0.8, 4.0)  # m from the verge, m across a bed
 _COVER_LENGTH, _COVER_WIDTH = (2.0, 6.0), (0.6, 2.2)  # m
 _COVER_HEIGHT, _TALL_COVER, _TALL = (0.15, 0.45), (0.45, 1.2), 0.5  # m of low beds, m of others, share of these
