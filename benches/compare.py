@@ -31,6 +31,7 @@ from statistics import median
 
 import numpy as np
 
+from result_page import processor
 from scenes import SCENES, Pattern, hdl64
 from worker import PeerError, Worker
 
@@ -127,14 +128,8 @@ def wanted(worker: Worker, quantity: str, most: int) -> bool:
 
 def machine(workers: list[Worker]) -> str:
     """What this ran on."""
-    processor, flags = platform.processor() or platform.machine(), set[str]()
-    if os.path.exists("/proc/cpuinfo"):
-        lines = [line.split(":", 1) for line in Path("/proc/cpuinfo").read_text().splitlines() if ":" in line]
-        facts = {key.strip(): value.strip() for key, value in lines}
-        processor, flags = facts.get("model name", processor), set(facts.get("flags", "").split())
-    simd = ", ".join(name for flag, name in (("avx2", "AVX2"), ("avx512f", "AVX-512")) if flag in flags)
     versions = ", ".join(sorted({worker.version for worker in workers}))
-    return f"{processor} ({simd or 'no AVX2'}), {os.cpu_count()} cores; Python {platform.python_version()}; {versions}"
+    return f"{processor()}, {os.cpu_count()} cores; Python {platform.python_version()}; {versions}"
 
 
 def notes(results: Results, scene: str, threads: list[int]) -> list[str]:

@@ -6,6 +6,7 @@
     simulated     ten sentences in streets; clusterings of five recorded sweeps, and three coarse layouts of streets;
                   then two of these sweeps as recorded, and the streets themselves; brightness is intensity
     surroundings  ordinary sentences, -n of 25, without and with the street around them
+    panoramas     recorded sweeps of PandaSet and Ouster above three simulated ones each: range, and intensity below it
     generated     what --weights make of unseen streets, between the layout's cast and the detailed scan
     studio        a studio in a real Chromium, step by step; -o is the folder, docs/images
 
@@ -81,6 +82,9 @@ ORDINARY = (
     "four cars in a queue at a red light",
 )
 STREETS = (2, 7, 11)  # pairs of seed 0
+PANORAMAS = ("a street in a town", "a residential street with parked cars on both sides", "a busy downtown street")
+FIELDS = ("points", "intensity")
+PANORAMA = (720, 96)  # pixels
 VIEW, SPLIT_SIZE = (980, 560), (700, 400)  # pixels of the view of a scan's picture, and of it with surroundings
 COLUMNS, GAP, TITLE_HEIGHT = 6, 4, 15
 ABOVE = Eye.above(width=360, height=360, reach=32.0)
@@ -259,6 +263,38 @@ def pairs_of_sentences(count: int) -> Iterator[np.ndarray]:
             yield np.asarray(whole.crop((0, 0, *VIEW)).resize(SPLIT_SIZE, Image.Resampling.LANCZOS))
 
 
+def panoramas(folder: Path) -> np.ndarray:
+    """A column a sensor: its recorded sweep, then three simulated ones."""
+    pandaset = recordings.pandar64(folder, PRESETS["pandar64"].columns).labelled["PandaSet 002"][4]
+    ouster = recordings.os1_32(folder, PRESETS["os1-32"].columns).plain
+    halves = [sweep for half in ("left", "right") for sweep in ouster[half]]
+    points, intensity = (np.concatenate([getattr(half, name) for half in halves], axis=1) for name in FIELDS)
+    seen = points.any(axis=2)
+    height, width = seen.shape
+    whole = Sweep.from_points(
+        points[seen], np.nonzero(seen)[0], height=height, columns=width, intensity=intensity[seen]
+    )
+    columns = []
+    for name, title, recorded in (("pandar64", "PandaSet", pandaset), ("os1-32", "Ouster OS1-32", whole)):
+        assert recorded.intensity is not None
+        bright = float(np.percentile(recorded.intensity[recorded.valid], 95))
+        made = [simulate(text, PRESETS[name], seed=seed).image for seed, text in enumerate(PANORAMAS)]
+        sweeps = {f"{title}, recorded": recorded}
+        sweeps |= {f"{name}: {text}": Sweep.by_azimuth(scan) for text, scan in zip(PANORAMAS, made, strict=True)}
+        columns.append(stack([panorama(sweep, bright, said) for said, sweep in sweeps.items()]))
+    return stack(columns, across=True)
+
+
+def panorama(sweep: Sweep, bright: float, title: str) -> np.ndarray:
+    """Range above intensity, black without a return; `bright` is the intensity that is white."""
+    assert sweep.intensity is not None
+    share = np.sqrt(np.clip(sweep.intensity / bright, 0.0, 1.0)) * (255 - 40) + 40
+    grey = np.where(sweep.valid, share, 0).astype(np.uint8)
+    pictures = [view.colour_by_depth(sweep.depth), np.repeat(grey[..., None], 3, axis=2)]
+    sized = [np.asarray(Image.fromarray(one).resize(PANORAMA, Image.Resampling.NEAREST)) for one in pictures]
+    return stack([caption(sized[0], title, size=11), sized[1]])
+
+
 def generated(pipelines: dict[str, Pipeline], numbers: list[int]) -> Iterator[list[np.ndarray]]:
     """A row of pictures each street."""
     found = unseen_streets(max(numbers), sensor=Sensor.preset("hdl64e"))
@@ -382,7 +418,7 @@ def save_palette(picture: np.ndarray, path: Path, colours: int = 256, **options:
 def main() -> None:
     """Write one picture, or those of a folder."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    names = ("inputs", "formats", "clouds", "simulated", "surroundings", "generated", "studio")
+    names = ("inputs", "formats", "clouds", "simulated", "surroundings", "panoramas", "generated", "studio")
     parser.add_argument("name", choices=names, metavar="NAME")
     parser.add_argument("-o", "--output", type=Path, help="a .png file (default docs/images/NAME.png)")
     parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
@@ -408,6 +444,10 @@ def main() -> None:
         save_palette(sheet(list(cells(folder))), output, 160, dither=Image.Dither.NONE)
     elif given.name == "surroundings":
         save_palette(view.sheet(list(pairs_of_sentences(given.num))), output)
+    elif given.name == "panoramas":
+        if folder is None:
+            parser.error("give the folder of the recordings as --data or LIDARDRAFT_DATA")
+        Image.fromarray(panoramas(folder)).save(output.with_suffix(".jpg"), quality=78, optimize=True)
     elif given.name == "generated":
         pipelines = {Path(name).stem: Pipeline.from_pretrained(name, steps=given.steps) for name in given.weights}
         save_png(output, stack([stack(row, across=True) for row in generated(pipelines, given.rows)]))

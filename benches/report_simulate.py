@@ -29,6 +29,7 @@ from lidardraft.metrics.profiles import height_histogram, road_level
 from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.labelling import ABSOLUTE_TOLERANCE, RELATIVE_TOLERANCE
 from lidardraft.semantics import BY_NAME, CLASSES, GROUND
+from result_page import write_page
 
 NO_OBJECT = [BY_NAME[name].id for name in ("none", *GROUND)]
 # which of `CLASS_SETS` a class is of, by its id; of the others each is a set of its own
@@ -39,6 +40,12 @@ _COMPARED = ("range (JSD)", _HEIGHT, "top view (BEV JSD)", "top view (BEV MMD)")
 DISTANCES = (
     *(one for one in lifelike.PROPERTIES if one.name in _COMPARED),
     *(one for one in lifelike.class_properties() if one.name in {f"intensity of {name} (JSD)" for name in CLASS_SETS}),
+)
+PAGE = (
+    'a cell is the value of the cast with the sensor model (`detail=False`) → that of the simulated scan. "Near" is the'
+    ' share of recorded returns for which the other scan has one within 0.5 m or 5 %. "IoU" counts the pixels where'
+    " both return from a class, and near, among those where either does. JSD and MMD are distances. KITTI and nuScenes"
+    " are images of the usual projection, the others rows of lasers; streets are their coarse layouts."
 )
 FEWEST = 200  # returns of which a class has rows
 EQUAL = 0.005  # differences that are none
@@ -151,18 +158,22 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--streets", type=int, default=50, metavar="N", help="how many streets (default 50)")
     parser.add_argument("--data", type=Path, default=os.environ.get("LIDARDRAFT_DATA"), metavar="FOLDER")
+    parser.add_argument("--page", action="store_true", help="write the summary to its page in benches/results")
     parser.add_argument("--only", default="", metavar="NAME", help="sets whose names hold this")
     given = parser.parse_args()
     sets = list(recorded_sets(given.data)) if given.data is not None else []
-    tables = {}
+    tables, counts = {}, []
     for name, make in [*sets, ("streets, HDL-64E", partial(street_set, given.streets))]:
         if given.only not in name:
             continue
         cases = make()
         if cases.cases:
             tables[name] = report(cases)
+            counts.append(f"{len(cases.cases)} of {name}")
             print(f"### {name}, {len(cases.cases)} scans\n\n{markdown(tables[name])}\n", flush=True)
     print(summary(tables))
+    if given.page:
+        write_page("report_simulate", f"{PAGE} Scans: {'; '.join(counts)}.", summary(tables))
 
 
 if __name__ == "__main__":

@@ -38,6 +38,7 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.streets import StreetConfig, streets
 from recordings import Groups, Recordings
+from result_page import write_page
 from tables import digits
 
 Pooled = dict[str, dict[str, list[float]]]
@@ -50,6 +51,15 @@ READERS: dict[str, Callable[[Path, int], Recordings]] = {
     "os1-32": recordings.os1_32,
 }
 SEED = 2_000_000  # no training uses it
+FAR = 2.0  # ratios over this go to the page
+RATIOS_PAGE = (
+    "properties of streets whose distance to recordings is more than twice that between recordings of two drives, and"
+    " the ratio of both."
+)
+SHARES_PAGE = (
+    "returns by class [%] of a sentence's surroundings, a seed each, in the fields of view and the label sets of the"
+    ' recordings. "Within 2 x" is within a factor of two of the recordings, from the least to the most.'
+)
 POSES = 4  # scans of each street: neighbours are alike, as those of a drive are
 
 
@@ -63,6 +73,7 @@ def main() -> None:
     parser.add_argument("--text", help="a sentence, whose scans take the place of those of streets")
     parser.add_argument("--scan-with", help="the file of a sensor like the one in --sensors, to scan the streets with")
     parser.add_argument("--without", help="a group of recordings to leave out, such as the drive that it is fitted to")
+    parser.add_argument("--page", action="store_true", help="write what differs to its page in benches/results")
     parser.add_argument("--json", type=Path, help="write what was measured, pooled by group, to this file")
     given = parser.parse_args()
     names = given.sensors.split(",")
@@ -76,27 +87,35 @@ def main() -> None:
     with ProcessPoolExecutor(given.jobs, mp_context=multiprocessing.get_context("spawn")) as pool:
         about = given.data, given.num, given.text, given.scan_with, given.without
         sections = [pool.submit(_section, name, *about) for name in names]
-        pooled = {}
+        pooled, rows = {}, []
         for name, section in zip(names, sections, strict=True):
-            text, pooled[name] = section.result()
+            text, pooled[name], row = section.result()
+            rows.append(row)
             print(text, flush=True)
+    if given.page:
+        if given.text:
+            write_page("report_surroundings", SHARES_PAGE, "\n".join(map(composition, pooled.values())))
+        else:
+            write_page("report_streets", RATIOS_PAGE, "\n".join(["| sensor | property, ratio |", "|---|---|", *rows]))
     if given.json:
         given.json.write_text(json.dumps(pooled))
 
 
 def _section(
     name: str, folder: Path, num: int, text: str | None, scan_with: str | None, without: str | None
-) -> tuple[str, Pooled]:
+) -> tuple[str, Pooled, str]:
     reason = _missing(name, folder)
     if not reason:
         recorded = READERS[name](folder, PRESETS[name].columns)
         reason = recorded.why
     if reason:
-        return f"### {name}\n\nSkipped: {reason}.\n", {}
+        return f"### {name}\n\nSkipped: {reason}.\n", {}, f"| {name} | skipped: {reason} |"
     if without:
         recorded = without_group(recorded, without)
     comparisons, pooled = report(recorded, read_sensor(scan_with or name), num, text)
-    return markdown(recorded, comparisons, f"{num} scans of {text or 'streets'}") + composition(pooled), pooled
+    far = [f"{one.name} {digits(one.ratio)}" for one in comparisons if one.ratio > FAR]
+    told = markdown(recorded, comparisons, f"{num} scans of {text or 'streets'}") + composition(pooled)
+    return told, pooled, f"| {name} | {'; '.join(far)} |"
 
 
 def composition(pooled: Pooled) -> str:

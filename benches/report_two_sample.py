@@ -28,12 +28,16 @@ from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.streets import StreetConfig, streets
 from recordings import Groups
+from result_page import write_page
 from two_sample import ALL, FAMILIES, TwoSample, shown_pixels, two_sample
 
 SEED = 777_000  # no training uses it
 FITTED_TO = "raw 0005"  # which judges no streets
 ROWS, COLUMNS = 64, 1024
 PANDAR64 = PRESETS["pandar64"]
+PAGE = (
+    "AUC of a classifier that tells crops of 64 x 128 pixels of streets from recordings, one drive left out at a time."
+)
 PARTS = 4  # at least, that the recordings are in: each is left out once
 
 
@@ -45,6 +49,7 @@ def main() -> None:
     parser.add_argument("--scans", type=Path, action="append", default=[], help="a folder of .bin, .pcd or .npz scans")
     parser.add_argument("--data", type=Path, default=Path(os.environ.get("LIDARDRAFT_DATA", "")), help="recordings")
     parser.add_argument("--features", type=int, default=3, help="features to print for each family")
+    parser.add_argument("--page", action="store_true", help="write the table to its page in benches/results")
     given = parser.parse_args()
     if given.num < PARTS or given.features < 0:
         parser.error(f"--num is {PARTS} or more, --features 0 or more")
@@ -57,7 +62,8 @@ def main() -> None:
     made: dict[str, Callable[[], list[Sweep]]] = {
         f"streets, {name}": lambda name=name: street_sweeps(read_sensor(name), given.num) for name in given.sensor
     } | {f"{folder}": lambda folder=folder: scans_in(folder) for folder in given.scans}
-    print(f"| scans | {ALL} | {' | '.join(FAMILIES)} |\n|---|{'---:|' * (len(FAMILIES) + 1)}")
+    head = f"| scans | {ALL} | {' | '.join(FAMILIES)} |\n|---|{'---:|' * (len(FAMILIES) + 1)}"
+    print(head)
     told = {}
     if not made:
         others = {name: sweeps for name, sweeps in drives.items() if name != "object"}
@@ -79,6 +85,8 @@ def main() -> None:
         print(row(title, told[title]), flush=True)
     for title, found in told.items():
         print("\n" + "\n".join(telling(title, found, given.features)))
+    if given.page:
+        write_page("report_two_sample", PAGE, "\n".join([head, *(row(title, found) for title, found in told.items())]))
 
 
 def parted(drives: Groups) -> Groups:

@@ -196,7 +196,7 @@ def test_every_included_file_exists_and_says_when_it_was_measured() -> None:
             results |= {file} if file.parent.name == "results" else set()
     assert len(results) > 10
     for file in results:
-        assert re.match(r"Measured 20\d\d-\d\d .*`.+`", file.read_text(encoding="utf-8")), file.name
+        assert re.match(r"Measured 20\d\d-\d\d(-\d\d)? .*`.+`", file.read_text(encoding="utf-8")), file.name
 
 
 def test_the_pages_are_short() -> None:

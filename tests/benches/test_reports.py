@@ -11,6 +11,7 @@ import recordings
 import report_detail
 import report_streets
 import report_two_sample
+import result_page
 from cases import Case, CaseSet, Group, street_set
 from lidardraft import Box, RangeImage, layout_from_cloud, layout_from_text, raycast, simulate
 from lidardraft.metrics.lifelike import CLASS_SETS
@@ -73,6 +74,18 @@ def test_streets_are_told_from_recordings(monkeypatch: pytest.MonkeyPatch, capsy
     table = capsys.readouterr().out.splitlines()
     assert table[0] == "| scans | all | content | drop | noise | shape | intensity |"
     assert table[2].startswith("| streets, hdl64e | ")
+
+
+def test_a_page_keeps_what_is_below_its_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.argv", ["benches/report_x.py", "--num", "8", "--text", "a car", "--page"])
+    result_page.write_page("x", "said.", "| 1 |", tmp_path)
+    page = tmp_path / "x.md"
+    page.write_text(page.read_text() + f"\n{result_page.KEPT}\n\n| old |\n")
+    result_page.write_page("x", "said.", "| 2 |", tmp_path)
+    head, *rest = page.read_text().split("\n\n")
+    assert head.startswith("Measured 20")
+    assert head.endswith("by `python benches/report_x.py --num 8 --text 'a car'`: said.")
+    assert rest == ["| 2 |", result_page.KEPT, "| old |\n"]
 
 
 SENSOR = PRESETS["hdl64e"]

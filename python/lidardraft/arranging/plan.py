@@ -14,6 +14,7 @@ from lidardraft.arranging.gardens import (
     place_driveways,
     place_front_fences,
     place_garden_plants,
+    place_ground_cover,
     place_plot_lines,
     place_shrub_beds,
     place_thickets,
@@ -148,6 +149,7 @@ def fill(frame: Frame, rng: np.random.Generator) -> None:
     place_thickets(occupancy, district, rng)
     place_plot_lines(occupancy, district, rng)
     place_garden_plants(occupancy, district, rng)
+    place_ground_cover(occupancy, district, rng)
     place_high_grass(occupancy, rng)
 
 

@@ -68,12 +68,12 @@ FENCE_WIDTH, MESH_FENCE_WIDTH, GARDEN_WALL_WIDTH, HEDGE_WIDTH = 0.1, 0.06, 0.3, 
 # Enclosures of plots: share, m across the run, m high. Estimates; of the walls and fences of PandaSet, 13 % of its
 # returns, most are 0.3 to 2.5 m high.
 _ENCLOSURES: tuple[tuple[str, float, Range, Range], ...] = (
-    ("fence", 0.18, (FENCE_WIDTH, FENCE_WIDTH), (0.7, 1.9)),
-    ("garden_wall", 0.12, (GARDEN_WALL_WIDTH, GARDEN_WALL_WIDTH), (0.5, 1.6)),
+    ("fence", 0.12, (FENCE_WIDTH, FENCE_WIDTH), (0.7, 1.9)),
+    ("garden_wall", 0.1, (GARDEN_WALL_WIDTH, GARDEN_WALL_WIDTH), (0.5, 1.6)),
     ("wall", 0.05, (GARDEN_WALL_WIDTH, GARDEN_WALL_WIDTH), (1.5, 2.3)),
-    ("mesh_fence", 0.07, (MESH_FENCE_WIDTH, MESH_FENCE_WIDTH), (0.9, 2.0)),
-    ("overgrown_fence", 0.24, (0.25, 0.9), (0.6, 2.0)),
-    ("hedge", 0.34, HEDGE_WIDTH, (0.6, 2.4)),
+    ("mesh_fence", 0.05, (MESH_FENCE_WIDTH, MESH_FENCE_WIDTH), (0.9, 2.0)),
+    ("overgrown_fence", 0.26, (0.25, 0.9), (0.6, 2.0)),
+    ("hedge", 0.42, HEDGE_WIDTH, (0.6, 2.4)),
 )
 
 _STATURE = (1.72, 0.09)  # m of adults, mean and deviation (NCD-RisC, 2016, Europe); those below are estimates
