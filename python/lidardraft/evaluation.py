@@ -145,7 +145,8 @@ def _simulated(pair: StreetPair) -> RangeImage:
 
 def lawn(pair: StreetPair) -> RangeImage:
     """The scan of an endless lawn by a sensor at the place of a pair."""
-    return simulate(_LAWN, pair.scan.sensor, pose=pair.pose, speed=pair.speed, seed=pair.index).image
+    sensor = pair.scan.sensor
+    return simulate(_LAWN, sensor, pose=pair.pose, speed=pair.speed, seed=pair.index, carrier=False).image
 
 
 def _counted(items: Iterable[_Item], on_item: Callable[[], object] | None) -> Iterator[_Item]:

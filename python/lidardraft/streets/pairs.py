@@ -205,6 +205,7 @@ def _pair(street: Street, scanner: Scanner, config: StreetConfig, index: int) ->
         seed=index,
         model=scanner.model,
         weather=config.weather,
+        carrier=False,
         threads=scanner.threads,
     )
     return replace(pair, simulated=as_sent(simulator.scan(pair.pose, speed=pair.speed, seed=index).image))

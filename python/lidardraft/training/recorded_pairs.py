@@ -72,7 +72,7 @@ def recorded_pair(scan: LabelledCloud, sensor: Sensor, *, seed: int = 0) -> Pair
     if not (scan.label > 0).any():
         raise FormatError("no point has a class; a layout is made of classes")
     layout = layout_from_cloud(scan.points, scan.label, instances=scan.instance, sensor_height=sensor.mount_height)
-    return Pair(image, raycast(layout, sensor, sensor.pose()), simulate(layout, sensor, seed=seed).image)
+    return Pair(image, raycast(layout, sensor, sensor.pose()), simulate(layout, sensor, seed=seed, carrier=False).image)
 
 
 def on_grid(scan: LabelledCloud, sensor: Sensor) -> RangeImage:
