@@ -109,6 +109,16 @@ def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather | None, thread
     return simulate(layout, sensor, seed=seed, weather=weather, speed=speed, threads=threads, **carrier)
 
 
+def _read_sensor(arguments: argparse.Namespace) -> Sensor:
+    """The value of --sensor; says if its vehicle is unknown."""
+    from lidardraft.simulation.carrier import carried
+
+    sensor = read_sensor(arguments.sensor)
+    for note in carried(sensor, read_carrier(arguments.carrier)).notes:
+        say(note)
+    return sensor
+
+
 def _carrier(arguments: argparse.Namespace) -> dict[str, Any]:
     return {"carrier": read_carrier(arguments.carrier), "own_returns": arguments.own_returns}
 
@@ -142,7 +152,7 @@ def _write_sequences(arguments: argparse.Namespace) -> None:
     for option in ("poses", "world"):
         if getattr(arguments, option) is not None:
             raise FormatError(f"--{option} does not go with --frames, which make drives")
-    sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
+    sensor, weather = _read_sensor(arguments), read_weather(arguments.weather)
     layouts = None if arguments.street else Layouts.read(arguments)
     num = arguments.num or (len(layouts.sentences) if layouts and arguments.text_file else 0)
     jobs = jobs_of(arguments, num or arguments.frames)
@@ -205,7 +215,7 @@ def simulate(arguments: argparse.Namespace) -> None:
     for option in ("hz", "scenario"):
         if getattr(arguments, option) is not None:
             raise FormatError(f"--{option} is for a sequence; give its length with --frames")
-    sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
+    sensor, weather = _read_sensor(arguments), read_weather(arguments.weather)
     output, pictures, around = Path(arguments.output), arguments.pictures, ""
     if arguments.world is not None:
         num, jobs, poses, notes = 1, 1, 1, None
@@ -249,10 +259,7 @@ def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weath
     from lidardraft.streets.drives import HALF_LENGTH
 
     check_inputs(arguments)
-    found = carried(sensor, read_carrier(arguments.carrier))
-    for note in found.notes:
-        say(note)
-    sensor = found.sensor
+    sensor = carried(sensor, read_carrier(arguments.carrier)).sensor
     for option in ("speed", "surroundings", "scenario", "own_returns"):
         if getattr(arguments, option):
             name = option.replace("_", "-")

@@ -35,8 +35,8 @@ _ALIKE = 0.2  # m between the height of a mount and that of a preset, at which t
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Carried:
-    """A sensor on its vehicle. `sensor` is blocked wherever that is in the way; `seeing` only where nothing of it
-    returns. `vehicle` is None if its shape is unknown, and `notes` say if nothing is carried."""
+    """A sensor on its vehicle. `sensor` is blocked wherever that is in the way; `seeing` is open to its own returns.
+    `vehicle` is None if its shape is unknown, and `notes` say if nothing is carried."""
 
     sensor: Sensor
     seeing: Sensor
@@ -48,7 +48,7 @@ def with_vehicle(sensor: Sensor, vehicle: Layout | None = None, spot: Spot | Non
     """The sensor with `blocked` set to the rays that meet `vehicle`, which is in the layout frame: the car stands over
     the origin. `spot` is the place of the sensor on it, by default its mount over the origin.
 
-    `vehicle` is by default the typical car of the preset: its shape or, where it was fitted to recordings, the views
+    `vehicle` is by default the typical car of the preset: its shape or, if recordings of one were fitted, the views
     that these lose. A sensor that is blocked already keeps its own. `detail(Layout((box,)))` makes a vehicle with a
     roof, a bonnet and windows from a box of class car. Raises `SensorError` if there is no typical car, `LayoutError`
     if the vehicle hides everything.
