@@ -85,13 +85,13 @@ OS2_128_AZIMUTHS = (
 
 # Pandar64: sectors of azimuth of the lowest lasers (rows from the top), counter-clockwise from straight ahead, that see
 # nothing but the recording car in PandaSet's drive 002, and those of them without any return (benches/fit_sensor.py).
-PANDAR64_HIDDEN = {
+PANDAR64_HIDDEN: dict[int, tuple[tuple[float, float], ...]] = {
     61: ((178.5, 180.5), (-166.5, -163)),
     62: ((144, 215), (88, 94), (39, 42), (-41.5, -39)),
     63: ((129.5, 229), (85, 96), (41.5, 51), (13, 40), (-10, 11.5), (-37, -17.5), (-48, -40.5), (-95, -85),
          (-116.5, -113)),
 }
-PANDAR64_LOST = {
+PANDAR64_LOST: dict[int, tuple[tuple[float, float], ...]] = {
     62: ((167, 179), (182, 197), (88, 90)),
     63: ((130, 146), (219, 229), (93, 96), (85, 90), (42, 51), (13, 40), (-10, 11.5), (-37, -17.5), (-48, -41),
          (-95, -85)),

@@ -25,7 +25,8 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather
-from lidardraft.simulation.carrier import OwnReturns, Spot, carried
+from lidardraft.simulation.carrier import OwnReturns, carried
+from lidardraft.simulation.carrier import Spot as Spot
 
 FLASH = 1e-3  # s over which rates are taken if a sweep takes no time
 _SECTORS = 32  # of a sweep: a body is cast in those that may see it
