@@ -23,6 +23,7 @@ from scipy.spatial import cKDTree
 
 import recordings
 from lidardraft.calibration import surface_groups
+from lidardraft.calibration.beam_table import fit_blocked
 from lidardraft.calibration.receiver import bisected, edge_drops
 from lidardraft.calibration.street_casts import StreetCasts
 from lidardraft.formats.pcd import read_pcd
@@ -299,6 +300,14 @@ def report_scatter(sensor: Sensor, places: dict[str, list[Sweep]]) -> None:
             print(f"| {surface} | {place} | {' | '.join(f'{value:.3f}' for value in scatter(sweeps, groups))} |")
 
 
+def report_hidden(name: str, sweeps: list[Sweep], sensor: Sensor) -> None:
+    """Print the sectors that the vehicle hides, and those of them without any return [degrees]."""
+    for said, height in (("hidden by the vehicle", sensor.mount_height), ("of these without any return", 0.0)):
+        lasers = fit_blocked(sweeps, np.array(sensor.elevations), height)
+        rows = {row: np.rad2deg(sectors).round(1).tolist() for row, sectors in enumerate(lasers) if sectors}
+        print(f"{name}, {said}: {rows}")
+
+
 def main(folder: Path) -> None:
     """Print all of it."""
     report_walls(folder)
@@ -315,6 +324,7 @@ def main(folder: Path) -> None:
         report_tilts(name, labelled, PRESETS[name].elevations)
         report_scatter(replace(PRESETS[name], columns=COLUMNS), read(folder.parent, COLUMNS).labelled)
     pandar64 = recordings.pandar64(folder.parent, COLUMNS)
+    report_hidden("PandaSet 002", pandar64.labelled["PandaSet 002"], PRESETS["pandar64"])
     pjlab = {"PJLab, all": [sweep for group in pandar64.plain.values() for sweep in group]}
     report_edges(pandar64.plain | pjlab | pandar64.labelled, PRESETS["pandar64"], MODEL)
     for name, read in (("os0-128", recordings.os0_128), ("os1-32", recordings.os1_32)):

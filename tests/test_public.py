@@ -183,21 +183,21 @@ def test_a_strict_type_checker_reads_every_name_and_finds_what_is_misspelt(tmp_p
 
 
 def test_a_scan_and_its_layout_have_no_notes_where_nothing_was_assumed() -> None:
-    assert lidardraft.simulate(STREET, SENSOR).notes == ()
+    assert lidardraft.simulate(STREET, SENSOR, carrier=False).notes == ()
 
 
 def test_scan_notes_are_those_of_the_layout_and_of_the_scan(tmp_path: Path) -> None:
     bare = Layout((BOX,), {"source": "test"}).noted("the car has no wheels")
     nothing = "the layout has no ground (road, sidewalk or terrain): nothing returns from it"
     with pytest.warns(UserWarning, match=re.escape(nothing)):
-        simulator = lidardraft.Simulator(bare, SENSOR)
+        simulator = lidardraft.Simulator(bare, SENSOR, carrier=False)
     scan = simulator.scan()
     assert scan.notes == ("the car has no wheels", nothing)
     assert scan.layout == bare
     scan.save(tmp_path / "scan", picture=False)
     assert Scan.load(tmp_path / "scan").notes == bare.notes  # what a scan assumed is in no file
     with pytest.warns(UserWarning, match="no ground"):
-        (frame,) = lidardraft.SequenceSimulator(bare, SENSOR, frames=1, speed=0.0)
+        (frame,) = lidardraft.SequenceSimulator(bare, SENSOR, frames=1, speed=0.0, carrier=False)
     assert frame.notes == scan.notes
 
 

@@ -34,9 +34,7 @@ from lidardraft.scene.layout import Layout as Layout, Primitive as Primitive
 from lidardraft.scene.line import Line as Line
 from lidardraft.scene.mesh import TriangleMesh as TriangleMesh
 from lidardraft.scene.range_image import RangeImage as RangeImage, RangeImageBatch as RangeImageBatch
-from lidardraft.scene.raycast import (
-    Hits as Hits, Raycaster as Raycaster, raycast as raycast, with_vehicle as with_vehicle,
-)
+from lidardraft.scene.raycast import Hits as Hits, Raycaster as Raycaster, raycast as raycast
 from lidardraft.scene.road import PavedArea as PavedArea, Road as Road
 from lidardraft.scene.relief import Relief as Relief
 from lidardraft.scene.road_network import Drawn as Drawn, RoadNetwork as RoadNetwork
@@ -49,6 +47,7 @@ from lidardraft.scene.sensor_model import IntensityCurve as IntensityCurve, Sens
 from lidardraft.scene.street import StreetFrame as StreetFrame
 from lidardraft.scene.weather import Weather as Weather
 from lidardraft.semantics import CLASSES as CLASSES, SemanticClass as SemanticClass
+from lidardraft.simulation.carrier import with_vehicle as with_vehicle
 from lidardraft.simulation.detail.detail import detail as detail
 from lidardraft.simulation.recorded.object_sampling import ObjectSampling as ObjectSampling
 from lidardraft.simulation.observe_cast import observe_cast as observe_cast, observe_points as observe_points

@@ -84,7 +84,9 @@ def simulated(pair: StreetPair) -> RangeImage:
     """The simulated scan of the layout of a pair, by the unit of the sensor that made its only scan of the street."""
     sensor = pair.scan.sensor
     unit = replace(sensor.assumed_model, unit=pair.index)
-    return simulate(pair.layout, sensor, seed=pair.index, model=unit, pose=pair.pose, speed=pair.speed).image
+    return simulate(
+        pair.layout, sensor, seed=pair.index, model=unit, pose=pair.pose, speed=pair.speed, carrier=False
+    ).image
 
 
 def _counted(items: Iterable[_Item], on_item: Callable[[], object] | None) -> Iterator[_Item]:

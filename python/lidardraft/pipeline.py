@@ -124,7 +124,7 @@ class Pipeline:
         """
         sensor, rest = sensor or Sensor.preset("hdl64e"), iter(sources)
         while some := list(itertools.islice(rest, self._at_once(sensor))):
-            made = [simulate(each, sensor, seed=seed, speed=speed, relief=relief) for each, seed in some]
+            made = [simulate(each, sensor, seed=seed, speed=speed, relief=relief, carrier=False) for each, seed in some]
             yield from self._made(made, on_step)
 
     def from_simulated(self, scan: Scan, *, on_step: Callable[[], object] | None = None) -> Scan:

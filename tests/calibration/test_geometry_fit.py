@@ -270,17 +270,32 @@ def test_intervals_are_found_to_a_column_or_two(intervals, scans):
     sweep = Sweep.from_image(raycast(FLAT, truth))
     rng = np.random.default_rng(scans)
     dropped = [Sweep(sweep.points * (rng.random(sweep.depth.shape) > 0.05)[..., None]) for _ in range(scans)]
-    found = fit_blocked(dropped, np.array(OPEN.elevations))
+    found = fit_blocked(dropped, np.array(OPEN.elevations), 1.73)
     differs = replace(OPEN, blocked=found).blocked_pixels != truth.blocked_pixels
     assert differs.sum(axis=1).max() <= 8
     assert all(end - start <= 2 * math.pi for row in found for start, end in row)
 
 
 def test_sky_and_dropped_returns_are_no_vehicle():
-    assert fit_blocked(sweeps(SENSOR, 4, seed=2), np.array(SENSOR.elevations)) == ()
+    assert fit_blocked(sweeps(SENSOR, 4, seed=2), np.array(SENSOR.elevations), 1.73) == ()
 
 
 def test_a_beam_that_never_returns_is_hidden_all_around():
     points = Sweep.from_image(raycast(FLAT, OPEN)).points.copy()
     points[3] = 0.0
-    assert fit_blocked([Sweep(points)], np.array(OPEN.elevations)) == ((), (), (), ((-math.pi, math.pi),))
+    assert fit_blocked([Sweep(points)], np.array(OPEN.elevations), 1.73) == ((), (), (), ((-math.pi, math.pi),))
+
+
+def test_returns_of_the_vehicle_itself_hide_the_ground_and_those_of_others_do_not():
+    bonnet = Primitive(shape="box", center=(1.5, 0, 1.0), size=(1.0, 1.6, 0.1), label="car", id="ego")
+    others = [
+        Primitive(shape="box", center=(0, 1.6 + 0.1 * k, 0.7), size=(2, 0.5, 1.4), label="car", id="o")
+        for k in range(6)
+    ]
+    steep = replace(OPEN, elevations=(-0.02, -0.3, -0.4, -0.5))
+    sweeps = [Sweep.from_image(raycast(Layout((*FLAT, bonnet, other)), steep)) for other in others]
+    own = raycast(Layout((bonnet,)), steep).valid
+    found = replace(steep, blocked=fit_blocked(sweeps, np.array(steep.elevations), 1.73)).blocked_pixels
+    assert own.any()
+    assert (found != own).sum(axis=1).max() <= 8
+    assert fit_blocked(sweeps[:2], np.array(steep.elevations), 1.73) == ()  # two places do not tell

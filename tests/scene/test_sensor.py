@@ -11,11 +11,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lidardraft import Layout, Primitive, Raycaster, detail, raycast
+from lidardraft import Layout, Primitive, Raycaster, detail, raycast, with_vehicle
 from lidardraft.errors import LidarDraftError, SensorError
 from lidardraft.scene.effects import observe, sub_rays
 from lidardraft.scene.range_image import IMAGES
-from lidardraft.scene.raycast import with_vehicle
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.shape_table import ShapeTable

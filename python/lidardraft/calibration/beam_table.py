@@ -259,12 +259,19 @@ _DOWN = math.radians(-5.0)  # the road is near there and returns
 _SELDOM = 0.1  # a firing that returns less often is hidden
 _ASIDE = 3  # columns to either side of each in a median: one dropped firing is not a vehicle
 _WIDE = math.radians(2.0)  # holes narrower than this are not a vehicle
+_OWN = 0.5  # of the way to the road: nearer returns may be of the vehicle itself
+_OWN_REACH, _STEADY = 2.2, 0.05  # m: limit of such returns, and the scatter of their ranges, as they move with it
+_FEWEST_SWEEPS = 5  # of different places, so that other things do not look steady
 
 
-def fit_blocked(sweeps: Sequence[Sweep], elevations: np.ndarray) -> Blocked:
+def fit_blocked(sweeps: Sequence[Sweep], elevations: np.ndarray, height: float) -> Blocked:
     """The hidden intervals of azimuth [rad] of each beam, from sweeps whose columns are azimuths from behind to the
-    right; empty if none is hidden."""
-    rate = np.mean([sweep.valid for sweep in sweeps], axis=0)
+    right; empty if none is hidden. The sensor is at a `height` [m] over the road.
+
+    The vehicle hides views without returns and, if there are enough sweeps, views with returns of itself.
+    """
+    valid = np.array([sweep.valid for sweep in sweeps])
+    rate = np.mean(valid & ~_own(sweeps, elevations, height), axis=0)
     columns = rate.shape[1]
     around = np.pad(rate, ((0, 0), (_ASIDE, _ASIDE)), mode="wrap")
     windows = np.lib.stride_tricks.sliding_window_view(around, 2 * _ASIDE + 1, axis=1)
@@ -272,6 +279,19 @@ def fit_blocked(sweeps: Sequence[Sweep], elevations: np.ndarray) -> Blocked:
     hidden &= (elevations[:, None] < _DOWN) | hidden.all(axis=0)  # all beams hidden: outside the field of view
     found = tuple(tuple(_intervals(row, columns)) if row.any() else () for row in hidden)
     return found if any(found) else ()
+
+
+def _own(sweeps: Sequence[Sweep], elevations: np.ndarray, height: float) -> np.ndarray:
+    """The returns of the vehicle, bool [N, H, W]: nearer than the road by far, and at one place in all sweeps."""
+    depth = np.array([sweep.depth for sweep in sweeps])
+    out = np.array([np.hypot(sweep.points[..., 0], sweep.points[..., 1]) for sweep in sweeps])
+    reach = np.minimum(_OWN * height / np.tan(np.maximum(-elevations, _DRAWN)), _OWN_REACH)
+    near = (depth > 0) & (out < reach[:, None])
+    count = np.maximum(near.sum(axis=0), 1)
+    mean = (depth * near).sum(axis=0) / count
+    scatter = np.sqrt((np.square(depth - mean) * near).sum(axis=0) / count)
+    own: np.ndarray = near & (scatter < _STEADY) & (len(sweeps) >= _FEWEST_SWEEPS)
+    return own
 
 
 def _intervals(hidden: np.ndarray, columns: int) -> list[tuple[float, float]]:

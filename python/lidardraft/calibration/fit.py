@@ -117,6 +117,7 @@ def _geometry(name: str, table: BeamTable, recorded: Sequence[Sweep], like: Sens
     if not any((sweep.points[..., 2] < -1.0).any() for sweep in recorded):
         raise FormatError("no return lies 1 m or more below the sensor; without a road there is nothing to fit to")
     levels = [road_level(sweep) for sweep in recorded if (sweep.points[..., 2] < -1.0).any()]
+    height = -float(np.median(levels))
     return replace(
         like,
         name=name,
@@ -130,8 +131,8 @@ def _geometry(name: str, table: BeamTable, recorded: Sequence[Sweep], like: Sens
         azimuth_span=2 * math.pi,
         min_range=min(like.min_range, math.floor(10 * float(depth.min())) / 10),
         max_range=_max_range(depth, like.max_range),
-        mount_height=-float(np.median(levels)),
-        blocked=fit_blocked(recorded, table.elevations),
+        mount_height=height,
+        blocked=fit_blocked(recorded, table.elevations, height),
         model=None,
     )
 

@@ -14,6 +14,7 @@ from lidardraft.errors import FormatError, SensorError, one_of
 from lidardraft.files import read_text
 from lidardraft.formats.carla import TAGS, VERSIONS
 from lidardraft.formats.ouster import is_ouster_metadata, read_ouster_metadata
+from lidardraft.scene.layout import Layout
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import Weather
 
@@ -134,6 +135,19 @@ def read_sensor(name: str) -> Sensor:
     if name not in PRESETS:
         raise SensorError(f"sensor is {name!r}; it must be a .json file or {one_of(PRESETS, name)}")
     return Sensor.preset(name)
+
+
+def add_carrier(parser: Options) -> None:
+    """Add --carrier, for `read_carrier`, and --own-returns."""
+    text = "vehicle of the sensor, which hides the ground: car (that of the preset), none, or a layout file with its "
+    text += "shapes around the origin (default car)"
+    parser.add_argument("--carrier", default="car", metavar="VEHICLE", help=text)
+    parser.add_argument("--own-returns", action="store_true", help="keep the returns of the vehicle itself")
+
+
+def read_carrier(name: str) -> bool | Layout:
+    """The carrier of a value of --carrier, as in `simulate`."""
+    return name == "car" if name in ("car", "none") else Layout.load(name)
 
 
 def add_seed(parser: Options, *, default: int = 0) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 from lidardraft.arranging.street_mix import USUAL_MIX, StreetMix, only
 from lidardraft.cli.arguments import (
     add_carla_tags,
+    add_carrier,
     add_seed,
     add_sensor,
     add_speed,
@@ -24,6 +25,7 @@ from lidardraft.cli.arguments import (
     add_weights,
     assignments,
     positive,
+    read_carrier,
     read_pipeline,
     read_sensor,
     read_weather,
@@ -103,7 +105,22 @@ def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather | None, thread
 
     layout, seed = layouts.of(number)
     speed = layouts.arguments.speed or 0.0
-    return simulate(layout, sensor, seed=seed, weather=weather, speed=speed, threads=threads)
+    carrier = _carrier(layouts.arguments)
+    return simulate(layout, sensor, seed=seed, weather=weather, speed=speed, threads=threads, **carrier)
+
+
+def _read_sensor(arguments: argparse.Namespace) -> Sensor:
+    """The value of --sensor; says if its vehicle is unknown."""
+    from lidardraft.simulation.carrier import carried
+
+    sensor = read_sensor(arguments.sensor)
+    for note in carried(sensor, read_carrier(arguments.carrier)).notes:
+        say(note)
+    return sensor
+
+
+def _carrier(arguments: argparse.Namespace) -> dict[str, Any]:
+    return {"carrier": read_carrier(arguments.carrier), "own_returns": arguments.own_returns}
 
 
 def _drive(layouts: Layouts, sensor: Sensor, weather: Weather | None, threads: int | None, number: int) -> Drive:
@@ -124,6 +141,7 @@ def _drive(layouts: Layouts, sensor: Sensor, weather: Weather | None, threads: i
             seed=seed,
             weather=weather,
             threads=threads,
+            **_carrier(arguments),
         )
 
 
@@ -134,7 +152,7 @@ def _write_sequences(arguments: argparse.Namespace) -> None:
     for option in ("poses", "world"):
         if getattr(arguments, option) is not None:
             raise FormatError(f"--{option} does not go with --frames, which make drives")
-    sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
+    sensor, weather = _read_sensor(arguments), read_weather(arguments.weather)
     layouts = None if arguments.street else Layouts.read(arguments)
     num = arguments.num or (len(layouts.sentences) if layouts and arguments.text_file else 0)
     jobs = jobs_of(arguments, num or arguments.frames)
@@ -197,7 +215,7 @@ def simulate(arguments: argparse.Namespace) -> None:
     for option in ("hz", "scenario"):
         if getattr(arguments, option) is not None:
             raise FormatError(f"--{option} is for a sequence; give its length with --frames")
-    sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
+    sensor, weather = _read_sensor(arguments), read_weather(arguments.weather)
     output, pictures, around = Path(arguments.output), arguments.pictures, ""
     if arguments.world is not None:
         num, jobs, poses, notes = 1, 1, 1, None
@@ -231,18 +249,21 @@ def _scan_of_world(arguments: argparse.Namespace, sensor: Sensor, weather: Weath
             raise FormatError(f"--{option} does not go with --world, whose state is complete")
     state = WorldState.load(arguments.world)
     with named(arguments.world):
-        world = World(state, sensor, weather=weather)
+        world = World(state, sensor, weather=weather, **_carrier(arguments))
     return lambda _: world.scan()
 
 
 def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None, poses: int) -> StreetConfig:
+    from lidardraft.simulation.carrier import carried
     from lidardraft.streets import StreetConfig
     from lidardraft.streets.drives import HALF_LENGTH
 
     check_inputs(arguments)
-    for option in ("speed", "surroundings", "scenario"):
+    sensor = carried(sensor, read_carrier(arguments.carrier)).sensor
+    for option in ("speed", "surroundings", "scenario", "own_returns"):
         if getattr(arguments, option):
-            raise FormatError(f"--{option} goes with a layout; --street decides its own traffic and objects")
+            name = option.replace("_", "-")
+            raise FormatError(f"--{name} goes with a layout; --street decides its own traffic and objects")
     mix = USUAL_MIX if arguments.street == "any" else StreetMix(**only(district_named(arguments.street)))
     config = StreetConfig(sensor=sensor, poses_per_street=poses, mix=mix, weather=weather or Weather())
     return config if arguments.frames is None else dataclasses.replace(config, half_length=HALF_LENGTH)
@@ -260,6 +281,7 @@ def simulate_options(parser: argparse.ArgumentParser) -> None:
     inputs.add_argument("--poses", type=whole_number(1), metavar="N", help=text)
     world = parser.add_argument_group("world")
     add_weather(world)
+    add_carrier(world)
     add_speed(world, "; in a sequence that of the road")
     sequence = parser.add_argument_group("sequence")
     text = "make a sequence of N frames: the ego vehicle, traffic and people move; with -n several, a folder each"

@@ -166,7 +166,7 @@ class Recipe:
 
             seed, more = self.seed + number, all_drawn(scene.numbers, rng)
             layout = _edited_layout(scene, seed, rng)
-            return SequenceSimulator(layout, sensor, seed=seed, weather=weather, **how, **more)
+            return SequenceSimulator(layout, sensor, seed=seed, weather=weather, carrier=False, **how, **more)
 
     def split(self, number: int) -> str:
         """The split of scan `number`, the same for all scans of its run; "" if the recipe has none."""
@@ -209,7 +209,7 @@ class Recipe:
             return _pipeline(scene.weights)(layout, sensor=sensor, seed=seed, **more)
         from lidardraft.simulation.simulate import simulate
 
-        return simulate(layout, sensor, seed=seed, weather=weather, threads=1, **more)
+        return simulate(layout, sensor, seed=seed, weather=weather, carrier=False, threads=1, **more)
 
     def try_sentences(self) -> None:
         """Raise `LidarDraftError` if one of the first sentences of a scene, with any of its words, is invalid."""

@@ -82,3 +82,17 @@ OS2_128_AZIMUTHS = (
     -0.65, -2.04, 2.11, 0.72, -0.67, -2.05, 2.1, 0.72, -0.66, -2.04, 2.11, 0.72, -0.66, -2.04, 2.1, 0.72, -0.65,
     -2.03, 2.11, 0.73, -0.66, -2.04,
 )
+
+# Pandar64: sectors of azimuth of the lowest lasers (rows from the top), counter-clockwise from straight ahead, that see
+# nothing but the recording car in PandaSet's drive 002, and those of them without any return (benches/fit_sensor.py).
+PANDAR64_HIDDEN: dict[int, tuple[tuple[float, float], ...]] = {
+    61: ((178.5, 180.5), (-166.5, -163)),
+    62: ((144, 215), (88, 94), (39, 42), (-41.5, -39)),
+    63: ((129.5, 229), (85, 96), (41.5, 51), (13, 40), (-10, 11.5), (-37, -17.5), (-48, -40.5), (-95, -85),
+         (-116.5, -113)),
+}
+PANDAR64_LOST: dict[int, tuple[tuple[float, float], ...]] = {
+    62: ((167, 179), (182, 197), (88, 90)),
+    63: ((130, 146), (219, 229), (93, 96), (85, 90), (42, 51), (13, 40), (-10, 11.5), (-37, -17.5), (-48, -41),
+         (-95, -85)),
+}

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import Any
 from zlib import crc32
@@ -20,7 +20,6 @@ from lidardraft.scene.sensor import Sensor
 from lidardraft.semantics import BY_NAME
 
 _OPTIONAL = ("primitive", "incidence", "normal")
-_NEAREST = 1e-3  # m: surfaces too near to be measured still occlude others
 
 
 def backends() -> list[str]:
@@ -250,24 +249,6 @@ def raycast(
         seed=seed,
         threads=threads,
     )
-
-
-def with_vehicle(sensor: Sensor, vehicle: Layout) -> Sensor:
-    """The sensor with `blocked` set to the rays that meet `vehicle`, which is in the layout frame; the sensor is on its
-    mount over the origin.
-
-    `detail(Layout((box,)))` makes a vehicle with a roof, a bonnet and windows from a box of class car.
-    """
-    near = replace(sensor, min_range=_NEAREST, blocked=(), model=None)
-    hidden = raycast(vehicle, near, sensor.pose()).valid
-    step = sensor.azimuth_span / sensor.columns
-    offsets = sensor.azimuth_offsets or (0.0,) * len(hidden)
-    blocked = []
-    for row, offset in zip(hidden, offsets, strict=True):
-        changes = np.flatnonzero(np.diff(np.pad(row.astype(np.int8), 1)))
-        starts, ends = sensor.azimuth_start + offset - step * changes.reshape(-1, 2)[:, ::-1].T
-        blocked.append(tuple(zip(starts.tolist(), ends.tolist(), strict=True)))
-    return replace(sensor, blocked=tuple(blocked))
 
 
 def cast_scans(

@@ -32,9 +32,15 @@ class Simulator:
     sensor: its preset, or typical values (`Sensor.assumed_model`). `weather` is by default that of the sentence, or
     clear and dry. `seed` decides the layout of a sentence and the details. With `relief`, the ground rises and falls as
     the roads say (`on_relief`); without, it is level. `threads` is the most threads of a scan, by default one a core.
-    Scans are the same for any number, and several Python threads may scan at once. Raises `SensorError` if the beams of
-    the sensor are too close for the model, `LayoutError` if the seed is invalid. A layout without ground is a
-    `UserWarning`, and one of the `notes` of its scans.
+    Scans are the same for any number, and several Python threads may scan at once.
+
+    The vehicle of the sensor, its `carrier`, hides the ground around it. It is the typical car of a preset, or its
+    shapes as in `with_vehicle`; False is none. Its own returns are left out; with `own_returns` they are of class car,
+    or that of their shape, and instance 0. One of the `notes` says if a sensor has no known vehicle.
+
+    Raises `SensorError` if the beams of the sensor are too close for the model, or own returns need the shape of the
+    vehicle; `LayoutError` if the seed or the carrier is invalid. A layout without ground is a `UserWarning`, and one of
+    the `notes` of its scans.
     """
 
     def __init__(
@@ -47,11 +53,15 @@ class Simulator:
         weather: Weather | None = None,
         detail: bool = True,
         relief: bool = True,
+        carrier: bool | Layout = True,
+        own_returns: bool = False,
         threads: int | None = None,
     ) -> None:
         check_type("sensor", sensor, Sensor)
-        self.layout, self.scene, self._assumed = prepared(layout, seed, detail, relief)
-        self._sweeper = Sweeper.of(sensor, model, weather or weather_of(self.layout.intent.weather), threads)
+        self.layout, self.scene, assumed = prepared(layout, seed, detail, relief)
+        weather = weather or weather_of(self.layout.intent.weather)
+        self._sweeper = Sweeper.of(sensor, model, weather, threads, carrier=carrier, own_returns=own_returns)
+        self._assumed = (*assumed, *self._sweeper.notes)
         self._bodies = Bodies.of(self.scene, self._sweeper.weather.wetness)
 
     def scan(self, pose: np.ndarray | None = None, *, speed: float = 0.0, seed: int = 0) -> Scan:
@@ -84,6 +94,8 @@ def simulate(
     weather: Weather | None = None,
     detail: bool = True,
     relief: bool = True,
+    carrier: bool | Layout = True,
+    own_returns: bool = False,
     threads: int | None = None,
 ) -> Scan:
     """The scan of a layout as it is, or of a sentence with a street around it.
@@ -93,7 +105,16 @@ def simulate(
     The same arguments give the same scan, for any number of threads; another seed gives another one.
     """
     simulator = Simulator(
-        layout, sensor, seed=seed, model=model, weather=weather, detail=detail, relief=relief, threads=threads
+        layout,
+        sensor,
+        seed=seed,
+        model=model,
+        weather=weather,
+        detail=detail,
+        relief=relief,
+        carrier=carrier,
+        own_returns=own_returns,
+        threads=threads,
     )
     return simulator.scan(pose, speed=speed, seed=seed)
 

@@ -18,14 +18,16 @@ import numpy as np
 from lidardraft.errors import check_type
 from lidardraft.scene.bodies import Bodies
 from lidardraft.scene.effects import observe, sub_rays
+from lidardraft.scene.layout import Layout
 from lidardraft.scene.pose import upright
 from lidardraft.scene.range_image import RangeImage, images_of
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather
+from lidardraft.simulation.carrier import OwnReturns, carried
+from lidardraft.simulation.carrier import Spot as Spot
 
-Spot = tuple[float, float, float, float]  # x, y, z [m] and yaw [rad] of an upright body
 FLASH = 1e-3  # s over which rates are taken if a sweep takes no time
 _SECTORS = 32  # of a sweep: a body is cast in those that may see it
 _MARGIN = 0.5  # m around a body: lasers do not start in the middle of the sensor
@@ -58,8 +60,9 @@ class _Sector:
 class Sweeper:
     """A unit of a sensor in a weather. `threads` is the most threads of a scan; scans are the same for any.
 
-    Sectors that may see a body are cast together or, as always in sequences, `apart`: the last bits of ranges depend on
-    that.
+    The vehicle that carries the sensor blocks it; `own` are its returns, if they are kept, and `notes` say if it is
+    unknown. Sectors that may see a body are cast together or, as always in sequences, `apart`: the last bits of ranges
+    depend on that.
     """
 
     sensor: Sensor
@@ -67,6 +70,8 @@ class Sweeper:
     weather: Weather
     threads: int | None = None
     apart: bool = False
+    own: OwnReturns | None = None
+    notes: tuple[str, ...] = ()
 
     @classmethod
     def of(
@@ -76,10 +81,18 @@ class Sweeper:
         weather: Weather | None,
         threads: int | None = None,
         apart: bool = False,
+        *,
+        carrier: bool | Layout,
+        own_returns: bool,
+        spot: Spot | None = None,
     ) -> Sweeper:
-        """With a model, by default `sensor.assumed_model`, and a weather, by default a clear and dry day."""
+        """With a model, by default `sensor.assumed_model`, a weather, by default a clear and dry day, and a `carrier`
+        as in `Simulator`, on which the sensor is at a `spot`, by default its mount."""
         check_type("weather", weather := Weather() if weather is None else weather, Weather)
-        return cls(sensor, model or sensor.assumed_model, weather, threads, apart)
+        check_type("own_returns", own_returns, bool)
+        found, model = carried(sensor, carrier, spot), model or sensor.assumed_model
+        own = OwnReturns.of(found, model, weather, spot) if own_returns else None
+        return cls(found.sensor, model, weather, threads, apart, own, found.notes)
 
     @cached_property
     def rays(self) -> Sensor:
@@ -132,7 +145,7 @@ class Sweeper:
         self, clean: RangeImage, surfaces: Surfaces, poses: np.ndarray, seed: int | np.random.Generator
     ) -> RangeImage:
         """The image that the sensor reports of a `clean` one that `cast` returned from these `poses`."""
-        return observe(
+        image = observe(
             clean,
             surfaces,
             seed=seed,
@@ -142,6 +155,7 @@ class Sweeper:
             poses=poses,
             threads=self.threads,
         )
+        return image if self.own is None else self.own.over(image, self.model, self.weather, seed, self.threads)
 
     def _seen(self, mover: Mover, pose: np.ndarray, looks: float, turned: float, strayed: float) -> Iterator[slice]:
         """The columns that may see a body. The sensor is at `pose` in the middle of the sweep; it turns by up to

@@ -60,6 +60,7 @@ def street_drive(
         seed=int(rng.integers(2**31)),
         model=replace(config.sensor.assumed_model, unit=number),
         weather=config.weather,
+        carrier=False,
         threads=threads,
     )
     driven = float(np.hypot(*np.diff(simulator.tracks.ego.places[:, :2], axis=0).T).sum())

@@ -134,8 +134,8 @@ class World:
     With a `Rig`, several sensors on the ego vehicle scan one moment: `scan(channel)`, `scans()`. `state()` has all but
     sensor, model and weather: the same state gives the same bytes in scans and steps. A `WorldState` in place of the
     layout goes on from there. `collisions` lists things that run into each other. With "stop" they stand there; with
-    "refuse" the call raises `LayoutError`. `model`, `weather`, `relief` and `threads` are those of `Simulator`. A call
-    that raises changes nothing; one thread may use a world at a time.
+    "refuse" the call raises `LayoutError`. `model`, `weather`, `relief`, `carrier`, `own_returns` and `threads` are
+    those of `Simulator`. A call that raises changes nothing; one thread may use a world at a time.
     """
 
     def __init__(
@@ -148,6 +148,8 @@ class World:
         model: SensorModel | None = None,
         weather: Weather | None = None,
         relief: bool = True,
+        carrier: bool | Layout = True,
+        own_returns: bool = False,
         threads: int | None = None,
     ) -> None:
         check_type("sensor", sensor, Sensor, Rig)
@@ -170,6 +172,7 @@ class World:
             given = layout_from_boxes(layout)
         base, self._assumed = level_layout(given, seed, relief)
         self._made_for, self._given = (0, (0.0, 0.0, 0.0), Weather()), (model, weather, threads)
+        self._carrier: dict[str, Any] = {"carrier": carrier, "own_returns": own_returns}
         self._weather: Weather | None = None
         if isinstance(layout, WorldState):
             self._adopt(layout)
@@ -222,8 +225,10 @@ class World:
         stepping.check(state)
         if weather != self._weather:
             model, _, threads = self._given
-            mounts = self.rig.mounts.items()
-            self._sweepers = {name: Sweeper.of(mount.sensor, model, weather, threads) for name, mount in mounts}
+            self._sweepers = {
+                name: Sweeper.of(mount.sensor, model, weather, threads, **self._carrier, spot=mount.spot)
+                for name, mount in self.rig.mounts.items()
+            }
         self._roads, self._weather, self._made_for = (base, ground, known, stepping), weather, made_for
         self._known, self._stepping, self._built, self._state = known, stepping, made, state
         self._still: tuple[list[Actor], Bodies] | None = None
@@ -568,7 +573,7 @@ class World:
             time=state.time - sweep / 2,
             velocities=velocities,
             mount=None if on == (0.0, 0.0, sensor.mount_height, 0.0) else on,
-            assumed=self._assumed,
+            assumed=(*self._assumed, *self._sweepers[channel].notes),
             **swept,
         )
 

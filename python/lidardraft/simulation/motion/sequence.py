@@ -72,17 +72,22 @@ class SequenceSimulator:
         weather: Weather | None = None,
         detail: bool = True,
         relief: bool = True,
+        carrier: bool | Layout = True,
+        own_returns: bool = False,
         threads: int | None = None,
         scene: Layout | None = None,
     ) -> None:
         _check_rate(sensor, frames, hz)
         self.frames, self.hz, self.seed = frames, hz, check_seed(seed)
-        layout, detailed, self._assumed = prepared(layout, seed, detail and scene is None, relief)
+        layout, detailed, assumed = prepared(layout, seed, detail and scene is None, relief)
         scene = scene or detailed
         self.layout = with_known_roads(layout)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
         weather = weather or weather_of(self.layout.intent.weather)
-        self._sweeper = Sweeper.of(sensor, model, weather, threads, apart=True)
+        self._sweeper = Sweeper.of(
+            sensor, model, weather, threads, apart=True, carrier=carrier, own_returns=own_returns
+        )
+        self._assumed = (*assumed, *self._sweeper.notes)
         still = list[int]()
         parts: dict[str, list[int]] = {name: [] for name in self.tracks.actors}
         for number, primitive in enumerate(scene):
