@@ -10,7 +10,7 @@ import numpy as np
 from lidardraft.scene.scenario import Walk
 
 _MEETS, _CLEAR = 1.5, 0.5  # m ahead within which people pass others, and m from the middle of a person to these
-_BESIDE, _PARALLEL = 0.43, 1e-9  # m to others beside a person that are not in its way; the least slope
+_BESIDE, _PARALLEL = 0.43, 1e-9  # m to others beside a person that are not in its way; the least slope, and m
 _TOUCHES = 0.45  # m from the middle of a person: it comes no nearer to others
 _THERE = 1.5  # m to a goal at which another stands
 _MOVES = 0.5  # m/s from which a person lets others pass
@@ -49,7 +49,7 @@ def walked(
     yaw += math.remainder(math.atan2(ahead[1], ahead[0]) - yaw, math.tau)
     if walk.crosses:
         on, aside = _around(watch.obstacles, place, ahead)
-        if rest < _THERE and on < 1.0:
+        if on < 1.0 and rest < min(_THERE, walk.crosses[-1][1]):  # not on a road
             return place, True
         ahead = (on * ahead[0] - aside * ahead[1], on * ahead[1] + aside * ahead[0])
         ahead = _along_sides(watch.obstacles, (x, y), ahead, way)
@@ -72,7 +72,7 @@ def _along_sides(
     now = np.hypot(*off.T)
     for _ in range(2):
         after = np.hypot(*_off(near, np.add(place, np.multiply(way, ahead))).T)
-        touched = np.flatnonzero((after < np.minimum(_TOUCHES, now)) & (now > 0.0))
+        touched = np.flatnonzero((after < np.minimum(_TOUCHES, now) - _PARALLEL) & (now > 0.0))
         if not len(touched):
             return ahead
         nearest = touched[int(after[touched].argmin())]
@@ -106,13 +106,13 @@ def _around(
     middle = np.stack([along * cos + left * sin, left * cos - along * sin]) / slope
     spans = (obstacles[:, 3:5].T + _BESIDE) / np.abs(slope)
     enters, leaves = (middle - spans).max(axis=0), (middle + spans).min(axis=0)
-    in_way = (enters < np.minimum(leaves, _MEETS)) & (enters > -_BESIDE)
+    reach = np.abs(sin) * obstacles[:, 3] + np.abs(cos) * obstacles[:, 4] + _CLEAR
+    low, high = left - reach, left + reach
+    in_way = (enters < np.minimum(leaves, _MEETS)) & (enters > -_BESIDE) & (low < 0.0) & (high > 0.0)
     if not in_way.any():
         return 1.0, 0.0
     if (obstacles[in_way, 5] > _MOVES).any():
         return 0.0, 0.0
-    reach = np.abs(sin) * obstacles[:, 3] + np.abs(cos) * obstacles[:, 4] + _CLEAR
-    low, high = left - reach, left + reach
     met = in_way | ((np.abs(along) < _MEETS) & (along > 0.0))
     sides = np.concatenate([low[met], high[met]])
     free = sides[~((low[met] < sides[:, None]) & (sides[:, None] < high[met])).any(axis=1)]
