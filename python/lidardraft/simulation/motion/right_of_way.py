@@ -85,6 +85,10 @@ class _User:
         top = min(_TURNING, way.limit(way.bend[0])) if turns else max(way.speed, self.driver.speed)
         return _seconds(along - of, min(self.driver.speed, top), top)
 
+    def comes(self, zone: Zone, free: float) -> bool:
+        """Whether it drives or, with a free way up to `free` [m], can get over its line or into that zone of another."""
+        return self.driver.speed > _SLOW or free > (zone.theirs[0] if self.committed else self.passage.line)
+
 
 class RightOfWay:
     """The junctions of a network, for drivers along its `ways`."""
@@ -117,12 +121,15 @@ class RightOfWay:
         for user, number in self._users(drivers, time, starts):
             users.setdefault(number, []).append(user)
         holds = [math.inf] * len(drivers)
-        free = [one.along + one.body.size[0] / 2 + gap for one, (gap, _) in zip(drivers, ahead, strict=True)]
+        rows = zip(drivers, ahead, strict=True)
+        free = [one.along + one.body.size[0] / 2 + gap - one.motion.gap for one, (gap, _) in rows]
         # who has waited longest comes last: it goes if all others in its way have to wait
         for user in sorted(itertools.chain(*users.values()), key=lambda one: (one.driver.waited, one.number)):
             if user.driver.motion.gives_way or user.committed:
                 hold = self._hold(user, users, free)
-                holds[user.number], free[user.number] = min(holds[user.number], hold), min(free[user.number], hold)
+                holds[user.number] = min(holds[user.number], hold)
+                if user.committed:
+                    free[user.number] = min(free[user.number], hold - user.driver.motion.gap)
         return holds
 
     def pace(self, driver: Driver) -> float:
@@ -201,8 +208,8 @@ class RightOfWay:
 
     def _hold(self, user: _User, users: dict[int, list[_User]], free: Sequence[float]) -> float:
         """The furthest place of a driver along its way [m]: its line or, once beyond it, the start of the zone of
-        another driver that is beyond its own line and there first. `free` are the ends of all drivers' free ways [m];
-        who stands before one does not come."""
+        another driver that is beyond its own line and there first. `free` are the ends of all drivers' free ways
+        [m]."""
         line, brakes = user.passage.line, user.driver.speed**2 / (2 * _BRAKING)
         if user.held and not user.committed:
             return line
@@ -211,7 +218,7 @@ class RightOfWay:
         found = [math.inf]
         for zone in user.passage.zones:
             others = (other for other in users.get(zone.other, ()) if other.number != user.number)
-            others = (other for other in others if other.driver.speed > _SLOW or free[other.number] > zone.theirs[0])
+            others = (other for other in others if other.comes(zone, free[other.number]))
             if not user.committed:
                 found += [line for other in others if _meet(user, zone, other)]
             elif user.front + brakes < zone.own[0]:
