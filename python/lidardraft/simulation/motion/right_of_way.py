@@ -65,15 +65,22 @@ class Passage:
     heading: float
     zones: list[Zone]
 
+    @property
+    def first(self) -> float:
+        """The place [m] before all zones."""
+        return min((zone.own[0] for zone in self.zones), default=math.inf) - _BEFORE
+
 
 @dataclass(slots=True)
 class _User:
-    """A driver before a passage or on it: its front and rear along the way [m], whether it is `committed` (too near to
+    """A driver before a passage or on it: the line at which it waits, over that of the passage if it stands before the
+    ways of others; its front and rear along the way [m], whether it is `committed` (too near to
     stop at the line), or `held` by a light."""
 
     number: int
     driver: Driver
     passage: Passage
+    line: float
     front: float
     rear: float
     committed: bool
@@ -87,7 +94,7 @@ class _User:
 
     def comes(self, zone: Zone, free: float) -> bool:
         """Whether it drives or, with a free way up to `free` [m], can get over its line or into that zone of another."""
-        return self.driver.speed > _SLOW or free > (zone.theirs[0] if self.committed else self.passage.line)
+        return self.driver.speed > _SLOW or free > (zone.theirs[0] if self.committed else self.line)
 
 
 class RightOfWay:
@@ -194,14 +201,15 @@ class RightOfWay:
             brakes = 0.0 if starts else driver.speed**2 / (2 * _BRAKING)
             for index in self.of_way.get(id(driver.lane), ()):
                 passage = self.passages[index]
-                room = passage.line - front
+                line = max(passage.line, min(front, passage.first))
+                room = line - front
                 if rear > passage.end or room > 3 * brakes + 3 * _LOOKS:
                     continue
                 committed = room < -_OVER or brakes > room + _OVER
                 held = self._is_red(passage, time)
                 if not driver.motion.gives_way:
                     committed, held = committed or driver.speed > _SLOW, False
-                yield _User(number, driver, passage, front, rear, committed, held), index
+                yield _User(number, driver, passage, line, front, rear, committed, held), index
 
     def _is_red(self, passage: Passage, time: float) -> bool:
         return passage.phase is not None and not self.is_green(passage.phase, time)
@@ -210,7 +218,7 @@ class RightOfWay:
         """The furthest place of a driver along its way [m]: its line or, once beyond it, the start of the zone of
         another driver that is beyond its own line and there first. `free` are the ends of all drivers' free ways
         [m]."""
-        line, brakes = user.passage.line, user.driver.speed**2 / (2 * _BRAKING)
+        line, brakes = user.line, user.driver.speed**2 / (2 * _BRAKING)
         if user.held and not user.committed:
             return line
         if line - user.front > brakes + _LOOKS:
@@ -338,7 +346,7 @@ def _add_zones(found: Sequence[Passage], rows: Sequence[np.ndarray], first: int)
                 zone = Zone(first + other, *spans, _gives(passage, against))
                 passage.zones.append(zone)
         if passage.line == math.inf:
-            passage.line = min((zone.own[0] for zone in passage.zones), default=math.inf) - _BEFORE
+            passage.line = passage.first
 
 
 def _spans(row: np.ndarray, their: np.ndarray) -> tuple[tuple[float, float], tuple[float, float]] | None:
