@@ -238,7 +238,8 @@ def _free_walk(way: _Way, others: Iterable[Body], crosses: bool) -> Walk | None:
         end = int(np.argmin(np.append((way.same & free)[: way.usual + 1], False))) - 1
         return way.walk(end) if way.steps[max(end, 0)] >= _SHORTEST_WALK else None
     kerb = way.kerb()
-    beyond = free & (np.arange(len(free)) > kerb + _OFF_ROAD / _STRIDE) & (way.label == way.label[min(kerb, len(free) - 1)])
+    same = way.label == way.label[min(kerb, len(free) - 1)]
+    beyond = free & same & (np.arange(len(free)) > kerb + _OFF_ROAD / _STRIDE)
     if not beyond.any():
         return None
     first = int(np.argmax(beyond))

@@ -93,7 +93,7 @@ class _User:
         return _seconds(along - of, min(self.driver.speed, top), top)
 
     def comes(self, zone: Zone, free: float) -> bool:
-        """Whether it drives or, with a free way up to `free` [m], can get over its line or into that zone of another."""
+        """Whether it drives, or can get over its line or into that zone of another on a way that is `free` [m]."""
         return self.driver.speed > _SLOW or free > (zone.theirs[0] if self.committed else self.line)
 
 
