@@ -120,9 +120,9 @@ def _around(
     met = in_way | ((np.abs(along) < _MEETS) & (along > 0.0))
     sides = np.concatenate([low[met], high[met]])
     free = sides[~((low[met] < sides[:, None]) & (sides[:, None] < high[met])).any(axis=1)]
-    turned = math.sin(place[2] - math.atan2(ahead[1], ahead[0]))
-    if abs(turned) > _DETOUR:  # it keeps to the side that it has taken
-        free = free[free * turned > 0.0]
+    aside = math.sin(place[2] - math.atan2(ahead[1], ahead[0]))
+    if abs(aside) > _DETOUR:  # it keeps to the side that it has taken
+        free = free[free * aside > 0.0]
     side = float(free[np.abs(free).argmin()])
     on = max(0.0, float(enters[in_way].min()))
     return on / math.hypot(on, side), side / math.hypot(on, side)
