@@ -1,11 +1,11 @@
 """Traffic that one believes: drives along streets, and junctions of sentences, whose movers are held against rules.
 
-    python benches/traffic_checks.py [--drives 30] [--frames 100] [--sentences 20]
+    python benches/traffic_checks.py [--drives 30] [--frames 100] [--sentences 2]
 
-Of each drive of `frames` at 10 Hz: collisions of those that move with each other and with what stands; corners of
-vehicles over a sidewalk, beyond where they began; steps that differ from the mean velocity at both of their ends by
-more than 0.02 m; the share of time in which each class stands (below 0.2 m/s); how far the ego vehicle drives; and the
-seconds of processor time of `tracks_of`.
+Of drives of `frames` at 10 Hz, and of 20 s of each sentence with some seeds: collisions of those that move with each
+other and with what stands; vehicles with corners over a sidewalk, beyond where they began; movers with steps that
+differ from the mean velocity at both of their ends by more than 0.02 m; how far the ego vehicle drives, in the median;
+and the share of time in which it and the other vehicles that move at all stand (below 0.2 m/s).
 """
 
 import argparse
@@ -20,7 +20,7 @@ import numpy as np
 
 from lidardraft import Layout, layout_from_text, surround
 from lidardraft.scene.check import OVERLAP_TOLERANCE, VEHICLE_LABELS, objects
-from lidardraft.scene.scenario import Scenario
+from lidardraft.scene.scenario import Scenario, Track
 from lidardraft.scene.solids import penetration
 from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.motion.driver import Body
@@ -58,7 +58,7 @@ def streets(count: int) -> Iterator[tuple[str, Layout]]:
 
 def sentences(count: int) -> Iterator[tuple[str, Layout]]:
     """Junctions of sentences in their streets."""
-    for seed, sentence in itertools.islice(itertools.product(itertools.count(), SENTENCES), count):
+    for sentence, seed in itertools.product(SENTENCES, range(count)):
         yield sentence, surround(layout_from_text(sentence, seed=seed), seed=seed)
 
 
@@ -101,44 +101,63 @@ def jump(places: np.ndarray) -> float:
     return float(np.linalg.norm(steps[1:-1] - middle, axis=1).max(initial=0.0))
 
 
-def faults(tracks: Tracks, bodies: dict[str, Body], times: np.ndarray, ground: Ground) -> list[str]:
-    """All that nobody would believe, a line each."""
-    found = collisions(tracks, bodies, times)
-    for name, track in {"ego": tracks.ego, **tracks.actors}.items():
-        places, drives = track.at(times), name == "ego" or bodies[name].labels & set(VEHICLE_LABELS)
-        if (off := jump(places)) > JUMP:
-            found.append(f"{name} jumps {off:.3f} m")
-        if drives and on_sidewalk(bodies[name], places, ground):
-            found.append(f"{name} on a sidewalk")
-    return found
+def metres(track: Track, end: float) -> float:
+    """How far something goes until `end` [s]."""
+    return float(np.hypot(*np.diff(track.at(np.arange(0.0, end, 1 / HZ))[:, :2], axis=0).T).sum())
+
+
+class Sums:
+    """The figures of layouts of one kind, a row of the table."""
+
+    def __init__(self) -> None:
+        self.found = np.zeros(4, dtype=int)  # layouts, collisions, vehicles on sidewalks, those that jump
+        self.metres, self.stood, self.spent = list[tuple[float, float]](), defaultdict[str, list[float]](list), 0.0
+
+    def add(self, layout: Layout, frames: int) -> list[str]:
+        """Add a layout; returns all that nobody would believe, a line each."""
+        times, ground, begin = np.arange(frames) / HZ, Ground(layout), time.process_time()
+        tracks = tracks_of(layout, Scenario(), times[-1])
+        self.spent += time.process_time() - begin
+        bodies = bodies_of(objects(layout), ground) | {"ego": EGO_BODY}
+        moving = {"ego": tracks.ego, **tracks.actors}
+        for name, track in moving.items():
+            speeds = np.hypot(*np.diff(track.at(times)[:, :2], axis=0).T) * HZ
+            kinds = (label for label in ("rider", "person", "bus", "truck", "car") if label in bodies[name].labels)
+            self.stood["ego" if name == "ego" else next(kinds, "other")].append(float((speeds < STANDS).mean()))
+        drives = [name for name in moving if name == "ego" or bodies[name].labels & set(VEHICLE_LABELS)]
+        hits = collisions(tracks, bodies, times)
+        off = [name for name in drives if on_sidewalk(bodies[name], moving[name].at(times), ground)]
+        starts = [name for name, track in moving.items() if jump(track.at(times)) > JUMP]
+        self.found += (1, len(hits), len(off), len(starts))
+        self.metres.append((metres(tracks.ego, 6.0), metres(tracks.ego, times[-1])))
+        return hits + [f"{name} on a sidewalk" for name in off] + [f"{name} jumps" for name in starts]
+
+    def row(self, said: str) -> str:
+        """The row of the table."""
+        six, all_of_it = (median(column) for column in zip(*self.metres, strict=True))
+        vehicles = [share for kind in ("car", "truck", "bus") for share in self.stood[kind]]
+        stands = (np.mean(self.stood["ego"]), np.mean(vehicles) if vehicles else math.nan)
+        cells = (said, *self.found.tolist(), f"{six:.1f}", f"{all_of_it:.1f}")
+        return "| " + " | ".join(map(str, (*cells, *(f"{share:.0%}" for share in stands)))) + " |"
 
 
 def main() -> None:
     """Print all of it."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--drives", type=int, default=30)
-    parser.add_argument("--frames", type=int, default=100)
-    parser.add_argument("--sentences", type=int, default=20)
+    parser.add_argument("--frames", type=int, default=100, help="of drives")
+    parser.add_argument("--sentences", type=int, default=2, help="seeds of each sentence, 20 s each")
     arguments = parser.parse_args()
-    times = np.arange(arguments.frames) / HZ
-    stood, driven, spent, count = defaultdict[str, list[float]](list), list[float](), list[float](), 0
-    for said, layout in itertools.chain(streets(arguments.drives), sentences(arguments.sentences)):
-        begin = time.process_time()
-        tracks = tracks_of(layout, Scenario(), times[-1])
-        spent.append(time.process_time() - begin)
-        bodies = bodies_of(objects(layout), Ground(layout)) | {"ego": EGO_BODY}
-        for name, track in {"ego": tracks.ego, **tracks.actors}.items():
-            speeds = np.hypot(*np.diff(track.at(times)[:, :2], axis=0).T) * HZ
-            kinds = (label for label in ("rider", "person", "bus", "truck", "car") if label in bodies[name].labels)
-            stood["ego" if name == "ego" else next(kinds, "other")].append(float((speeds < STANDS).mean()))
-        driven.append(float(np.hypot(*np.diff(tracks.ego.at(times)[:, :2], axis=0).T).sum()))
-        found = faults(tracks, bodies, times, Ground(layout))
-        count += len(found)
-        moved = f"{len(tracks.actors) + 1} move, ego {driven[-1]:.0f} m"
-        print(f"{said}: {moved}, {spent[-1]:.2f} s", *found, sep="; ", flush=True)
-    print(f"faults {count}; ego {median(driven):.0f} m in the median, {sum(one < 5 for one in driven)} under 5 m")
-    print("standing:", ", ".join(f"{kind} {np.mean(rows):.0%} of {len(rows)}" for kind, rows in sorted(stood.items())))
-    print(f"tracks_of: {sum(spent):.1f} s, {median(spent):.2f} s in the median")
+    rows = defaultdict[str, Sums](Sums)
+    for name, layout in streets(arguments.drives):
+        print(name, *rows["streets"].add(layout, arguments.frames), sep="; ", flush=True)
+    for sentence, layout in sentences(arguments.sentences):
+        print(sentence, *rows[sentence].add(layout, 200), sep="; ", flush=True)
+    print("\n| | layouts | collisions | on sidewalks | jumps | ego m, 6 s | all | ego stands | vehicles stand |")
+    print("|---|" + "---:|" * 8)
+    for said, sums in rows.items():
+        print(sums.row(said))
+    print(f"\ntracks_of: {sum(one.spent for one in rows.values()):.0f} s")
 
 
 if __name__ == "__main__":

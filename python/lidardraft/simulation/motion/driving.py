@@ -218,8 +218,9 @@ class Traffic:
                 front, reach = driver.along + driver.body.size[0] / 2, driver.body.size[1] / 2 + _SIDE
                 turns = abs(driver.yaw) * math.exp((driver.start - driver.along) / _AIM)
                 reach += driver.body.size[0] / 2 * math.sin(turns)  # its ends swing out
-                leaves = (along + half_along - driver.along + driver.body.size[0] / 2) / max(driver.speed, _STANDS)
-                soon = left + sideways * np.clip(leaves, 0.0, expected)
+                ways = np.maximum(along + half_along - driver.along + driver.body.size[0] / 2, 0.0)
+                leaves = (np.sqrt(driver.speed**2 + 2 * _ACCELERATION * ways) - driver.speed) / _ACCELERATION
+                soon = left + sideways * np.minimum(leaves, expected)
                 low, high = np.minimum(left, soon) - half_across, np.maximum(left, soon) + half_across
                 in_way = (low < driver.left + reach) & (high > driver.left - reach) & (along > driver.along)
                 in_way[number] = False

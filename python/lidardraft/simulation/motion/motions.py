@@ -27,6 +27,9 @@ DRIVES = frozenset({*VEHICLE_LABELS, "rider"})  # classes that drive along lanes
 _WALKING, _CLEAR, _STRIDE = 1.3, 0.6, 0.5  # m/s; m that stay free around a walker; m between checked places
 _LONG = 1e4  # m, longer than all ways
 _WIDEST = 30.0  # m of a way to the far side of a road
+_OFF_ROAD = 0.5  # m from the kerb at which a person may stop
+_FAR_KERB = 20.0  # m to the next kerb from which a person on a road goes along it
+_TURNS_TO_KERB = tuple(np.radians(range(-90, 91, 15)).tolist())  # from its heading
 _SHORTEST_WALK = 2.0  # m; people with less room stand
 _HIGH = 500.0  # m, over all ground
 _SOON = 1.0  # s after which a vehicle that "brakes" or "accelerates" does so
@@ -170,14 +173,28 @@ class _Way:
     there, or the `same` class as under the person."""
 
     def __init__(self, body: Body, speed: float, duration: float, ground: Ground) -> None:
-        x, y, _, yaw = body.place
         self.body, self.speed = body, speed
         usual = np.arange(0.0, max(speed * duration, _SHORTEST_WALK) + _STRIDE, _STRIDE)
         self.usual = len(usual) - 1
         self.steps = np.arange(0.0, usual[-1] + _WIDEST, _STRIDE)
-        self.places = np.array([x, y]) + self.steps[:, None] * np.array([math.cos(yaw), math.sin(yaw)])
+        self._look(ground, 0.0)
+        if self.road[0] and self.kerb() > _FAR_KERB / _STRIDE:  # along a road; it leaves that
+            kerbs = [(self._look(ground, turn).kerb(), abs(turn), turn) for turn in _TURNS_TO_KERB]
+            self._look(ground, min(kerbs)[2])
+
+    def _look(self, ground: Ground, turn: float) -> _Way:
+        """Turn to the left [rad] of the person's heading."""
+        x, y, _, yaw = self.body.place
+        heading = np.array([math.cos(yaw + turn), math.sin(yaw + turn)])
+        self.places = np.array([x, y]) + self.steps[:, None] * heading
         _, self.label = ground.at(self.places)
         self.road, self.same = self.label == BY_NAME["road"].id, self.label == self.label[0]
+        return self
+
+    def kerb(self) -> int:
+        """The index of the first place beyond the first road."""
+        begin = int(np.argmax(self.road))
+        return begin + int(np.argmin(np.append(self.road[begin:], False)))
 
     def free_of(self, others: Iterable[Body]) -> np.ndarray:
         """The mask [N] of places that are free of others."""
@@ -216,16 +233,19 @@ def _over_road(way: _Way, rules: RightOfWay, others: Iterable[Body]) -> Walk | N
 def _free_walk(way: _Way, others: Iterable[Body], crosses: bool) -> Walk | None:
     """The walk of a person ahead as far as its way is free. It stays on its kind of ground, or goes across the road
     that it is on or `crosses`."""
-    road, free = way.road[: way.usual + 1], way.same.copy()
-    if road[0] or (crosses and road.any()):
-        begin = int(np.argmax(road))
-        end = begin + int(np.argmin(np.append(road[begin:], False)))
-        free |= np.arange(len(free)) < end
-        free[end:] |= way.label[end:] == way.label[min(end, len(free) - 1)]
-    free = (free & way.free_of(others))[: way.usual + 1]
-    end = int(np.argmin(free)) - 1 if not free.all() else len(free) - 1
-    on_road = ((_LONG, 0.0),) if road.any() else ()  # it does not wait, but does not walk into cars either
-    return way.walk(end, on_road) if way.steps[max(end, 0)] >= (_STRIDE if crosses else _SHORTEST_WALK) else None
+    free = way.free_of(others)
+    if not way.road[0] and not (crosses and way.road.any()):
+        end = int(np.argmin(np.append((way.same & free)[: way.usual + 1], False))) - 1
+        return way.walk(end) if way.steps[max(end, 0)] >= _SHORTEST_WALK else None
+    kerb = way.kerb()
+    same = way.label == way.label[min(kerb, len(free) - 1)]
+    beyond = free & same & (np.arange(len(free)) > kerb + _OFF_ROAD / _STRIDE)
+    if not beyond.any():
+        return None
+    first = int(np.argmax(beyond))
+    end = min(first + int(np.argmin(np.append(beyond[first:], False))) - 1, max(way.usual, first))
+    # it does not wait, but does not walk into cars either
+    return way.walk(end, ((_LONG, float(way.steps[end] - way.steps[kerb])),))
 
 
 def _near(places: np.ndarray, solid: Solid) -> np.ndarray:

@@ -65,26 +65,36 @@ class Passage:
     heading: float
     zones: list[Zone]
 
+    @property
+    def first(self) -> float:
+        """The place [m] before all zones."""
+        return min((zone.own[0] for zone in self.zones), default=math.inf) - _BEFORE
+
 
 @dataclass(slots=True)
 class _User:
-    """A driver before a passage or on it: its front and rear along the way [m], whether it is `committed` (too near to
-    stop at the line), `held` by a light, or `behind` another driver at the line."""
+    """A driver before a passage or on it: the line at which it waits, over that of the passage if it stands before the
+    ways of others; its front and rear along the way [m], whether it is `committed` (too near to
+    stop at the line), or `held` by a light."""
 
     number: int
     driver: Driver
     passage: Passage
+    line: float
     front: float
     rear: float
     committed: bool
     held: bool
-    behind: bool
 
     def reaches(self, along: float, of: float) -> float:
         """The time [s] until its front or rear, now at `of` [m], is as far `along` [m]."""
         way, turns = self.passage.way, self.passage.turn or any(self.passage.way.bend)
         top = min(_TURNING, way.limit(way.bend[0])) if turns else max(way.speed, self.driver.speed)
         return _seconds(along - of, min(self.driver.speed, top), top)
+
+    def comes(self, zone: Zone, free: float) -> bool:
+        """Whether it drives, or can get over its line or into that zone of another on a way that is `free` [m]."""
+        return self.driver.speed > _SLOW or free > (zone.theirs[0] if self.committed else self.line)
 
 
 class RightOfWay:
@@ -115,12 +125,18 @@ class RightOfWay:
         """The furthest place of each driver's front along its way now [m]. `ahead` gives each driver's free way [m] and
         the speed at its end [m/s]. Drivers that just start (`starts`) can stop anywhere."""
         users: dict[int, list[_User]] = {}
-        for user, number in self._users(drivers, ahead, time, starts):
+        for user, number in self._users(drivers, time, starts):
             users.setdefault(number, []).append(user)
         holds = [math.inf] * len(drivers)
-        for user in itertools.chain(*users.values()):
+        rows = zip(drivers, ahead, strict=True)
+        free = [one.along + one.body.size[0] / 2 + gap - one.motion.gap for one, (gap, _) in rows]
+        # who has waited longest comes last: it goes if all others in its way have to wait
+        for user in sorted(itertools.chain(*users.values()), key=lambda one: (one.driver.waited, one.number)):
             if user.driver.motion.gives_way or user.committed:
-                holds[user.number] = min(holds[user.number], self._hold(user, users))
+                hold = self._hold(user, users, free)
+                holds[user.number] = min(holds[user.number], hold)
+                if user.committed:
+                    free[user.number] = min(free[user.number], hold - user.driver.motion.gap)
         return holds
 
     def pace(self, driver: Driver) -> float:
@@ -149,8 +165,8 @@ class RightOfWay:
         length = float(np.hypot(*np.diff(places, axis=0)[0]))
         on_foot = np.linspace(0.0, length, 2 + int(length / _SAMPLED))
         points = places[0] + np.outer(on_foot / length, places[1] - places[0])
-        zebra, free = self._on_zebra(points.mean(axis=0)), [(math.inf, 0.0)] * len(drivers)
-        users = [user for user, _ in self._users(drivers, free, time, False) if not user.committed]
+        zebra = self._on_zebra(points.mean(axis=0))
+        users = [user for user, _ in self._users(drivers, time, False) if not user.committed]
         stops = {user.number for user in users if user.held and self._is_red(user.passage, time + length / speed)}
         goes = {user.number for user in users if user.passage.phase is not None and not user.passage.turn} - stops
         crossed: dict[int, tuple[np.ndarray, np.ndarray]] = {}
@@ -178,33 +194,31 @@ class RightOfWay:
                 return False
         return True
 
-    def _users(
-        self, drivers: Sequence[Driver], ahead: Sequence[tuple[float, float]], time: float, starts: bool
-    ) -> Iterator[tuple[_User, int]]:
+    def _users(self, drivers: Sequence[Driver], time: float, starts: bool) -> Iterator[tuple[_User, int]]:
         for number, driver in enumerate(drivers):
             half = driver.body.size[0] / 2
             front, rear = driver.along + half, driver.along - half
             brakes = 0.0 if starts else driver.speed**2 / (2 * _BRAKING)
             for index in self.of_way.get(id(driver.lane), ()):
                 passage = self.passages[index]
-                room = passage.line - front
+                line = max(passage.line, min(front, passage.first))
+                room = line - front
                 if rear > passage.end or room > 3 * brakes + 3 * _LOOKS:
                     continue
                 committed = room < -_OVER or brakes > room + _OVER
-                free, speed = ahead[number]
-                behind = free < room and speed < _SLOW
                 held = self._is_red(passage, time)
                 if not driver.motion.gives_way:
                     committed, held = committed or driver.speed > _SLOW, False
-                yield _User(number, driver, passage, front, rear, committed, held, behind), index
+                yield _User(number, driver, passage, line, front, rear, committed, held), index
 
     def _is_red(self, passage: Passage, time: float) -> bool:
         return passage.phase is not None and not self.is_green(passage.phase, time)
 
-    def _hold(self, user: _User, users: dict[int, list[_User]]) -> float:
+    def _hold(self, user: _User, users: dict[int, list[_User]], free: Sequence[float]) -> float:
         """The furthest place of a driver along its way [m]: its line or, once beyond it, the start of the zone of
-        another driver that is beyond its own line and there first."""
-        line, brakes = user.passage.line, user.driver.speed**2 / (2 * _BRAKING)
+        another driver that is beyond its own line and there first. `free` are the ends of all drivers' free ways
+        [m]."""
+        line, brakes = user.line, user.driver.speed**2 / (2 * _BRAKING)
         if user.held and not user.committed:
             return line
         if line - user.front > brakes + _LOOKS:
@@ -212,11 +226,12 @@ class RightOfWay:
         found = [math.inf]
         for zone in user.passage.zones:
             others = (other for other in users.get(zone.other, ()) if other.number != user.number)
+            others = (other for other in others if other.comes(zone, free[other.number]))
             if not user.committed:
                 found += [line for other in others if _meet(user, zone, other)]
-            elif user.front + brakes < zone.own[0] - _BEFORE + _OVER:
+            elif user.front + brakes < zone.own[0]:
                 first = (other for other in others if other.committed and _is_first(other, user, zone))
-                found += [zone.own[0] - _BEFORE for other in first if _meet(user, zone, other)]
+                found += [max(user.front, zone.own[0] - _BEFORE) for other in first if _meet(user, zone, other)]
         return min(found)
 
 
@@ -228,7 +243,7 @@ def _meet(user: _User, zone: Zone, other: _User) -> bool:
     in_it, out = user.reaches(begin, user.front), user.reaches(end, user.rear)
     theirs_in, theirs_out = other.reaches(near, other.front), other.reaches(far, other.rear)
     if not other.committed:
-        if other.held or other.behind or _goes_first(user, in_it, zone, other, theirs_in):
+        if other.held or _goes_first(user, in_it, zone, other, theirs_in):
             return False
     elif other.driver.speed < _SLOW and other.front > near:
         return True
@@ -331,7 +346,7 @@ def _add_zones(found: Sequence[Passage], rows: Sequence[np.ndarray], first: int)
                 zone = Zone(first + other, *spans, _gives(passage, against))
                 passage.zones.append(zone)
         if passage.line == math.inf:
-            passage.line = min((zone.own[0] for zone in passage.zones), default=math.inf) - _BEFORE
+            passage.line = passage.first
 
 
 def _spans(row: np.ndarray, their: np.ndarray) -> tuple[tuple[float, float], tuple[float, float]] | None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -80,6 +81,7 @@ def tracks_of(layout: Layout, scenario: Scenario, duration: float, speed: float 
         free = {name: motion for name, old in free.items() if (motion := changed.get(name, old)) is not None}
     for (one, other), time in collisions:
         raise LayoutError(f"{one} and {other} collide after {time:.1f} s; change the motion of one of them")
+    _warn_off_map(given, ground)
     _check_on_road(tracks, bodies, {name for name in given if not isinstance(given[name], AlongLane)}, ground)
     return Tracks(tracks.pop("ego"), {name: track for name, track in tracks.items() if track.moves()})
 
@@ -139,7 +141,7 @@ def _moved(
         if name in rises:
             track.places[:, 2] += home[0, 2] - track.places[0, 2]
         else:
-            track.places[:, 2] = home[0, 2] + ground.at(track.places)[0] - ground.at(home)[0]
+            track.places[:, 2] = home[0, 2] + _heights(track.places, ground) - ground.at(home)[0]
         smooth = slice(None) if isinstance(motions[name], Walk) else slice(2, 3)
         track.places[:, smooth] = _smooth(track.places)[:, smooth]
     return tracks
@@ -157,6 +159,23 @@ def _track(motion: Straight | Walk | Waypoints, place: tuple[float, float, float
         yaw += math.remainder(heading - yaw, math.tau)
     flat = np.zeros_like(times)
     return Track(times, np.stack([x + way * math.cos(heading), y + way * math.sin(heading), flat, flat + yaw], axis=1))
+
+
+def _heights(places: np.ndarray, ground: Ground) -> np.ndarray:
+    """The heights of the ground [K]; off the map the last ones."""
+    heights, label = ground.at(places)
+    known = np.flatnonzero(label)
+    return np.interp(np.arange(len(label)), known, heights[known]) if len(known) else heights
+
+
+def _warn_off_map(motions: Mapping[str, Motion], ground: Ground) -> None:
+    """A `UserWarning` reports the first way-points off the map."""
+    for name, motion in motions.items():
+        if isinstance(motion, Waypoints) and 0 in (on := ground.at(np.array(motion.points)[:, 1:3])[1]) and on.any():
+            _, x, y, *_ = motion.points[int(np.argmin(on))]
+            said = f"{name} goes off the map, to x {x:.1f}, y {y:.1f} m; without ground it keeps its height"
+            warnings.warn(said, stacklevel=4)
+            return
 
 
 def _smooth(places: np.ndarray) -> np.ndarray:

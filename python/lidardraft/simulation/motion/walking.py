@@ -10,8 +10,9 @@ import numpy as np
 from lidardraft.scene.scenario import Walk
 
 _MEETS, _CLEAR = 1.5, 0.5  # m ahead within which people pass others, and m from the middle of a person to these
-_BESIDE, _PARALLEL = 0.43, 1e-9  # m to others beside a person that are not in its way; the least slope
-_TOUCHES = 0.45  # m from the middle of a person: it comes no nearer to others
+_BESIDE, _PARALLEL = 0.43, 1e-9  # m to others beside a person that are not in its way; the least slope, and m
+_TOUCHES, _SMALL = 0.45, 0.5  # m from the middle of a person: it comes no nearer to others; half the length of people
+_DETOUR = 0.5  # sine of the angle to its goal at which a person is going around something
 _THERE = 1.5  # m to a goal at which another stands
 _MOVES = 0.5  # m/s from which a person lets others pass
 _LOOKS = 0.4  # s between the looks of a waiting person
@@ -46,13 +47,14 @@ def walked(
                 return place, False
     if way >= rest:
         return (*walk.to, yaw), True
-    yaw += math.remainder(math.atan2(ahead[1], ahead[0]) - yaw, math.tau)
     if walk.crosses:
         on, aside = _around(watch.obstacles, place, ahead)
-        if rest < _THERE and on < 1.0:
+        if on < 1.0 and rest < min(_THERE, walk.crosses[-1][1]):  # not on a road
             return place, True
         ahead = (on * ahead[0] - aside * ahead[1], on * ahead[1] + aside * ahead[0])
         ahead = _along_sides(watch.obstacles, (x, y), ahead, way)
+    if ahead != (0.0, 0.0):
+        yaw += math.remainder(math.atan2(ahead[1], ahead[0]) - yaw, math.tau)
     return (x + way * ahead[0], y + way * ahead[1], yaw), False
 
 
@@ -69,10 +71,12 @@ def _along_sides(
     """The direction [2] that leads no nearer to touched obstacles: along the side of one, or 0, 0."""
     near = obstacles[np.hypot(*(obstacles[:, :2] - place).T) - np.hypot(*obstacles[:, 3:5].T) < way + _TOUCHES]
     off = _off(near, np.array(place))
+    behind = (near[:, 3] < _SMALL) & (off @ ahead > 0.0)  # who walks up from behind does not hold it
+    near, off = near[~behind], off[~behind]
     now = np.hypot(*off.T)
     for _ in range(2):
         after = np.hypot(*_off(near, np.add(place, np.multiply(way, ahead))).T)
-        touched = np.flatnonzero((after < np.minimum(_TOUCHES, now)) & (now > 0.0))
+        touched = np.flatnonzero((after < np.minimum(_TOUCHES, now) - _PARALLEL) & (now > 0.0))
         if not len(touched):
             return ahead
         nearest = touched[int(after[touched].argmin())]
@@ -106,16 +110,19 @@ def _around(
     middle = np.stack([along * cos + left * sin, left * cos - along * sin]) / slope
     spans = (obstacles[:, 3:5].T + _BESIDE) / np.abs(slope)
     enters, leaves = (middle - spans).max(axis=0), (middle + spans).min(axis=0)
-    in_way = (enters < np.minimum(leaves, _MEETS)) & (enters > -_BESIDE)
+    reach = np.abs(sin) * obstacles[:, 3] + np.abs(cos) * obstacles[:, 4] + _CLEAR
+    low, high = left - reach, left + reach
+    in_way = (enters < np.minimum(leaves, _MEETS)) & (enters > -_BESIDE) & (low < 0.0) & (high > 0.0)
     if not in_way.any():
         return 1.0, 0.0
     if (obstacles[in_way, 5] > _MOVES).any():
         return 0.0, 0.0
-    reach = np.abs(sin) * obstacles[:, 3] + np.abs(cos) * obstacles[:, 4] + _CLEAR
-    low, high = left - reach, left + reach
     met = in_way | ((np.abs(along) < _MEETS) & (along > 0.0))
     sides = np.concatenate([low[met], high[met]])
     free = sides[~((low[met] < sides[:, None]) & (sides[:, None] < high[met])).any(axis=1)]
+    aside = math.sin(place[2] - math.atan2(ahead[1], ahead[0]))
+    if abs(aside) > _DETOUR:  # it keeps to the side that it has taken
+        free = free[free * aside > 0.0]
     side = float(free[np.abs(free).argmin()])
     on = max(0.0, float(enters[in_way].min()))
     return on / math.hypot(on, side), side / math.hypot(on, side)
