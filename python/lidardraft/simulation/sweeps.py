@@ -82,12 +82,12 @@ class Sweeper:
         threads: int | None = None,
         apart: bool = False,
         *,
-        carrier: bool | Layout,
-        own_returns: bool,
+        carrier: bool | Layout = False,
+        own_returns: bool = False,
         spot: Spot | None = None,
     ) -> Sweeper:
         """With a model, by default `sensor.assumed_model`, a weather, by default a clear and dry day, and a `carrier`
-        as in `Simulator`, on which the sensor is at a `spot`, by default its mount."""
+        as in `Simulator`, by default none, on which the sensor is at a `spot`, by default its mount."""
         check_type("weather", weather := Weather() if weather is None else weather, Weather)
         check_type("own_returns", own_returns, bool)
         found, model = carried(sensor, carrier, spot), model or sensor.assumed_model
