@@ -163,6 +163,7 @@ def _write_sequences(arguments: argparse.Namespace) -> None:
     else:
         config = _street_config(arguments, sensor, weather, 1)
         of = {"seed": arguments.seed, "config": config, "frames": arguments.frames, "hz": arguments.hz or _HZ}
+        of["carrier"] = read_carrier(arguments.carrier)
         make = partial(street_drive, threads=threads, **of)
     if num:
         notes = None if layouts is None else layouts.notes
@@ -231,7 +232,9 @@ def simulate(arguments: argparse.Namespace) -> None:
         num, poses = arguments.num or 1, arguments.poses or _POSES
         jobs = jobs_of(arguments, num, poses)
         config = _street_config(arguments, sensor, weather, poses)
-        make, notes = partial(street_scan, seed=arguments.seed, config=config, threads=1 if jobs > 1 else None), None
+        carrier = read_carrier(arguments.carrier)
+        of = {"seed": arguments.seed, "config": config, "carrier": carrier, "threads": 1 if jobs > 1 else None}
+        make, notes = partial(street_scan, **of), None
     with progress(num, "scan") as bar:
         for _ in ScanFolder(output, pictures, make, Scan.save, notes).write(num, jobs=jobs, run=poses):
             bar.update()
@@ -254,12 +257,10 @@ def _scan_of_world(arguments: argparse.Namespace, sensor: Sensor, weather: Weath
 
 
 def _street_config(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None, poses: int) -> StreetConfig:
-    from lidardraft.simulation.carrier import carried
     from lidardraft.streets import StreetConfig
     from lidardraft.streets.drives import HALF_LENGTH
 
     check_inputs(arguments)
-    sensor = carried(sensor, read_carrier(arguments.carrier)).sensor
     for option in ("speed", "surroundings", "scenario", "own_returns"):
         if getattr(arguments, option):
             name = option.replace("_", "-")

@@ -35,6 +35,7 @@ from lidardraft.scene.materials import MATERIALS
 from lidardraft.scene.sensor import PRESETS, Sensor
 from lidardraft.scene.weather import Weather
 from lidardraft.semantics import BY_NAME
+from lidardraft.simulation.carrier import carried
 from lidardraft.streets.drives import HALF_LENGTH, street_drive
 from lidardraft.streets.scans import street_scan
 from lidardraft.streets.street import StreetConfig
@@ -110,7 +111,7 @@ class Recipe:
     hz: float
     splits: tuple[Choice[str], ...]
     scenes: tuple[Choice[Scene], ...]
-    sensors: tuple[Choice[tuple[Sensor, Values]], ...]  # with the heights of their mounts
+    sensors: tuple[Choice[tuple[Sensor, Values, bool]], ...]  # the heights of their mounts; if their car is in the way
     weather: tuple[Choice[dict[str, Values]], ...]  # the numbers of a `Weather`
 
     @classmethod
@@ -161,7 +162,7 @@ class Recipe:
         with named(f"{self.name}: drive {number}, scene {place}"):
             if scene.source == "street":
                 config = dataclasses.replace(self._config(scene, sensor, weather, rng), half_length=HALF_LENGTH)
-                return street_drive(number, seed=self.seed, config=config, **how)
+                return street_drive(number, seed=self.seed, config=config, carrier=False, **how)
             from lidardraft.simulation.motion.sequence import SequenceSimulator
 
             seed, more = self.seed + number, all_drawn(scene.numbers, rng)
@@ -183,19 +184,22 @@ class Recipe:
         return place, air
 
     def _draws(self, number: int) -> tuple[int, Sensor, dict[str, Any], np.random.Generator]:
-        """The values drawn for a scan, shared by all scans of a street, and the generator for further ones."""
+        """The values drawn for a scan, shared by all scans of a street, and the generator for further ones. The
+        vehicle of the sensor, if there is one, is in its way already."""
         first = number - number % (self.frames or self.poses)
         choice = _chosen(self.scenes, np.random.default_rng([self.seed, first, _DRAWS]))
         shared = self.frames or choice.of.source == "street"
         rng = np.random.default_rng([self.seed, first if shared else number, _DRAWS, 1])
-        sensor, heights = _chosen(self.sensors, rng).of
+        sensor, heights, carrier = _chosen(self.sensors, rng).of
         if (height := drawn(heights, rng)) is not None:
             sensor = dataclasses.replace(sensor, mount_height=float(height))
+        if choice.of.weights is None:
+            sensor = carried(sensor, carrier).sensor
         return self.scenes.index(choice) + 1, sensor, all_drawn(_chosen(self.weather, rng).of, rng), rng
 
     def _of_street(self, scene: Scene, number: int, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> Scan:
         config = self._config(scene, sensor, weather, rng)
-        return street_scan(number, seed=self.seed, config=config, threads=1)
+        return street_scan(number, seed=self.seed, config=config, carrier=False, threads=1)
 
     def _config(self, scene: Scene, sensor: Sensor, weather: Weather, rng: np.random.Generator) -> StreetConfig:
         district, more = drawn(scene.values, rng), all_drawn(scene.numbers, rng)
@@ -294,7 +298,7 @@ def _recipe(path: Path, fields: dict[str, Any]) -> Recipe:
     table, folder = Table(fields), path.parent
     scenes = [Choice(each.share(), _scene(each, folder)) for each in table.tables("scene")]
     sensors = [Choice(each.share(), _sensor(each, folder)) for each in table.tables("sensor")]
-    sensors = sensors or [Choice(1.0, (PRESETS["hdl64e"], None))]
+    sensors = sensors or [Choice(1.0, (PRESETS["hdl64e"], None, True))]
     weather = [Choice(each.share(), _weather(each)) for each in table.tables("weather")] or [Choice(1.0, {})]
     if not scenes:
         raise FormatError("scene is missing; a recipe has at least one [[scene]]")
@@ -411,11 +415,12 @@ def _edit(table: Table) -> Edit:
     return Edit(kind=kind, pattern=table.text(kind), chance=chance, values=values)
 
 
-def _sensor(table: Table, folder: Path) -> tuple[Sensor, Values]:
+def _sensor(table: Table, folder: Path) -> tuple[Sensor, Values, bool]:
     name = table.text("name")
     with named(f"{table.place}name"):
         sensor = Sensor.load(folder / name) if name.endswith(".json") else Sensor.preset(name)
-    return sensor, table.numbers("mount_height", 0.0, 0.1, 100.0) if "mount_height" in table else None
+    heights = table.numbers("mount_height", 0.0, 0.1, 100.0) if "mount_height" in table else None
+    return sensor, heights, table.name("carrier", ["car", "none"], "car") == "car"
 
 
 def _rate(table: Table) -> float:

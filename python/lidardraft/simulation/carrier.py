@@ -132,7 +132,12 @@ class OwnReturns:
         return cls(clean, surfaces, found.seeing, found.sensor.blocked_pixels, pose)
 
     def over(
-        self, image: RangeImage, model: SensorModel, weather: Weather, seed: int, threads: int | None
+        self,
+        image: RangeImage,
+        model: SensorModel,
+        weather: Weather,
+        seed: int | np.random.Generator,
+        threads: int | None,
     ) -> RangeImage:
         """A scan with the returns of the vehicle: instance 0, and no primitive of the layout."""
         near = replace(self.seeing, min_range=_NEAREST)

@@ -31,15 +31,16 @@ def street_drive(
     config: StreetConfig | None = None,
     frames: int = 100,
     hz: float = 10.0,
+    carrier: bool | Layout = True,
     threads: int | None = None,
 ) -> SequenceSimulator:
     """Drive `number` of a seed: `frames` scans, `hz` a second, of the ego vehicle along its own street, among traffic
     and people.
 
     `config` is the composition of streets, by default streets of 400 m; `poses_per_street` has no effect. The layout of
-    a scan holds simple shapes on the ground with its relief; the detailed street is scanned. The same arguments give
-    the same scans. Raises `LayoutError` for a number that is negative or no integer, and if the ego vehicle reaches the
-    end of its street before the last frame.
+    a scan holds simple shapes on the ground with its relief; the detailed street is scanned, from a `carrier` as in
+    `simulate`. The same arguments give the same scans. Raises `LayoutError` for a number that is negative or no
+    integer, and if the ego vehicle reaches the end of its street before the last frame.
     """
     from lidardraft.simulation.motion.sequence import SequenceSimulator  # pictures come with it
 
@@ -60,7 +61,7 @@ def street_drive(
         seed=int(rng.integers(2**31)),
         model=replace(config.sensor.assumed_model, unit=number),
         weather=config.weather,
-        carrier=False,
+        carrier=carrier,
         threads=threads,
     )
     driven = float(np.hypot(*np.diff(simulator.tracks.ego.places[:, :2], axis=0).T).sum())
