@@ -258,6 +258,7 @@ def test_in_a_group_that_is_not_visible_a_shape_may_be_visible() -> None:
 
 
 def test_of_endless_attributes_the_begin_counts() -> None:
+    """A shape with them may be shown thousands of times by <use>."""
     sheet = "<style>.first{fill:red} .last{stroke:blue}</style>"
     for attribute in (f'class="first{" x" * 400_000} last"', f'style="fill:red{";x" * 400_000};stroke:blue"'):
         figure = only_figure(f'{sheet}<rect {attribute} width="9" height="9"/>')
@@ -344,6 +345,27 @@ def test_lines_and_areas(inner: str, line: bool) -> None:
     assert figure.is_line(figure.pieces[0][1]) is line
 
 
+def test_shapes_that_are_used_again_stand_where_they_are_used() -> None:
+    found = page(
+        '<g id="cars"><rect id="car" width="2" height="4"/>'
+        '<use id="second" xlink:href="#car" x="10" y="20"/><use href="#car" transform="rotate(90)"/></g>'
+        '<symbol id="tree" viewBox="-1 -1 2 2"><circle r="1"/></symbol><use href="#tree" x="50" width="8" height="8"/>'
+    )
+    assert [figure.tag for figure in found.figures] == ["rect", "rect", "rect", "circle"]
+    assert found.figures[1].all_names == ("car", "second", "cars")
+    np.testing.assert_allclose(found.figures[1].pieces[0][0][0], (10, 20))
+    np.testing.assert_allclose(found.figures[2].pieces[0][0][2], (-4, 2))
+    np.testing.assert_allclose(found.figures[3].pieces[0][0].min(axis=0), (50, 0), atol=0.1)
+    assert "tree" in found.figures[3].all_names
+
+
+def test_what_uses_itself_is_told_and_what_uses_very_much_refused() -> None:
+    assert page('<g id="a"><use href="#a"/></g>').ignored == ["use of 'a': it is in itself"]
+    groups = '<g id="g0"/>' + "".join(f'<g id="g{k + 1}">{f"""<use href="#g{k}"/>""" * 10}</g>' for k in range(9))
+    with pytest.raises(FormatError, match="<use> shows more than"):
+        page(groups)
+
+
 def test_what_is_not_read_is_told_and_what_shows_nothing_is_not() -> None:
     found = page(
         '<defs><rect width="1" height="1"/></defs><script>alert(1)</script><image href="http://a/b.png"/>'
@@ -351,7 +373,7 @@ def test_what_is_not_read_is_told_and_what_shows_nothing_is_not() -> None:
     )
     assert found.figures == []
     assert found.ignored == [
-        *("script: not read", "image: not read", "text 't': not read", "use: not read"),
+        *("script: not read", "image: not read", "text 't': not read", "use of 'a': there is no such shape"),
         *("rect 'e': empty", "polygon 'car': empty"),
     ]
 

@@ -9,6 +9,7 @@ _CLASS = "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n
 _CHILDREN = "import bpy\nc=bpy.context.scene.collection\nfor i in range(3000):\n    "
 _CHILDREN += "c.children.link(bpy.data.collections.new('a'))\n"
 _SLOW = "class A:\n    @property\n    def x(self):\n        while True:\n            pass\n"
+_MANY_NAMES = "".join(f"    a{k} = {k}\n" for k in range(6000))
 # fmt: off
 HOSTILE: list[tuple[str, str, int]] = [
     # what reaches outside
@@ -142,7 +143,10 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("vertices", "import bpy\nbpy.data.meshes.new('a').from_pydata([(0, 0, 0)] * 10**7, [], [])", 2),
     ("a name without end", "import bpy\nbpy.data.objects.new('a' * 10**9, None)", 2),
     # what is compared, copied or counted again and again
+    ("lists in an enumeration", "from enum import Enum\n" + _NESTED + "class E(Enum):\n    x = a\nE(b)", 9),
     ("lists in a generator", _NESTED + "b in (q for q in [a])", 6),
+    ("lists in a named tuple", "from collections import namedtuple\n" + _NESTED + "b in namedtuple('P', 'x')(a)", 7),
+    ("wide enumeration", "from enum import Enum\nclass E(Enum):\n" + _MANY_NAMES + "while True:\n    len(E)", 2),
     ("hasattr runs no property", _SLOW + "hasattr(A(), 'x')\nA().x", 4),
     ("empty lists in a row", "import itertools\na = [()] * 240000\nwhile True:\n"
      "    itertools.chain.from_iterable(a)", 4),
@@ -167,13 +171,15 @@ HOSTILE: list[tuple[str, str, int]] = [
     ("stars of modules", "while True:\n    from math import *", 2),
     ("a chain of comparisons", "x = 1\nwhile 1" + " < 2 > 1" * 6000 + ":\n    pass", 2),
     ("a chain of operators", "x = 1\nwhile " + "x or " * 12000 + "x:\n    pass", 2),
+    ("many names of a class", "from enum import Enum\nclass E(Enum):\n" + _MANY_NAMES + "E(1)", 6003),
     ("many lines under a loop", "while True:\n" + "    x = 1\n" * 8000, 1994),
     # what is compared, raised and turned into text
     ("getattr of a dunder", "import bpy\ngetattr(bpy, '__class__')", 2),
     ("getattr private of text", "getattr('', '__class__').__mro__", 1),
     ("getattr in a format", "getattr('{0.__class__}', 'format')(1)", 1),
     ("getattr of a property without end", _SLOW + "getattr(A(), 'x', 1)", 4),
-    ("duplicates", _CUBE + "o = bpy.context.object\no.name='Car'\nwhile True:\n    bpy.ops.object.duplicate()", 6),
+    ("duplicate_move", _CUBE + "o = bpy.context.object\no.name='Car'\nwhile True:\n"
+     "    bpy.ops.object.duplicate_move(TRANSFORM_OT_translate={'value': (1, 0, 0)})", 6),
     ("LocRotScale", "from mathutils import Matrix\nwhile True:\n"
      "    Matrix.LocRotScale((1, 2, 3), (1, 2, 3), (1, 2, 3))", 3),
     ("edges of bmesh", _MESH + "bmesh.ops.create_grid(bm, x_segments=80, y_segments=80)\nwhile True:\n"
@@ -243,7 +249,11 @@ HOSTILE: list[tuple[str, str, int]] = [
      "while True:\n    f(t)", 8),
     ("properties long keys", _CUBE + "o=bpy.context.object\ns='a'*1900000\no[s]=1\nt='a'*1900000\nwhile True:\n"
      "    t in o", 8),
-    ("comparison of paths", "from pathlib import Path\nwhile Path('a') == Path('a'):\n    pass", 2),
+    (
+        "comparison of paths",
+        "from pathlib import Path\np=Path('a/'*120000)\nq=Path('a/'*120000)\nwhile p" + " == q == p" * 9 + ": pass",
+        2,
+    ),
     ("enumerate of enumerate", "g=(x for x in [1])\nfor _ in range(200):\n    g=enumerate(g)\nnext(g)", 4),
     ("kept zips of a generator", "g=(x for x in [1])\nx=[]\nwhile True:\n    x.append(zip(*[g]*1000))", 4),
     ("all of a count", "import itertools\nall(itertools.count(1))", 2),

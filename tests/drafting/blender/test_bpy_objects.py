@@ -148,6 +148,22 @@ def test_a_removed_collection_is_active_no_more() -> None:
     refuses("bpy.context.view_layer.layer_collection.children['None']", "has no 'None'")
 
 
+def test_numbers_of_all_objects_of_a_collection_are_set_in_the_order_of_their_links() -> None:
+    script = (
+        "c = bpy.data.collections.new('Cars')\nbpy.context.scene.collection.children.link(c)\nm = car.data\n"
+        "bpy.data.objects.remove(car)\na, b = bpy.data.objects.new('b', m), bpy.data.objects.new('a', m)\n"
+        "c.objects.link(b)\nc.objects.link(a)\n"
+    )
+    layout = scene(
+        CUBE + script + "c.objects.foreach_set('location', [1, 2, 3, 4, 5, 6])\n"
+        "c.objects.foreach_set('scale', (1, 1, 1, 2, 2, 2))\nassert c.objects[:] == [b, a] and c.objects[0] is b"
+    )
+    assert {shape.id: (shape.center, shape.size[0]) for shape in layout} == {"a": ((1, 2, 3), 1), "b": ((4, 5, 6), 2)}
+    refuses(script + "c.objects.foreach_set('location', [1, 2, 3])", "foreach_set of 'location' for 2 objects to 3")
+    refuses(script + "c.objects.foreach_set('name', [1, 2, 3, 4, 5, 6])", "foreach_set of 'name'")
+    refuses(script + "c.objects.foreach_set('scale', [1, 2, 3, 4, 5, 'a'])", "the scale is 'a'")
+
+
 def test_a_collection_is_linked_once_and_unlinked_once() -> None:
     script = "c, d = bpy.data.collections.new('c'), bpy.context.scene.collection.children\nd.link(c)\n"
     scene(CUBE + script + "assert 'c' in d and d.get('c') is c and d.keys() == ['c']\nd.unlink(c)\nassert 'c' not in d")
@@ -277,6 +293,7 @@ def test_operators_that_leave_shapes_alone_are_passed_over() -> None:
         ("uv_sphere_add(radius=2)", "ellipsoid", (4, 4, 4)),
         ("ico_sphere_add(radius=2, subdivisions=3)", "ellipsoid", (4, 4, 4)),
         ("torus_add(major_radius=2, minor_radius=0.5)", "mesh", (5, 5, 1)),
+        ("torus_add(mode='EXT_INT', abso_major_rad=2, abso_minor_rad=1)", "mesh", (4, 4, 1)),
         ("circle_add(radius=2, fill_type='NGON')", "mesh", (4, 4, 0)),
     ],
 )
@@ -365,6 +382,15 @@ def test_a_turn_by_a_quarter_keeps_a_box() -> None:
     car = with_car(f"car.scale = (2, 1, 4)\ncar.rotation_euler = (0, {math.pi / 2}, 0)")
     assert car.shape == "box"
     assert car.size == pytest.approx((4, 1, 2))
+
+
+def test_a_copy_is_moved() -> None:
+    layout = scene(
+        CUBE + "bpy.ops.object.duplicate_move(TRANSFORM_OT_translate={'value': (6, 0, 0)})\n"
+        "getattr(bpy.ops.object, 'duplicate_move')(OBJECT_OT_duplicate={'linked': True})\n"
+    )
+    assert [primitive.center[0] for primitive in layout] == [5, 11, 11]
+    refuses("bpy.ops.object.duplicate_move(TRANSFORM_OT_translate=1)", "duplicate_move gets 1; it must be")
 
 
 def test_a_move_in_the_edit_mode_leaves_the_origin() -> None:

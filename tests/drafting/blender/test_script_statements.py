@@ -33,6 +33,16 @@ AGREED: list[str] = [
     "    def g(cls, x):\n        cls.made.append(x)\n        return cls()\nassert A.f(1) == A().f(1) == 2\nA.g(5)\n"
     "assert A.made == [5]",
     "x = 1\nclass A:\n    x = 2\n    def f(self):\n        return x\nassert A().f() == 1",
+    "from enum import Enum, auto\nclass K(Enum):\n    CAR = 5\n    BUS = auto()\nsizes = {K.CAR: 4, K.BUS: 12}\n"
+    "assert sizes[K.CAR] == 4 and K(5) is K.CAR and K.BUS.value == 6 and K['BUS'] is K.BUS and [k.name for k "
+    "in K] == ['CAR', 'BUS']",
+    "from typing import NamedTuple\nclass P(NamedTuple):\n    x: int\n    y: int = 2\na, b = P(1)\n"
+    "assert (a, b) == (1, 2)",
+    "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass A:\n    x: int\n"
+    "assert {A(1): 5}[A(1)] == 5 and len({A(1), A(1), A(2)}) == 2",
+    "from collections import namedtuple\nP = namedtuple('P', 'x y')\n"
+    "assert P(1, 2) == P(1, 2) == (1, 2) and (1, 2) == P(1, 2) and P(1, 2) != P(2, 1)\n"
+    "assert {P(1, 2): 5}[P(1, 2)] == 5 and {P(1, 2): 5}[(1, 2)] == 5",
     "class A:\n    def __str__(self):\n        return 'Tree_1'\n    def __repr__(self):\n        return 'A()'\n"
     "assert f'{A()}' == str(A()) == 'Tree_1' and '%s' % A() == 'Tree_1' and repr(A()) == f'{A()!r}' == 'A()'\n"
     "assert str([A()]) == '[A()]'",
@@ -68,8 +78,7 @@ REFUSED: list[tuple[str, str, int]] = [
     ("x = 1\nclass A(metaclass=x):\n    pass", "one base class and no metaclass", 2),
     ("class A:\n    pass\nclass B(A, A):\n    pass", "one base class and no metaclass", 3),
     ("class A(1):\n    pass", "a class derived from 1 is not supported", 1),
-    ("with 1:\n    pass", "`with 1:` is not supported", 1),
-    ("from dataclasses import dataclass\n@dataclass\nclass A:\n    x: int\n{A(1): 5}", "cannot be a key", 5),
+    ("with 1:\n    pass", "`with` of 1 is not supported", 1),
     ("class A:\n    @staticmethod\n    def f():\n        pass\n    @f.setter\n    def f(x): pass", "'setter'", 5),
     ("class A:\n    def __getattr__(self, name):\n        return 1", "the name '__getattr__' cannot be set", 2),
     ("class A(dict):\n    pass", "a class derived from a function is not supported", 1),

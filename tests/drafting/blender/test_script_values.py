@@ -38,8 +38,15 @@ AGREED: list[str] = [
     "made = []\ng = (made.append(x) for x in range(3))\nassert made == []\nnext(g)\nassert made == [0]",
     "i = iter([1, 2, 3, 4])\nfor x in i:\n    if x == 2:\n        break\nassert [x for x in i] == [3, 4]",
     "assert len('abc') == 3 and tuple([1, 2]) == (1, 2) and dict(a=1) == {'a': 1} and dict([('a', 1)]) == {'a': 1}",
-    # types in brackets
-    "Point = tuple[float, float]\nassert list((1, 2)) == [1, 2] and isinstance(1.5, (int, float))",
+    # types in brackets and unions of types
+    "from typing import Union\nPoint = tuple[float, float]\nTable = dict[str, list[Point]]\n"
+    "Number = Union[int, float]\n"
+    "def f(a: Number, b: Table = None) -> Point:\n    return (a, a)\nassert f(1) == (1, 1)\n"
+    "assert isinstance(1.5, int | float) and not isinstance('a', int | float) and list((1, 2)) == [1, 2]",
+    "class A:\n    pass\nNumber = int | float | None\nMany = None | str | (A | Number)\n"
+    "assert isinstance(None, Number) and isinstance(1, Number) and not isinstance('a', Number)\n"
+    "assert isinstance(A(), Many) and isinstance(2.5, Many) and isinstance(A(), (str, Number, A | None))\n"
+    "assert not isinstance([], Many) and not isinstance(A(), (Number, list))",
 ]
 REFUSED: list[tuple[str, str, int]] = [
     # what cannot be calculated
@@ -82,7 +89,8 @@ REFUSED: list[tuple[str, str, int]] = [
     ("int('x')", "int: invalid literal", 1),
     ("float([])", "a list is no number", 1),
     ("sum(['a'])", "sum: only numbers", 1),
-    ("x = int | float", "a function . a function is not supported", 1),
+    # types in brackets and unions of types
+    ("x = int | 5", "a function . 5 is not supported", 1),
     ("x = int + float", "a function . a function is not supported", 1),
 ]
 

@@ -24,10 +24,11 @@ from lidardraft.files import named
 
 _MOST_CHARACTERS, _MOST_ELEMENTS, _DEEPEST, _MOST_ATTRIBUTES = 2**24, 50_000, 100, 200
 _MOST_FIGURES = 1_500
+_MOST_USED = 10_000  # elements shown by <use>
 _MOST_COMMANDS = 30_000  # of all paths of a file
 _MOST_NUMBERS = 7 * _MOST_COMMANDS  # of one path or polygon
 _MOST_IGNORED = 200  # lines
-_LONGEST_NAME, _LONGEST_ATTRIBUTE, _LONGEST_SHEET = 200, 2_000, 200_000  # characters
+_LONGEST_NAME, _LONGEST_ATTRIBUTE, _LONGEST_SHEET = 200, 2_000, 200_000  # characters; <use> repeats a shape
 LARGEST = 1e7  # units, the limit of a sketch
 
 _SHAPES = ("rect", "circle", "ellipse", "line", "polyline", "polygon", "path")
@@ -256,10 +257,14 @@ class _Reader:
         self.extent = self.page.size  # of the page in the units of its content
         if "viewBox" in root.attrib:
             self.extent = numbers(root.attrib["viewBox"], "viewBox")[2:]
-        self.commands = 0
+        self.commands = self.count_of_used = 0
+        self.used: list[str] = []  # the ids of the elements inside <use> now, the outermost first
         self.rules: dict[str, Style] = {}  # of style sheets, for tags, ".classes" and "#ids"
-        for element in root.iter("style"):
-            self._read_sheet((element.text or "")[:_LONGEST_SHEET])
+        self.by_id: dict[str, Element] = {}
+        for element in root.iter():
+            self.by_id.setdefault(element.get("id", ""), element)
+            if element.tag == "style":
+                self._read_sheet((element.text or "")[:_LONGEST_SHEET])
         self.read_children(root, _Within(matrix, self._inside({}, root), ()))
 
     def _read_sheet(self, text: str) -> None:
@@ -279,7 +284,11 @@ class _Reader:
         """Read an element and its content."""
         if element.tag in _SILENT:
             return
-        if element.tag not in (*_SHAPES, *_GROUPS):
+        if self.used:
+            self.count_of_used += 1
+            if self.count_of_used > _MOST_USED:
+                raise FormatError(f"<use> shows more than {_MOST_USED} elements; up to so many are read")
+        if element.tag not in (*_SHAPES, *_GROUPS, "use"):
             self._ignore(f"{_called(element)}: not read")
             return
         with named(_called(element)):
@@ -291,8 +300,11 @@ class _Reader:
                 matrix = matrix @ transform(element.attrib["transform"])
             if element.tag in _SHAPES:
                 self._add(element, _Within(matrix, style, within.groups))
-        if element.tag in _GROUPS:
-            self.read_children(element, _Within(matrix, style, _names_of(element) + within.groups))
+        inner = _Within(matrix, style, _names_of(element) + within.groups)
+        if element.tag == "use":
+            self._use(element, inner)
+        elif element.tag in _GROUPS:
+            self.read_children(element, inner)
 
     def read_children(self, element: Element, within: _Within) -> None:
         """Read the content of an element."""
@@ -316,6 +328,25 @@ class _Reader:
         if "stroke-width" in said:
             said["stroke-width"] = repr(length(said["stroke-width"], "stroke-width", self._whole("stroke-width"), em))
         return style | said
+
+    def _use(self, element: Element, within: _Within) -> None:
+        """Read the element that a <use> shows again, in its place."""
+        id = element.get("href", "").strip().removeprefix("#")
+        target = self.by_id.get(id) if id else None
+        if target is None or id in self.used:
+            self._ignore(f"use of {id!r:.60}: {'there is no such shape' if target is None else 'it is in itself'}")
+            return
+        x, y = (self._length(element, name, within.style) for name in ("x", "y"))
+        matrix = within.matrix @ np.array([[1, 0, x], [0, 1, y], [0, 0, 1]])
+        self.used.append(id)
+        if target.tag == "symbol":
+            sides = {name: element.attrib[name] for name in ("width", "height") if name in element.attrib}
+            matrix = matrix @ _page_size(Element("symbol", target.attrib | sides))[1]
+            style, groups = self._inside(within.style, target), _names_of(target) + within.groups
+            self.read_children(target, _Within(matrix, style, groups))
+        else:
+            self.read(target, within._replace(matrix=matrix))
+        self.used.pop()
 
     def _length(self, element: Element, name: str, style: Style) -> float:
         return length(element.get(name, "0"), name, self._whole(name), _em(style))

@@ -6,7 +6,7 @@ import itertools
 from collections.abc import Sequence
 
 from lidardraft.drafting.text.chart import Node
-from lidardraft.drafting.text.mentions import JUNCTIONS
+from lidardraft.drafting.text.grammar import JUNCTIONS
 from lidardraft.drafting.text.positions import Position
 from lidardraft.drafting.text.tree import leaves
 

@@ -10,7 +10,6 @@ from typing import Any, cast
 
 from lidardraft.drafting.text.chart import Build, Chart, Features, Grammar, Node, Rule, rule
 from lidardraft.drafting.text.lexicon import features_of, lexicon, rows
-from lidardraft.drafting.text.mentions import JUNCTIONS
 from lidardraft.drafting.text.positions import NOWHERE, Position
 from lidardraft.drafting.text.tokens import NUMBER, Token, number
 from lidardraft.drafting.text.tree import leaves
@@ -371,6 +370,9 @@ def _distances(node: Node) -> Features | None:
     lengths = [value * unit for value in node.all("value")]
     places = tuple(at.narrowed(Position(distance=(length, length))) for length in lengths)
     return (("places", places),)
+
+
+JUNCTIONS = ("crossroads", "t-junction", "roundabout")
 
 
 def _compound(node: Node) -> Features | None:

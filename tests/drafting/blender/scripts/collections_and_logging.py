@@ -1,5 +1,6 @@
 import logging
 import sys
+from contextlib import suppress
 
 import bpy
 
@@ -37,10 +38,8 @@ def cube(name, loc, dims, coll):
 
 
 def main():
-    try:
+    with suppress(RuntimeError):
         bpy.ops.object.mode_set(mode="OBJECT")
-    except RuntimeError:
-        log.debug("the scene has no object")
     for o in list(bpy.context.scene.objects):
         bpy.data.objects.remove(o, do_unlink=True)
     vehicles = ensure_collection("Vehicles")

@@ -1,20 +1,11 @@
 import itertools
 import math
-from collections import defaultdict
-from dataclasses import dataclass
+from collections import defaultdict, namedtuple
 from functools import partial
 
 import bpy
 
-
-@dataclass
-class Vehicle:
-    name: str
-    length: float
-    width: float
-    height: float
-
-
+Vehicle = namedtuple("Vehicle", ["name", "length", "width", "height"])
 FLEET = {
     "sedan": Vehicle("Car", 4.6, 1.8, 1.45),
     "suv": Vehicle("Car", 4.8, 1.95, 1.75),

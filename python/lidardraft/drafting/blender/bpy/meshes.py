@@ -185,7 +185,14 @@ SHAPES: dict[str, tuple[Callable[..., MeshShape | None], dict[str, Value]]] = {
     "cone": (cone, {"radius1": 1.0, "radius2": 0.0, "depth": 2.0, "vertices": 32, "end_fill_type": "NGON"}),
     "uv_sphere": (sphere, {"radius": 1.0, "segments": 32, "ring_count": 16}),
     "ico_sphere": (icosphere, {"radius": 1.0, "subdivisions": 2}),
-    "torus": (torus, {"major_radius": 1.0, "minor_radius": 0.25, "major_segments": 48, "minor_segments": 12}),
+    "torus": (
+        # From the radii of a circle and a tube or, in the mode EXT_INT, of the outside and the hole.
+        lambda by_tube, major, minor, outer, inner, *segments: torus(
+            *((major, minor) if by_tube else ((outer + inner) / 2, (outer - inner) / 2)), *segments
+        ),
+        {"mode": "MAJOR_MINOR", "major_radius": 1.0, "minor_radius": 0.25, "abso_major_rad": 1.25}
+        | {"abso_minor_rad": 0.75, "major_segments": 48, "minor_segments": 12},
+    ),
     "create_cube": (cube, {"size": 1.0}),
     "create_grid": (lambda half, *more: grid(2 * half, *more), {"size": 1.0, "x_segments": 1, "y_segments": 1}),
     "create_circle": (disc, {"radius": 1.0, "segments": 32, "cap_ends": False}),
@@ -203,7 +210,7 @@ def shape_of(operator: str, given: dict[str, Value]) -> MeshShape | None:
     arguments: list[float | bool] = []
     for name, value in (defaults | given).items():
         if isinstance(defaults[name], bool | str):
-            arguments.append(value not in (False, "NOTHING"))
+            arguments.append(value not in (False, "NOTHING", "EXT_INT"))
         elif isinstance(defaults[name], float):
             arguments.append(real(value, name))
         else:

@@ -160,6 +160,16 @@ def _duplicate(scene: Scene, linked: Value = False, **_: Value) -> None:
     scene.objects.selection = dict.fromkeys(copies)
 
 
+def _duplicate_move(
+    scene: Scene, OBJECT_OT_duplicate: Value = None, TRANSFORM_OT_translate: Value = None, **_: Value
+) -> None:
+    for given in (OBJECT_OT_duplicate, TRANSFORM_OT_translate):
+        if not isinstance(given, dict | None):
+            raise RefusalError(f"duplicate_move gets {describe(given)}; it must be a dict")
+    _duplicate(scene, **(OBJECT_OT_duplicate or {}))
+    _translate(scene, **(TRANSFORM_OT_translate or {}))
+
+
 def _modifier_add(scene: Scene, type: Value = "SUBSURF", **_: Value) -> None:
     if scene.objects.active is None:
         raise RefusalError("modifier_add needs an active object")
@@ -314,6 +324,7 @@ _OPERATORS: dict[str, Callable[..., None]] = {
     "mesh.select_all": _select_vertices,
     "object.delete": _delete,
     "object.duplicate": _duplicate,
+    "object.duplicate_move": _duplicate_move,
     "object.empty_add": lambda scene, **where: _add_placed(scene, "Empty", None, where),
     "object.join": _join,
     "object.mode_set": _mode_set,

@@ -16,6 +16,7 @@ from lidardraft.drafting.blender.script.values import (
     Record,
     Value,
     describe,
+    elements,
     nothing,
     of_kind,
     reals,
@@ -82,8 +83,17 @@ class Collection(Block):
             raise RaisedError("RuntimeError", f"{describe(item)} is not in this collection")
         del links[block]
 
+    def _set_all(self, attr: Value, seq: Value) -> None:
+        """Set three numbers of each object, one object after another."""
+        items, numbers = self.members(), elements(seq, self.script)
+        if attr not in ("location", "scale", "rotation_euler") or len(numbers) != 3 * len(items):
+            raise RefusalError(f"foreach_set of {describe(attr)} for {len(items)} objects to {len(numbers)} numbers")
+        values = reals(numbers, len(numbers), f"the {attr}")
+        for number, item in enumerate(items):
+            item.set_attribute(attr, values[3 * number : 3 * number + 3])
+
     def _objects(self) -> Listing:
-        own: Methods = {"link": self.link, "unlink": self._unlink}
+        own: Methods = {"link": self.link, "unlink": self._unlink, "foreach_set": self._set_all}
         return Listing("the list of objects of a collection", self.members, own)
 
     def _children(self) -> Listing:

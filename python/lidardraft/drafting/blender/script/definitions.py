@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import ast
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from lidardraft.drafting.blender.script.limits import RefusalError, Script
-from lidardraft.drafting.blender.script.values import Builtin, Record, Type, Value, call, describe, nothing, text
+from lidardraft.drafting.blender.script.operators import equal
+from lidardraft.drafting.blender.script.values import Builtin, Record, Type, Value, call, describe, nothing, place, text
 
 SPECIAL = ("__init__", "__post_init__", "__repr__", "__str__")  # methods that a class may have
 _MISSING = object()
@@ -159,9 +160,15 @@ class Method(Record):
 
     kind = "a method"
 
-    def __init__(self, function: Value, bound_to: str) -> None:
+    def __init__(self, function: Value, bound_to: str, setter: Value = None) -> None:
         self.function = function
         self.bound_to = bound_to  # "property", "class" or "nothing"
+        self.setter = setter
+
+    def attribute(self, name: str) -> Value:
+        if name != "setter" or self.bound_to != "property":
+            return super().attribute(name)
+        return Decorator(lambda setter: Method(self.function, "property", setter))
 
 
 class FieldDefault(Record):
@@ -174,13 +181,21 @@ class FieldDefault(Record):
         self.factory = default_factory
 
 
+class AutoValue(Record):
+    """`auto()`: the number of a member of an enumeration."""
+
+    kind = "auto()"
+
+
 class BaseMarker(Record):
-    """A built-in class to derive from: "object", or a class of errors."""
+    """A built-in class to derive from: "object", "Enum" or "NamedTuple"; `error` is the name of a class of errors."""
 
     is_key = True
 
-    def __init__(self, name: str) -> None:
-        self.kind = f"the class {name}"
+    def __init__(self, name: str, error: str | None = None) -> None:
+        self.kind = f"the class {error or name}"
+        self.name = name
+        self.error = error
 
 
 class ScriptClass(Type):
@@ -190,16 +205,34 @@ class ScriptClass(Type):
         super().__init__(f"the class {name:.40}", self._holds)
         self.name = name
         self.base = base if isinstance(base, ScriptClass) else None
+        self.marker: str = self.base.marker if self.base else base.name if isinstance(base, BaseMarker) else "object"
+        self.is_enumeration = self.marker == "Enum"
         self.members, self.annotated, self.script = body.variables, body.annotated, body.script
-        self.made_from: list[str] | None = self.base.made_from if self.base else None  # the fields of a dataclass
+        self.made_from: list[str] | None = self.base.made_from if self.base else None
+        self.is_dataclass: bool = self.base is not None and self.base.is_dataclass
         for member in self.members.values():
             function = member.function if isinstance(member, Method) else member
             if isinstance(function, Function) and function.owner is None:
                 function.owner = self
+        if self.is_enumeration:
+            self._enumerate()
+        elif self.marker == "NamedTuple":
+            self.take_fields()
 
     def take_fields(self) -> None:
         """Make the annotated names the fields of instances, after those of the base class."""
         self.made_from = list(dict.fromkeys([*(self.made_from or ()), *self.annotated]))
+
+    def _enumerate(self) -> None:
+        last: Value = 0
+        for name, value in self.members.items():
+            if not isinstance(value, Function | Method):
+                member = Instance(self)
+                if isinstance(value, AutoValue) and not isinstance(last, int):
+                    raise RefusalError(f"auto() behind {describe(last)} is not supported")
+                last = last + 1 if isinstance(value, AutoValue) else value
+                member.values |= {"name": name, "value": last}
+                self.members[name] = member
 
     def find(self, name: str) -> Value:
         """The member of that name in the class or its base classes, or `_MISSING`."""
@@ -240,7 +273,25 @@ class ScriptClass(Type):
     def set_attribute(self, name: str, value: Value) -> None:
         self.members[name] = value
 
+    def __iter__(self) -> Iterator[Value]:
+        if not self.is_enumeration:
+            return super().__iter__()
+        return iter([member for member in self.members.values() if isinstance(member, Instance)])
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __getitem__(self, key: Value) -> Value:
+        if not self.is_enumeration or not isinstance(key, str) or key not in self.members:
+            return super().__getitem__(key)
+        return self.members[key]
+
     def __call__(self, /, *arguments: Value, **keywords: Value) -> Value:
+        if self.is_enumeration:
+            for member in self if len(arguments) == 1 else ():
+                if equal(member.values["value"], arguments[0], self.script):
+                    return member
+            raise RefusalError(f"{self.kind} has no such member")
         instance = Instance(self)
         start = self.find("__init__")
         if start is not _MISSING:
@@ -269,21 +320,40 @@ class ScriptClass(Type):
 
 
 class Instance(Record):
-    """An instance of a class of the script; those of a dataclass are equal by their values, and no keys of a dict."""
+    """An instance of a class of the script; as in Python, a dict key by its values if these are plain."""
+
+    is_key = True
 
     def __init__(self, of: ScriptClass) -> None:
         self.of = of
         self.kind = f"an instance of {of.kind}"
-        self.is_key = of.made_from is None
         self.values: dict[str, Value] = {}
+        self._key: Value = None  # its value as a key, made on demand
+
+    def __eq__(self, other: object) -> bool:
+        return self is other or (isinstance(other, Instance | tuple) and self._as_key() == _as_key(other))
+
+    def __hash__(self) -> int:
+        return hash(self._as_key())
+
+    def _as_key(self) -> Value:
+        if self._key is None:
+            found = self.compared_as()
+            plain = isinstance(found, tuple) and not any(isinstance(e, list | tuple | dict | Instance) for e in found)
+            self._key = found if plain else id(self)
+        return self._key
 
     def compared_as(self) -> Value:
-        return self if self.of.made_from is None else (self.of, *self.values.values())
+        if self.of.marker == "NamedTuple":
+            return tuple(self.values.values())
+        return (self.of, *self.values.values()) if self.of.is_dataclass else self
 
     def text(self, as_repr: bool) -> str:
         for name in ("__repr__",) if as_repr else ("__str__", "__repr__"):
             if (found := self.of.find(name)) is not _MISSING:
                 return text(self.of.run(found, self), f"what {name} gives")
+        if self.of.is_enumeration and not as_repr:
+            return f"{self.of.name}.{self.values['name']}"
         return super().text(as_repr)
 
     def has_private(self, name: str) -> bool:
@@ -302,9 +372,27 @@ class Instance(Record):
         return super().attribute(name) if found is _MISSING else self.of.bound(found, self)
 
     def set_attribute(self, name: str, value: Value) -> None:
-        if isinstance(self.of.find(name), Method) or name == "__class__":
+        found = self.of.find(name)
+        if isinstance(found, Method) and found.setter is not None:
+            self.of.run(found.setter, self, value)
+        elif isinstance(found, Method) or name == "__class__" or self.of.marker != "object":
             super().set_attribute(name, value)
-        self.values[name] = value
+        else:
+            self.values[name] = value
+            self._key = None
+
+    def __iter__(self) -> Iterator[Value]:
+        return iter(self.values.values()) if self.of.marker == "NamedTuple" else super().__iter__()
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __getitem__(self, key: Value) -> Value:
+        return super().__getitem__(key) if self.of.marker != "NamedTuple" else [*self][place(key, len(self), self.kind)]
+
+
+def _as_key(value: Value) -> Value:
+    return value._as_key() if isinstance(value, Instance) else value
 
 
 class BoundMethod(Record):
@@ -345,6 +433,7 @@ def dataclass(of: Value) -> Value:
     if not isinstance(of, ScriptClass):
         raise RefusalError(f"{describe(of)} is no class")
     of.take_fields()
+    of.is_dataclass = True
     return of
 
 
@@ -352,5 +441,6 @@ CLASS_NAMES: dict[str, Value] = {  # Python's built-in ones
     "property": Decorator(lambda function: Method(function, "property")),
     "staticmethod": Decorator(lambda function: Method(function, "nothing")),
     "classmethod": Decorator(lambda function: Method(function, "class")),
-    **{name: BaseMarker(name) for name in ("object", *_ERRORS)},
+    "object": BaseMarker("object"),
+    **{name: BaseMarker("object", name) for name in _ERRORS},
 }

@@ -1,28 +1,33 @@
-"""The modules that a script may import: those of Python's library that compute, and those that access its surroundings.
-Of these nothing is known but the names: no file is read, logs are dropped, and the clock stands still."""
+"""The modules that a script may import: modules of Python's library that compute, and stubs of those that access its
+surroundings. No file is read, logs are dropped, the clock stands still, and arguments have their defaults."""
 
 from __future__ import annotations
 
 import itertools
 import math
+import posixpath
 import random
 from collections import defaultdict
 from collections.abc import Callable, Iterator
+from pathlib import PurePosixPath
 from typing import ClassVar
 
 from lidardraft.drafting.blender.script.containers import Lazy, iterate, to_dict
 from lidardraft.drafting.blender.script.definitions import (
+    AutoValue,
     BaseMarker,
+    ClassFrame,
     Decorator,
     FieldDefault,
+    ScriptClass,
     dataclass,
 )
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
+from lidardraft.drafting.blender.script.statements import Suppress
 from lidardraft.drafting.blender.script.values import (
     Builtin,
     Methods,
     Namespace,
-    Outside,
     Record,
     Value,
     builtins,
@@ -32,6 +37,7 @@ from lidardraft.drafting.blender.script.values import (
     elements,
     nothing,
     reals,
+    text,
     whole,
 )
 
@@ -48,34 +54,78 @@ _DRAWS = (
 _CELLS_OF_GENERATOR = 300
 _WIDEST = 16
 SCRIPT_FILE = "/script.py"  # the script's file name, as the script sees it
-_CLOCKS = ("time", "perf_counter", "monotonic", "process_time")
-# Modules that no shape depends on, and parts of `os` likewise.
-_SILENT = ("argparse", "datetime", "gc", "logging", "pathlib", "traceback", "warnings")
-_OF_FILES = ("path", "environ", "getenv", "getcwd", "makedirs", "mkdir")
+_LONGEST_PATH = 4096  # characters
+_DEFAULTS = {"store_true": False, "store_false": True, "store": None, "append": None, "count": None}
+_MESSAGES = ("debug", "info", "warning", "warn", "error", "critical", "exception", "log")
+_OF_LOGGERS = (*_MESSAGES, "setLevel", "addHandler", "removeHandler", "setFormatter", "flush", "close")
 
 
 def modules(script: Script) -> dict[str, Value]:
     """The modules by name."""
-
-    def now() -> float:
-        script.note("the time is taken as 0")
-        return 0.0
-
     tables: dict[str, dict[str, Value]] = {
         "math": _math(script),
         "itertools": {**builtins("", _itertools(script)), "chain": _chain(script)},
         "functools": _functools(script),
         "collections": builtins("", _collections(script)),
         "dataclasses": {"dataclass": Decorator(dataclass), "field": Builtin("field", FieldDefault)},
+        "enum": {"Enum": BaseMarker("Enum"), "auto": Builtin("auto", AutoValue)},
         "abc": {"ABC": BaseMarker("object"), "abstractmethod": Decorator(lambda function: function)},
-        "time": builtins("time.", dict.fromkeys(_CLOCKS, now) | {"sleep": nothing}),
-        "sys": {"argv": ["blender"], "path": [], "version_info": (3, 11, 0), "exit": Builtin("sys.exit", _leave)}
-        | {name: Outside(f"sys.{name}", silent=True) for name in ("stdout", "stderr")},
-        "os": {name: Outside(f"os.{name}", silent=True) for name in _OF_FILES},
+        "contextlib": {"suppress": Builtin("suppress", _suppress)},
+        **_surroundings(script),
     }
     known: dict[str, Value] = {name: Namespace(name, values) for name, values in tables.items()}
-    known |= {name: Outside(name, silent=True) for name in _SILENT}
     return known | {"random": RandomNumbers(script), "typing": Annotations(), "__future__": Annotations()}
+
+
+def _surroundings(script: Script) -> dict[str, dict[str, Value]]:
+    def at_first(value: Value) -> Callable[..., Value]:
+        def now(*_: Value, **__: Value) -> Value:
+            script.note("the time is taken as 0")
+            return value
+
+        return now
+
+    def getenv(_key: Value, default: Value = None) -> Value:
+        script.note("no variable of the environment is read")
+        return default
+
+    def logging_to(**named: Value) -> None:
+        if named.get("filename") is not None:
+            raise RefusalError("a log that is written to a file")
+
+    def path_of(*parts: Value) -> FilePath:
+        return FilePath(script, *parts)
+
+    def silent(*names: str) -> dict[str, Value]:
+        return builtins("", dict.fromkeys(names, nothing))
+
+    environ = Namespace("os.environ", builtins("os.environ.", {"get": getenv}))
+    path = Namespace("os.path", {"sep": "/", **builtins("os.path.", _os_path(script))})
+    written: Methods = dict.fromkeys(("strftime", "isoformat"), lambda *_: "")
+    moment = Namespace("a moment", builtins("", written | {"timestamp": lambda: 0.0}))
+    now = Namespace("datetime", builtins("", dict.fromkeys(("now", "today", "utcnow"), at_first(moment))))
+    clocks = ("time", "perf_counter", "monotonic", "process_time")
+    logger = Namespace("a logger", {"propagate": True, **silent(*_OF_LOGGERS)})
+    loggers = dict.fromkeys(("getLogger", "StreamHandler", "Formatter"), lambda *_, **__: logger)
+    levels = {"DEBUG": 10, "INFO": 20, "WARNING": 30, "ERROR": 40, "CRITICAL": 50}
+    file_path = Builtin("Path", path_of, own=dict.fromkeys(("cwd", "home"), lambda: path_of("/")))
+    return {
+        "os": {"path": path, "environ": environ, "name": "posix", "sep": "/", "linesep": "\n"}
+        | builtins("os.", {"getenv": getenv, "getcwd": lambda: "/"}),
+        "sys": {"argv": ["blender"], "path": [], "platform": "linux", "maxsize": 2**63 - 1, "executable": "python"}
+        | {"version": "3.11.0", "version_info": (3, 11, 0), "exit": Builtin("sys.exit", _leave)}
+        | {name: Namespace(f"sys.{name}", silent("write", "writelines", "flush")) for name in ("stdout", "stderr")},
+        "pathlib": {"Path": file_path, "PurePath": file_path},
+        "time": builtins("time.", dict.fromkeys(clocks, at_first(0.0)) | {"sleep": nothing, "strftime": lambda *_: ""}),
+        "datetime": {"datetime": now, "date": now},
+        "argparse": {"ArgumentParser": Builtin("argparse.ArgumentParser", lambda *_, **__: Parser(script))},
+        "logging": levels
+        | silent(*_MESSAGES, "disable", "captureWarnings")
+        | builtins("logging.", {**loggers, "basicConfig": logging_to}),
+        "warnings": silent("warn", "simplefilter", "filterwarnings"),
+        "traceback": silent("print_exc"),
+        "gc": silent("collect"),
+    }
 
 
 def _math(script: Script) -> dict[str, Value]:
@@ -189,7 +239,23 @@ def _collections(script: Script) -> Methods:
         factory = None if default_factory is None else lambda: call(default_factory, [], {}, script)
         return defaultdict(factory, to_dict(pairs, keywords, script))
 
-    return {"defaultdict": default_dict}
+    def namedtuple(typename: Value, field_names: Value, **_: Value) -> ScriptClass:
+        given = field_names.replace(",", " ").split() if isinstance(field_names, str) else elements(field_names, script)
+        names = [text(name, "the name of a field") for name in given]
+        if not all(name.isidentifier() and not name.startswith("_") for name in names):
+            raise RefusalError(f"namedtuple of {describe(field_names)} is not supported")
+        body = ClassFrame(None, script)
+        body.annotated = names
+        return ScriptClass(text(typename, "the name"), BaseMarker("NamedTuple"), body)
+
+    return {"defaultdict": default_dict, "namedtuple": namedtuple}
+
+
+def _suppress(*errors: Value) -> Suppress:
+    names = [each.error for each in errors if isinstance(each, BaseMarker) and each.error is not None]
+    if len(names) != len(errors):
+        raise RefusalError("suppress takes Python's own classes of errors")
+    return Suppress(names)
 
 
 class Annotations(Record):
@@ -197,8 +263,8 @@ class Annotations(Record):
 
     kind = "an annotation"
 
-    def attribute(self, _name: str) -> Value:
-        return self
+    def attribute(self, name: str) -> Value:
+        return BaseMarker(name) if name == "NamedTuple" else self
 
     def __getitem__(self, _key: Value) -> Value:
         return self
@@ -207,3 +273,117 @@ class Annotations(Record):
 def _leave(code: Value = None) -> None:
     said = "" if code is None else f"{code:.200}" if isinstance(code, str) else describe(code)
     raise RaisedError("SystemExit", "the script ends here", said)
+
+
+def _os_path(script: Script) -> Methods:
+    def of_names(function: Callable[..., Value]) -> Callable[..., Value]:
+        return lambda *parts: function(*map(_name_of, parts))
+
+    names = ("basename", "dirname", "splitext", "split", "normpath", "join")
+    absolute = dict.fromkeys(("abspath", "realpath"), lambda path: posixpath.normpath(posixpath.join("/", path)))
+    functions = {name: getattr(posixpath, name) for name in names} | absolute | {"expanduser": str}
+    asked = {name: lambda _, name=name: _no_file(f"os.path.{name}", script) for name in ("exists", "isfile", "isdir")}
+    return {name: of_names(function) for name, function in functions.items()} | asked
+
+
+def _no_file(asked: str, script: Script) -> bool:
+    script.note(f"no file is looked at: {asked} says False")
+    return False
+
+
+def _name_of(value: Value) -> str:
+    name = str(value.pure) if isinstance(value, FilePath) else text(value, "the name of a file")
+    if len(name) > _LONGEST_PATH:
+        raise RefusalError(f"a path of {len(name)} characters; the limit is {_LONGEST_PATH}")
+    return name
+
+
+class FilePath(Record):
+    """The name of a file."""
+
+    kind = "a path"
+
+    def __init__(self, script: Script, *parts: Value) -> None:
+        self.pure = PurePosixPath(*map(_name_of, parts))
+        self._script = script
+
+    def _other(self, *parts: Value) -> FilePath:
+        return FilePath(self._script, *parts)
+
+    fields: ClassVar[Methods] = {
+        **{name: lambda self, name=name: getattr(self.pure, name) for name in ("name", "stem", "suffix")},
+        "parent": lambda self: self._other(str(self.pure.parent)),
+        "parents": lambda self: [self._other(str(parent)) for parent in self.pure.parents],
+    }
+    methods: ClassVar[Methods] = {
+        **{
+            name: lambda self, *parts, name=name: self._other(str(getattr(self.pure, name)(*map(_name_of, parts))))
+            for name in ("joinpath", "with_suffix", "with_name")
+        },
+        **dict.fromkeys(("resolve", "absolute"), lambda self: self._other("/", self)),
+        "expanduser": lambda self: self,
+        "as_posix": lambda self: str(self.pure),
+        **{
+            name: lambda self, name=name: _no_file(f"Path.{name}", self._script)
+            for name in ("exists", "is_file", "is_dir")
+        },
+    }
+
+    def __truediv__(self, other: Value) -> Value:
+        return self._other(self, other) if isinstance(other, str | FilePath) else NotImplemented
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, FilePath) and self.pure == other.pure
+
+    def text(self, as_repr: bool) -> str:
+        return f"PosixPath({str(self.pure)!r})" if as_repr else str(self.pure)
+
+
+class Parser(Record):
+    """An `ArgumentParser`, or a group of its arguments."""
+
+    kind = "an ArgumentParser"
+
+    def __init__(self, script: Script) -> None:
+        self._script = script
+        self._defaults: dict[str, Value] = {}
+
+    def _add(
+        self,
+        *flags: Value,
+        default: Value = None,
+        action: Value = "store",
+        dest: Value = None,
+        required: Value = False,
+        nargs: Value = None,
+        type: Value = None,  # Python's name for it
+        **_: Value,
+    ) -> None:
+        names = [text(flag, "the name of an argument") for flag in flags]
+        if not names:
+            raise RefusalError("an argument without a name")
+        is_option = names[0].startswith("-")
+        if required or not (is_option or nargs in ("?", "*")):
+            raise RefusalError(f"the argument {names[0]!r:.60} has no default; there is nobody to give it")
+        if action not in _DEFAULTS:
+            raise RefusalError(f"the action {describe(action)} of an argument is not supported")
+        longest = next((name for name in names if name.startswith("--")), names[0])
+        key = text(longest.lstrip("-").replace("-", "_") if dest is None else dest, "the name of an argument")
+        if default is None:
+            default = [] if nargs == "*" and not is_option else _DEFAULTS[action]
+        elif isinstance(default, str) and type is not None:  # as in a command line
+            default = call(type, [default], {}, self._script)
+        self._defaults[key] = default
+
+    def _parsed(self, args: Value = None) -> Namespace:
+        if args:
+            raise RefusalError("arguments that a script gives itself are not supported")
+        return Namespace("the arguments", dict(self._defaults))
+
+    methods: ClassVar[Methods] = {
+        "add_argument": _add,
+        "add_argument_group": lambda self, *_, **__: self,
+        "set_defaults": lambda self, **named: self._defaults.update(named),
+        "parse_args": _parsed,
+        "parse_known_args": lambda self, args=None: (self._parsed(args), []),
+    }

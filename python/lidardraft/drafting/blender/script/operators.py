@@ -10,16 +10,7 @@ import string
 from collections.abc import Callable, Iterator
 
 from lidardraft.drafting.blender.script.limits import RaisedError, RefusalError, Script
-from lidardraft.drafting.blender.script.values import (
-    Outside,
-    Record,
-    Value,
-    checked,
-    describe,
-    elements,
-    is_key,
-    is_number,
-)
+from lidardraft.drafting.blender.script.values import Record, Value, checked, describe, elements, is_key, is_number
 
 _LONGEST_SHIFT = 64
 _WIDEST = 200  # characters of a padded number or name, and digits after the point
@@ -100,8 +91,7 @@ def compare(kind: type[ast.cmpop], left: Value, right: Value, script: Script) ->
     if kind in _ORDERS:
         return _ordered(_ORDERS[kind], left, right)
     if kind is ast.Is or kind is ast.IsNot:
-        unknown = [each for each in (left, right) if isinstance(each, Outside)]
-        return (any(unknown) or left is right) == (kind is ast.Is)  # `any` raises the refusal of an unknown value
+        return (left is right) == (kind is ast.Is)
     if kind is ast.Eq or kind is ast.NotEq:
         return equal(left, right, script) == (kind is ast.Eq)
     return contains(right, left, script) == (kind is ast.In)

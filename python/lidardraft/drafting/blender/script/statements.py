@@ -184,6 +184,30 @@ def _delete(node: ast.Delete, frame: Frame) -> None:
         del owner[key]
 
 
+class Suppress(Record):
+    """The only context manager for `with`: errors of these names end the block without further effect."""
+
+    kind = "suppress"
+
+    def __init__(self, names: list[str]) -> None:
+        self.names = names
+
+
+def _with(node: ast.With, frame: Frame) -> object:
+    suppressed = list[str]()
+    for item in node.items:
+        value = value_of(item.context_expr, frame)
+        if not isinstance(value, Suppress) or item.optional_vars is not None:
+            raise RefusalError(f"`with` of {describe(value)} is not supported")
+        suppressed += value.names
+    try:
+        return block(node.body, frame)
+    except RaisedError as error:
+        if not _is_caught(error, suppressed):
+            raise
+        return None
+
+
 def _try(node: ast.Try, frame: Frame) -> object:
     for handler in node.handlers:
         if handler.type is not None and not _names(handler.type):
@@ -306,5 +330,6 @@ _STATEMENTS: dict[type[ast.stmt], Callable[[Any, Frame], object]] = {
     ast.For: _for,
     ast.While: _while,
     ast.Try: _try,
+    ast.With: _with,
     ast.ClassDef: _class,
 }

@@ -110,7 +110,7 @@ def builtins(module: str, functions: Methods) -> dict[str, Value]:
 
 
 class Type(Record):
-    """A type for `isinstance`."""
+    """A type for `isinstance`; | joins it with others, and with None."""
 
     is_key = True
 
@@ -118,11 +118,18 @@ class Type(Record):
         self.kind = kind
         self.holds = holds
 
+    def __or__(self, other: Value) -> Type:
+        if not (other is None or isinstance(other, Type)):
+            return NotImplemented
+        return Type("a union of types", lambda value: is_of(value, (self, other)))
+
+    __ror__ = __or__
+
 
 def is_of(value: Value, kinds: Value) -> bool:
     """The result of `isinstance`."""
     asked = kinds if isinstance(kinds, tuple) else (kinds,)
-    return any(isinstance(kind, Type) and kind.holds(value) for kind in asked)
+    return any(value is None if kind is None else isinstance(kind, Type) and kind.holds(value) for kind in asked)
 
 
 def type_of(records: type[Record]) -> Type:
@@ -164,26 +171,19 @@ def nothing(*_: Value, **__: Value) -> None:
 
 
 class Outside(Record):
-    """A part of a script's surroundings, of which only the name is known. Parts that are `silent` change no shape, and
-    may be called."""
+    """An unknown module, or a part of one: it may be imported, but only its name is known."""
 
-    def __init__(self, name: str, silent: bool = False) -> None:
+    def __init__(self, name: str) -> None:
         self.kind = name[:60]
-        self._silent = silent
 
     def attribute(self, name: str) -> Value:
-        return Outside(f"{self.kind}.{name[:60]}", self._silent)
+        return Outside(f"{self.kind}.{name[:60]}")
 
     def __call__(self, /, *_arguments: Value, **_keywords: Value) -> Value:
-        if not self._silent:
-            raise RefusalError(f"a call of {self.kind}: a script is read, not run, and this module is not known")
-        return Outside(f"{self.kind.removesuffix('()')}()", silent=True)
-
-    def __truediv__(self, _other: Value) -> Value:
-        return self if self._silent else NotImplemented
+        raise RefusalError(f"a call of {self.kind}: a script is read, not run, and this module is not known")
 
     def __bool__(self) -> bool:
-        raise RefusalError(f"the value of {self.kind} is not known: a script is read, not run")
+        raise RefusalError(f"the value of {self.kind}: a script is read, not run, and this module is not known")
 
     def __eq__(self, _other: object) -> bool:
         return bool(self)
