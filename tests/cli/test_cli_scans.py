@@ -31,7 +31,7 @@ from lidardraft.scene.scenario import Scenario, Straight
 from lidardraft.semantics import BY_NAME, CLASSES
 from lidardraft.streets import StreetConfig, StreetMix, street_scan
 
-SMALL = ["--sensor", "small.json"]
+SMALL = ["--sensor", "small.json", "--carrier", "none"]
 QUICK = ["--weights", "paper-small", "--sensor", "small.json", "--steps", "2"]
 SIMULATE = ["simulate", "--text", "a car ahead", "-o", "out", "--sensor", "small.json"]
 

@@ -99,7 +99,12 @@ def test_a_saved_scan_is_shown_with_its_boxes(capsys: pytest.CaptureFixture[str]
 
 def test_a_scan_becomes_a_page(capsys: pytest.CaptureFixture[str], refused: Callable[..., str]) -> None:
     text = "a parked bus on the right, 8 m ahead"
-    assert cli.main(["simulate", "--text", text, "--sensor", "small.json", "--no-picture", "-o", "out"]) == 0
+    assert (
+        cli.main(
+            ["simulate", "--text", text, "--sensor", "small.json", "--carrier", "none", "--no-picture", "-o", "out"]
+        )
+        == 0
+    )
     for name in ("000000.bin", "000000.npz"):
         assert cli.main(["view", f"out/{name}", "-o", "scan.html"]) == 0
         page = Path("scan.html").read_text()

@@ -111,7 +111,7 @@ def test_a_pair_has_boxes_of_all_objects_around_their_points() -> None:
 def test_a_labelled_scan_of_a_street_is_that_of_its_pair() -> None:
     pairs = take(3, SMALL, 3)
     for number in (2, 0):
-        scan, pair = street_scan(number, seed=3, config=SMALL), pairs[number]
+        scan, pair = street_scan(number, seed=3, config=SMALL, carrier=False), pairs[number]
         for name in ("depth", "label", "instance", "intensity"):
             np.testing.assert_array_equal(getattr(scan.image, name), getattr(pair.scan, name))
         assert scan.boxes() == pair.boxes()

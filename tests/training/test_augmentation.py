@@ -69,7 +69,7 @@ def strips(tmp_path: Path) -> PairFolder:
     label = np.broadcast_to(np.repeat([ROAD, SIDEWALK, BUILDING, VEGETATION], 32).astype(np.uint8), SENSOR.shape)
     instance = np.zeros(SENSOR.shape, dtype=np.uint32)
     scan = RangeImage(sensor=SENSOR, depth=flat, label=label, instance=instance, intensity=flat / 20)
-    list(write_pairs(tmp_path / "strips", [(Pair(scan, scan, scan), {})]))
+    list(write_pairs(tmp_path / "strips", [(Pair(scan, scan), {})]))
     return PairFolder(tmp_path / "strips")
 
 

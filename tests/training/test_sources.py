@@ -68,7 +68,7 @@ def test_more_pairs_than_memory_are_refused(tmp_path: Path, monkeypatch: pytest.
     list(write_pairs(tmp_path / "pairs", [noted(0), noted(1)]))
     free = free_memory()
     assert free is None or 10**7 < free < 10**15
-    monkeypatch.setattr(sources, "free_memory", lambda: 40_000)
+    monkeypatch.setattr(sources, "free_memory", lambda: 20_000)
     message = r"pairs with its 2 pairs needs 0\.0 GB of memory; 0\.0 GB are free"
     with pytest.raises(TrainingError, match=message):
         PairFolder(tmp_path / "pairs")

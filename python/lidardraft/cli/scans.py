@@ -109,14 +109,12 @@ def _simulated(layouts: Layouts, sensor: Sensor, weather: Weather | None, thread
     return simulate(layout, sensor, seed=seed, weather=weather, speed=speed, threads=threads, **carrier)
 
 
-def _read_sensor(arguments: argparse.Namespace) -> Sensor:
-    """The value of --sensor; says if its vehicle is unknown."""
+def _say_if_unknown(sensor: Sensor, arguments: argparse.Namespace) -> None:
+    """Say if the vehicle of the sensor is unknown."""
     from lidardraft.simulation.carrier import carried
 
-    sensor = read_sensor(arguments.sensor)
     for note in carried(sensor, read_carrier(arguments.carrier)).notes:
         say(note)
-    return sensor
 
 
 def _carrier(arguments: argparse.Namespace) -> dict[str, Any]:
@@ -152,7 +150,7 @@ def _write_sequences(arguments: argparse.Namespace) -> None:
     for option in ("poses", "world"):
         if getattr(arguments, option) is not None:
             raise FormatError(f"--{option} does not go with --frames, which make drives")
-    sensor, weather = _read_sensor(arguments), read_weather(arguments.weather)
+    sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
     layouts = None if arguments.street else Layouts.read(arguments)
     num = arguments.num or (len(layouts.sentences) if layouts and arguments.text_file else 0)
     jobs = jobs_of(arguments, num or arguments.frames)
@@ -175,6 +173,7 @@ def _write_sequences(arguments: argparse.Namespace) -> None:
         report(arguments, text, output=arguments.output, drives=num, scans=num * arguments.frames)
     else:
         _write_frames(arguments, make(0), None if layouts is None else layouts.first, jobs)
+    _say_if_unknown(sensor, arguments)
 
 
 def _save_drive(simulator: Drive, folder: Path, *, picture: bool) -> None:
@@ -216,7 +215,7 @@ def simulate(arguments: argparse.Namespace) -> None:
     for option in ("hz", "scenario"):
         if getattr(arguments, option) is not None:
             raise FormatError(f"--{option} is for a sequence; give its length with --frames")
-    sensor, weather = _read_sensor(arguments), read_weather(arguments.weather)
+    sensor, weather = read_sensor(arguments.sensor), read_weather(arguments.weather)
     output, pictures, around = Path(arguments.output), arguments.pictures, ""
     if arguments.world is not None:
         num, jobs, poses, notes = 1, 1, 1, None
@@ -239,6 +238,7 @@ def simulate(arguments: argparse.Namespace) -> None:
         for _ in ScanFolder(output, pictures, make, Scan.save, notes).write(num, jobs=jobs, run=poses):
             bar.update()
     _report(arguments, num, around)
+    _say_if_unknown(sensor, arguments)
 
 
 def _scan_of_world(arguments: argparse.Namespace, sensor: Sensor, weather: Weather | None) -> Callable[[int], Scan]:

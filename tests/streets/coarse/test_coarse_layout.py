@@ -59,7 +59,7 @@ def test_objects_are_the_nearest_that_the_solver_could_have_placed():
     table = in_street(made(TextStyle()))
     row = {id: number for number, id in enumerate(table.ids)}
     coarse = [placed for placed in OBJECTS if placed.id in row]
-    assert len(coarse) > 0.9 * len(OBJECTS)
+    assert len(coarse) > 0.85 * len(OBJECTS)  # sentences do not name beds of plants, crates and cabinets
     for placed in coarse:
         off = np.hypot(*(table.centers[row[placed.id], :2] - (placed.x, placed.y)))
         assert off < 0.6, placed
