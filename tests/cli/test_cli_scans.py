@@ -158,7 +158,7 @@ def test_every_sentence_of_a_file_becomes_a_scan(refused: Callable[..., str]) ->
     Path("bad.txt").write_text("\nxyzzy\n")
     assert "bad.txt, line 2: " in refused("simulate", "--text-file", "bad.txt", "-o", "new", *SMALL)
     Path("empty.txt").write_text(" \n")
-    assert "empty.txt holds no sentence" in refused("generate", "--text-file", "empty.txt", "-o", "new", *SMALL)
+    assert "empty.txt holds no sentence" in refused("generate", "--text-file", "empty.txt", "-o", "new", *SMALL[:2])
 
 
 def test_bad_input_of_streets_is_one_line(refused: Callable[..., str]) -> None:
