@@ -57,14 +57,15 @@ def test_a_vehicle_hides_the_rays_that_meet_it_and_no_others(sensor, speed):
 def test_presets_know_a_car_that_hides_some_of_the_ground_and_nothing_higher(name):
     sensor = with_vehicle(PRESETS[name])
     hidden = sensor.blocked_pixels
-    assert 0.005 < hidden.mean() < 0.3
+    over_it = name in ("os1-32", "os2-128")  # their lowest beams pass over the car
+    assert (0.0 if over_it else 0.005) <= hidden.mean() < 0.3
     assert not hidden[np.array(sensor.elevations) > math.radians(-3)].any()
     np.testing.assert_array_equal(simulate(GROUND, PRESETS[name]).image.sensor.blocked_pixels, hidden)
     assert with_vehicle(sensor) == sensor
 
 
 def test_its_own_returns_lie_on_the_car_and_belong_to_no_object():
-    for name, size in (("hdl64e", (4.77, 1.82, 1.52)), ("pandar64", (5.17, 2.02, 1.78))):
+    for name, size in (("hdl64e", (4.77, 1.82, 1.47)), ("pandar64", (5.17, 2.02, 1.78))):
         scan, without = (simulate(GROUND, PRESETS[name], own_returns=own) for own in (True, False))
         hidden = without.image.sensor.blocked_pixels
         own = scan.image.valid & hidden
@@ -110,7 +111,7 @@ def test_without_a_known_vehicle_a_line_says_so():
     low = replace(HDL, mount_height=0.6)
     for sensor, line in (
         (MINE, "mine has no known vehicle: none is carried"),
-        (low, r"hdl64e stands 0.6 m over the road, within its typical car of 1.52 m: none is carried"),
+        (low, r"hdl64e stands 0.6 m over the road, within its typical car of 1.47 m: none is carried"),
     ):
         scan = simulate(GROUND, sensor)
         assert scan.image.sensor == sensor

@@ -23,10 +23,11 @@ from lidardraft.simulation.detail.detail import detail
 
 Spot = tuple[float, float, float, float]  # x, y, z [m] and yaw [rad] of an upright body
 _NEAREST = 1e-3  # m: surfaces too near to be measured still occlude others
-# Length, width and height [m] of the cars that carry the sensors of known recordings, as their makers publish them:
-# KITTI's estate (Volkswagen Passat), typical of all presets; nuScenes' Renault Zoe; PandaSet's Chrysler Pacifica.
-_CAR = (4.77, 1.82, 1.52)
-_CARS = {"hdl32e": (4.08, 1.73, 1.56), "pandar64": (5.17, 2.02, 1.78)}
+# The body of cars, and their length, width and height [m] as makers publish them: typical is a Volkswagen Passat, whose
+# roof ends over the rear axle, so that the ground is hidden for 5 m behind; nuScenes' Renault Zoe; PandaSet's Chrysler
+# Pacifica.
+_CAR = ("saloon", (4.77, 1.82, 1.47))
+_CARS = {"hdl32e": ("hatchback", (4.08, 1.73, 1.56)), "pandar64": ("minivan", (5.18, 2.02, 1.78))}
 # Fitted by benches/fit_sensor.py: sectors hidden by car and equipment on its roof, and those without any return of
 # them.
 _FITTED = {"pandar64": (PANDAR64_HIDDEN, PANDAR64_LOST)}
@@ -90,11 +91,12 @@ def carried(sensor: Sensor, carrier: bool | Layout, spot: Spot | None = None) ->
 def _on_typical_car(sensor: Sensor, spot: Spot) -> Carried:
     if not sensor.is_preset:
         return Carried(sensor, sensor, notes=(f"{sensor.name} has no known vehicle: none is carried",))
-    size = length, width, height = _CARS.get(sensor.name, _CAR)
+    body, size = _CARS.get(sensor.name, _CAR)
+    length, width, height = size
     if abs(spot[0]) < length / 2 and abs(spot[1]) < width / 2 and spot[2] <= height:
         said = f"{sensor.name} stands {spot[2]:g} m over the road, within its typical car of {height:g} m"
         return Carried(sensor, sensor, notes=(f"{said}: none is carried",))
-    box = Primitive(shape="box", center=(0.0, 0.0, height / 2), size=size, label="car", id="ego")
+    box = Primitive(shape="box", center=(0.0, 0.0, height / 2), size=size, label="car", id=f"{body}_1")
     car = detail(Layout((box,)))
     usual = (0.0, 0.0, PRESETS[sensor.name].mount_height, 0.0)
     if sensor.name in _FITTED and np.abs(np.subtract(spot, usual)).max() <= _ALIKE:
