@@ -522,3 +522,14 @@ def test_any_value_is_taken_or_refused(changes: list[tuple[int, object]]) -> Non
         recipe = recipes._recipe(Path("recipe.toml"), fields)
         for k in range(3):
             recipe._draws(k)
+
+
+@pytest.mark.parametrize("scene", ['text = "a car ahead"\nsurroundings = "bare"', 'street = "country"'])
+def test_the_car_of_a_preset_is_in_the_way_unless_the_recipe_says_none(scene: str, recipe: Path) -> None:
+    hidden = lidardraft.with_vehicle(lidardraft.Sensor.preset("hdl32e")).blocked_pixels
+    for carrier, returns in (("", False), ('carrier = "car"', False), ('carrier = "none"', True)):
+        recipe.write_text(f'scans = 1\n[[scene]]\n{scene}\n[[sensor]]\nname = "hdl32e"\n{carrier}\n')
+        assert Recipe.load(recipe).scan(0).image.valid[hidden].any() == returns
+    recipe.write_text(f'scans = 1\n[[scene]]\n{scene}\n[[sensor]]\nname = "hdl32e"\ncarrier = "van"\n')
+    with pytest.raises(FormatError, match=r"sensor 1, carrier is 'van'; it must be one of car, none"):
+        Recipe.load(recipe)

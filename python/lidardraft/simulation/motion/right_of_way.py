@@ -73,9 +73,9 @@ class Passage:
 
 @dataclass(slots=True)
 class _User:
-    """A driver before a passage or on it: the line at which it waits, over that of the passage if it stands before the
-    ways of others; its front and rear along the way [m], whether it is `committed` (too near to
-    stop at the line), or `held` by a light."""
+    """A driver before a passage or on it: the `line` at which it waits, beyond that of the passage if it stands there
+    and before the ways of others; its front and rear along the way [m]; whether it is `committed`, too near to stop at
+    the line, or `held` by a light."""
 
     number: int
     driver: Driver
@@ -130,7 +130,7 @@ class RightOfWay:
         holds = [math.inf] * len(drivers)
         rows = zip(drivers, ahead, strict=True)
         free = [one.along + one.body.size[0] / 2 + gap - one.motion.gap for one, (gap, _) in rows]
-        # who has waited longest comes last: it goes if all others in its way have to wait
+        # the longest waiting driver comes last: it goes if all others in its way have to wait
         for user in sorted(itertools.chain(*users.values()), key=lambda one: (one.driver.waited, one.number)):
             if user.driver.motion.gives_way or user.committed:
                 hold = self._hold(user, users, free)
