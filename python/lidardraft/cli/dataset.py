@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from lidardraft.cli.arguments import number, whole_number
-from lidardraft.cli.command import add_json, progress, report
+from lidardraft.cli.command import add_json, progress, report, say
 from lidardraft.cli.scan_folder import add_jobs, jobs_of
 from lidardraft.formats.frame import FORMATS
 
@@ -23,6 +23,8 @@ def dataset(arguments: argparse.Namespace) -> None:
     recipe, share = Recipe.load(arguments.recipe, arguments.num), arguments.shard
     made = DataSet(recipe, Path(arguments.output))
     num = made.scans_of(share)
+    for note in recipe.notes:
+        say(note)
     counts = made.write(share, _workers(arguments, recipe.scans, recipe.shard_size))
     count = next(counts)
     with progress(num, "scan", initial=count) as bar:
