@@ -23,10 +23,10 @@ def dataset(arguments: argparse.Namespace) -> None:
     recipe, share = Recipe.load(arguments.recipe, arguments.num), arguments.shard
     made = DataSet(recipe, Path(arguments.output))
     num = made.scans_of(share)
-    for note in recipe.notes:
-        say(note)
     counts = made.write(share, _workers(arguments, recipe.scans, recipe.shard_size))
     count = next(counts)
+    for note in recipe.notes:
+        say(note)
     with progress(num, "scan", initial=count) as bar:
         for now in counts:
             bar.update(now - count)
