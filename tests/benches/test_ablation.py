@@ -96,6 +96,7 @@ def test_a_network_that_does_not_heed_its_layout_does_as_well_by_another() -> No
     assert loss_by_other_layouts(papers, scans, images) != 1.0
 
 
+@pytest.mark.slow
 def test_the_table_has_a_row_for_each_arm(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -4,6 +4,7 @@ import dataclasses
 from collections import Counter
 
 import numpy as np
+import pytest
 
 from lidardraft import Pipeline, Sensor
 from lidardraft.diffusion.denoiser import Denoiser
@@ -13,6 +14,7 @@ from paper_table import scans
 SMALL = Sensor(name="small", elevations=tuple(np.deg2rad(np.linspace(2, -24, 16)).tolist()), columns=64)
 
 
+@pytest.mark.slow
 def test_a_row_for_each_input_and_of_weights_that_see_classes_the_maps_alone() -> None:
     config = recipes.tiny()[-1].denoiser
     for parts, rows in (

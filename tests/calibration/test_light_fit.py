@@ -40,8 +40,10 @@ def test_what_no_value_reaches_gets_the_nearest_limit():
 
 @pytest.mark.parametrize(
     ("threshold", "drop", "sigma", "jitter"),
-    [(0.10 / 40.0**2, 0.002, 0.004, 0.03), (0.10 / 120.0**2, 0.03, 0.02, 0.15)],
-    ids=["short and exact", "long and noisy"],
+    [
+        pytest.param(0.10 / 40.0**2, 0.002, 0.004, 0.03, id="short and exact", marks=pytest.mark.slow),
+        pytest.param(0.10 / 120.0**2, 0.03, 0.02, 0.15, id="long and noisy"),
+    ],
 )
 def test_drop_and_noise_are_found(casts, threshold, drop, sigma, jitter):
     truth = with_model(detection_threshold=threshold, drop_exponent=drop, jitter=jitter)

@@ -42,7 +42,7 @@ def test_workers_end_with_a_parent_that_is_killed(start: Callable[..., Command],
     assert command.ended()[0] == -signal.SIGKILL
 
 
-@pytest.mark.parametrize("send", [os.kill, os.killpg])
+@pytest.mark.parametrize("send", [os.killpg, pytest.param(os.kill, marks=pytest.mark.slow)])
 def test_termination_is_clean(start: Callable[..., Command], send: Callable[[int, int], None]) -> None:
     command = start(*ENDLESS, "--workers", "2")
     wait_for(Path("pairs/index.json").exists)
@@ -52,7 +52,7 @@ def test_termination_is_clean(start: Callable[..., Command], send: Callable[[int
     assert not list(Path("pairs").glob("*.partial"))
 
 
-@pytest.mark.parametrize(("early", "times"), [(True, 1), (False, 20)])
+@pytest.mark.parametrize(("early", "times"), [(True, 1), pytest.param(False, 20, marks=pytest.mark.slow)])
 def test_an_interrupt_and_impatience_are_one_line(start: Callable[..., Command], early: bool, times: int) -> None:
     command = start(*ENDLESS, "--workers", "2")
     # early: the workers are still loading
@@ -97,7 +97,7 @@ def test_a_folder_that_is_being_written_is_refused(start: Callable[..., Command]
 
 @pytest.mark.parametrize("terminal", [True, False])
 def test_a_terminal_without_a_size_shows_progress_and_a_file_none(folder: Path, terminal: bool) -> None:
-    words = ["simulate", "--street", "any", "--sensor", "small.json", "-n", "40", "--no-picture"]
+    words = ["simulate", "--street", "any", "--sensor", "small.json", "-n", "12", "--no-picture"]
     words += ["--jobs", "1", "-o", "out"]
     end, stderr = os.openpty() if terminal else os.pipe()
     process = subprocess.Popen([sys.executable, "-m", "lidardraft", *words], cwd=folder, stderr=stderr)
@@ -108,7 +108,7 @@ def test_a_terminal_without_a_size_shows_progress_and_a_file_none(folder: Path, 
             shown += read
     os.close(end)
     assert process.wait(timeout=60) == 0
-    assert (b"40/40" in shown, b"scan/s" in shown) == (terminal, terminal)
+    assert (b"12/12" in shown, b"scan/s" in shown) == (terminal, terminal)
 
 
 def test_an_interrupted_simulation_leaves_whole_scans(start: Callable[..., Command]) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from lidardraft.cli.arguments import number, whole_number
-from lidardraft.cli.command import add_json, progress, report
+from lidardraft.cli.command import add_json, progress, report, say
 from lidardraft.cli.scan_folder import add_jobs, jobs_of
 from lidardraft.formats.frame import FORMATS
 
@@ -25,6 +25,8 @@ def dataset(arguments: argparse.Namespace) -> None:
     num = made.scans_of(share)
     counts = made.write(share, _workers(arguments, recipe.scans, recipe.shard_size))
     count = next(counts)
+    for note in recipe.notes:
+        say(note)
     with progress(num, "scan", initial=count) as bar:
         for now in counts:
             bar.update(now - count)

@@ -169,6 +169,14 @@ class Recipe:
             layout = _edited_layout(scene, seed, rng)
             return SequenceSimulator(layout, sensor, seed=seed, weather=weather, carrier=False, **how, **more)
 
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """The sensors of simulated scans whose vehicle is unknown, and so not in their way."""
+        if all(choice.of.weights for choice in self.scenes):
+            return ()
+        said = (note for choice in self.sensors for note in carried(choice.of[0], choice.of[2]).notes)
+        return tuple(dict.fromkeys(said))
+
     def split(self, number: int) -> str:
         """The split of scan `number`, the same for all scans of its run; "" if the recipe has none."""
         if not self.splits:

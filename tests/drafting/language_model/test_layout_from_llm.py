@@ -373,7 +373,7 @@ def test_the_specs_of_sentences_leave_nothing_out_and_without_a_kind_it_is_misse
     lines = [line for line in SENTENCES.read_text().splitlines() if line and not line.startswith(("    ", "#"))]
     loads = ("carrying logs", "loaded with four cars")  # which the grammar knows as no objects of their own
     missed = total = 0
-    for line in lines[::8]:
+    for line in lines[::16]:
         try:
             spec = spec_from_text(line, strict=True)
         except TextError:
@@ -384,7 +384,7 @@ def test_the_specs_of_sentences_leave_nothing_out_and_without_a_kind_it_is_misse
             fewer = dataclasses.replace(spec, groups=tuple(group for group in free if group.kind != kind))
             missed += any(note.endswith(f"no {kind}") for note in omissions(line, partial(held_by, fewer)))
             total += 1
-    assert total > 40
+    assert total > 20
     assert missed > 0.9 * total
 
 

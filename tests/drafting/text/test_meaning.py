@@ -47,7 +47,7 @@ def read(text: str) -> SceneSpec | None:
     return found and found.spec
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=15, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6))
 def test_a_scene_is_read_from_the_sentence_that_says_it_or_the_difference_is_told(seed: int) -> None:
     """1,000 scenes of other seeds: 998 are the same, one is refused, of one the difference is told."""
@@ -81,7 +81,7 @@ def mirrored(line: str) -> str:
     return re.sub(r"\b(left|right)\b", lambda found: MIRROR[found[0]], line)
 
 
-@pytest.mark.parametrize("part", range(8))
+@pytest.mark.parametrize("part", [0, 4, *(pytest.param(part, marks=pytest.mark.slow) for part in (1, 2, 3, 5, 6, 7))])
 def test_the_mirror_image_of_a_sentence_is_the_mirror_image_of_its_scene(part: int) -> None:
     # traffic keeps to the right, so who overtakes, and lanes and shoulders, have no mirror image
     handed = re.compile(
