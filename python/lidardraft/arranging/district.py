@@ -50,11 +50,11 @@ class District:
     Pairs are ranges [m]. `share` is that of all streets, `heavy` that of trucks and buses in the traffic, `blocks` that
     of blocks among the buildings. Probabilities of the road are `bend`, `junction`, `roundabout`, `lights` (of
     junctions), `oneway`, `car_park`, `parked` (a side) and `strip` (of grass beside the kerb). Those beside it are
-    `paved` (the land), `built` (a plot), `front_fences` (a side), `green` (of fences, hedges), `street_trees` (a side) and `adjoining` (a block to
-    the next in closed fronts). `people`, `thickets` (a side) and `wild_trees` are mean numbers; `traffic_gap` is a mean
-    [m]. `speed` is the limit [m/s], `riders` a factor of the usual number of riders. `shoulder` is the width of a hard
-    shoulder [m], `curvature` a range [1/m]. `short_front` is the length [m] of the blocks that close a front without
-    room for longer ones.
+    `paved` (the land), `built` (a plot), `front_fences` (a side), `green` (of fences: hedges), `street_trees` (a side)
+    and `adjoining` (a block to the next in closed fronts). `people`, `thickets` (a side) and `wild_trees` are mean
+    numbers; `traffic_gap` is a mean [m]. `speed` is the limit [m/s], `riders` a factor of the usual number of riders.
+    `shoulder` is the width of a hard shoulder [m], `curvature` a range [1/m]. `short_front` is the length [m] of the
+    blocks that close a front without room for longer ones.
     """
 
     share: float
@@ -124,7 +124,7 @@ _COUNTRY_ROAD = RoadEquipment(short_rails=0.25, delineators=True, cones=0.0)
 DISTRICTS: dict[str, District] = {
     "residential": District(
         share=0.44, lanes=(1,), lane_width=(2.5, 3.25), sidewalk=(1.5, 3.0), speed=30 / 3.6, bend=0.5, junction=0.45,
-        parked=0.25, traffic_gap=70.0, heavy=0.015, people=0.8,
+        parked=0.25, traffic_gap=70.0, heavy=0.015, people=0.6,
         built=0.82, blocks=0.1, setback=(3.5, 11.0), gap=(2.5, 9.0),
         front_fences=0.95, green=0.88, street_trees=0.7, thickets=5.5, wild_trees=52,
         roundabout=0.14, oneway=0.12, car_park=0.04, strip=0.15,
@@ -132,7 +132,7 @@ DISTRICTS: dict[str, District] = {
     ),
     "urban": District(
         share=0.18, lanes=(1, 1, 2), lane_width=(2.75, 3.25), sidewalk=(2.2, 5.5), speed=50 / 3.6, bend=0.2,
-        junction=0.55, parked=0.4, traffic_gap=40.0, heavy=0.035, people=2.0,
+        junction=0.55, parked=0.4, traffic_gap=40.0, heavy=0.035, people=1.5,
         built=0.95, blocks=0.95, setback=(0.0, 0.4), gap=(0.0, 0.0),
         front_fences=0.8, green=0.2, adjoining=0.62, street_trees=0.8, thickets=0.6, wild_trees=26,
         roundabout=0.08, lights=0.6, oneway=0.35, car_park=0.06, paved=0.7,
@@ -140,7 +140,7 @@ DISTRICTS: dict[str, District] = {
     ),
     "avenue": District(
         share=0.15, lanes=(2, 2, 3), lane_width=(3.0, 3.5), sidewalk=(2.0, 4.0), speed=50 / 3.6, bend=0.25,
-        junction=0.5, parked=0.2, traffic_gap=60.0, heavy=0.035, people=1.5,
+        junction=0.5, parked=0.2, traffic_gap=60.0, heavy=0.035, people=1.1,
         built=0.75, blocks=0.65, setback=(1.5, 7.0), gap=(1.0, 12.0),
         front_fences=0.9, green=0.2, street_trees=0.9, thickets=6.0, wild_trees=40,
         roundabout=0.15, lights=0.75, car_park=0.12, median=(0.0, 4.0), strip=0.4, paved=0.4,
@@ -148,7 +148,7 @@ DISTRICTS: dict[str, District] = {
     ),
     "retail": District(
         share=0.06, lanes=(1, 1, 2), lane_width=(3.0, 3.5), sidewalk=(1.5, 2.5), speed=50 / 3.6, bend=0.2, junction=0.3,
-        parked=0.1, traffic_gap=40.0, heavy=0.08, people=1.2,
+        parked=0.1, traffic_gap=40.0, heavy=0.08, people=0.9,
         built=0.6, blocks=0.25, setback=(6.0, 14.0), gap=(6.0, 25.0),
         front_fences=0.75, green=0.2, street_trees=0.65, thickets=5.0, wild_trees=32,
         roundabout=0.12, lights=0.4, car_park=1.0, strip=0.3, paved=0.35,
@@ -156,7 +156,7 @@ DISTRICTS: dict[str, District] = {
     ),
     "country": District(
         share=0.10, lanes=(1, 1, 1, 2), lane_width=(2.75, 3.75), sidewalk=(0.0, 0.0), speed=100 / 3.6, bend=0.6,
-        junction=0.3, parked=0.02, traffic_gap=70.0, heavy=0.07, people=0.3,
+        junction=0.3, parked=0.02, traffic_gap=70.0, heavy=0.07, people=0.2,
         built=0.18, blocks=0.0, setback=(8.0, 22.0), gap=(8.0, 40.0),
         front_fences=0.4, green=0.7, street_trees=0.6, thickets=7.0, wild_trees=65,
         roundabout=0.35,
@@ -193,9 +193,9 @@ SETTINGS: dict[str, District] = {
         short_front=3.0,
     ),
     "village": replace(_RESIDENTIAL, setback=(1.0, 6.0), gap=(1.0, 7.0), built=0.75, front_fences=0.8),
-    "industrial": replace(_RETAIL, blocks=1.0, built=0.75, heavy=0.35, people=0.4, street_trees=0.3, wild_trees=14),
+    "industrial": replace(_RETAIL, blocks=1.0, built=0.75, heavy=0.35, people=0.3, street_trees=0.3, wild_trees=14),
     "forest": replace(_COUNTRY, built=0.0, front_fences=0.0, street_trees=0.0, thickets=14.0, wild_trees=240),
-    "school": replace(_RESIDENTIAL, people=6.5, blocks=0.7, setback=(6.0, 14.0)),
+    "school": replace(_RESIDENTIAL, people=3.5, blocks=0.7, setback=(6.0, 14.0)),
     "roadworks": replace(_URBAN, equipment=RoadEquipment(cones=1.0)),
 }
 STREET_DISTRICTS = {**SETTINGS, **DISTRICTS}  # districts that streets can ask for

@@ -69,8 +69,8 @@ FENCE_WIDTH, MESH_FENCE_WIDTH, GARDEN_WALL_WIDTH, HEDGE_WIDTH = 0.1, 0.06, 0.3, 
 # of PandaSet, 13 % of its returns, most are 0.3 to 2.5 m high and flat.
 _BUILT: tuple[tuple[str, float, Range, Range], ...] = (
     ("fence", 0.35, (FENCE_WIDTH, FENCE_WIDTH), (0.7, 1.9)),
-    ("garden_wall", 0.3, (GARDEN_WALL_WIDTH, GARDEN_WALL_WIDTH), (0.5, 1.6)),
-    ("wall", 0.2, (GARDEN_WALL_WIDTH, GARDEN_WALL_WIDTH), (1.5, 2.3)),
+    ("garden_wall", 0.34, (GARDEN_WALL_WIDTH, GARDEN_WALL_WIDTH), (0.5, 1.6)),
+    ("wall", 0.16, (GARDEN_WALL_WIDTH, GARDEN_WALL_WIDTH), (1.5, 2.3)),
     ("mesh_fence", 0.15, (MESH_FENCE_WIDTH, MESH_FENCE_WIDTH), (0.9, 2.0)),
 )
 _GREEN: tuple[tuple[str, float, Range, Range], ...] = (

@@ -15,7 +15,7 @@ from lidardraft.scene.road import SIDES
 _MARGIN = 0.05  # m
 _AT_STOP = 1.5  # mean number of people waiting at a bus stop
 # Walkers per standing group, per crossing person, and per person waiting at each corner with lights
-_GROUPS, _CROSSING, _WAITING = 1, 3, 6
+_GROUPS, _CROSSING, _WAITING = 0.7, 2.2, 4.5
 _MOST_WAITING = 1.0  # mean number at a corner, at most
 
 # On the sidewalks.
