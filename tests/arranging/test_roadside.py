@@ -13,6 +13,7 @@ from lidardraft.arranging.car_parks import sample_car_park
 from lidardraft.arranging.clusters import place_clusters
 from lidardraft.arranging.district import DISTRICTS, RoadEquipment
 from lidardraft.arranging.gardens import (
+    place_car_park_fences,
     place_driveways,
     place_front_fences,
     place_garden_plants,
@@ -34,6 +35,7 @@ from lidardraft.arranging.side_roads import (
     place_beside_side_roads,
     place_side_road_buildings,
 )
+from lidardraft.arranging.sizes import sample_enclosure
 from lidardraft.arranging.walkers import place_people
 from lidardraft.scene.road import LEFT, RIGHT, Road
 from planned import FLAT, empty
@@ -311,9 +313,48 @@ def test_no_driveway_leads_through_a_ditch():
 def test_closed_fronts_have_no_front_gardens():
     occupancy = empty(Road())
     assert place_driveways(occupancy, DISTRICTS["urban"], np.random.default_rng(0)) == []
-    place_front_fences(occupancy, replace(DISTRICTS["urban"], front_fences=1.0), [], None, np.random.default_rng(0))
     place_shrub_beds(occupancy, DISTRICTS["urban"], np.random.default_rng(0))
     assert occupancy._placed == []
+
+
+def test_gaps_of_closed_fronts_are_fenced():
+    occupancy, district = empty(Road(sidewalk=3.0)), replace(DISTRICTS["urban"], setback=(0.0, 0.0), front_fences=1.0)
+    place_buildings(occupancy, district, None, np.random.default_rng(0))
+    before = len(occupancy._placed)
+    place_front_fences(occupancy, district, [], None, np.random.default_rng(0))
+    blocks, fences = occupancy._placed[:before], occupancy._placed[before:]
+    assert len(fences) > 6
+    for fence in fences:
+        assert occupancy.road.verge < abs(fence.across) < occupancy.road.verge + 1.0
+        # none stands right before a wall, but for fronts that step back
+        line = [
+            block for block in blocks
+            if block.across * fence.across > 0 and abs(block.along - fence.along) < block.size[0] / 2
+            and abs(block.across) - block.size[1] / 2 < occupancy.road.verge + 0.1
+        ]  # fmt: skip
+        assert not line
+
+
+def test_hedges_are_as_frequent_as_their_district_says():
+    rng = np.random.default_rng(0)
+    for green in (0.0, 0.3, 1.0):
+        kinds = [sample_enclosure(green, rng)[0] for _ in range(600)]
+        assert np.mean([kind in ("hedge", "overgrown_fence") for kind in kinds]) == pytest.approx(green, abs=0.07)
+
+
+def test_car_parks_are_fenced_behind_and_at_their_ends_and_open_to_the_road():
+    rng, road = np.random.default_rng(3), Road(sidewalk=2.0, half_length=90.0)
+    car_park = sample_car_park(road, 1, rng)
+    occupancy = empty(replace(road, paved_areas=(car_park.paved_area, car_park.access)))
+    for _ in range(4):
+        place_car_park_fences(occupancy, DISTRICTS["retail"], car_park, rng)
+    (start, end), far = car_park.paved_area.along, max(map(abs, car_park.paved_area.across))
+    behind = [p for p in occupancy._placed if abs(p.across) > far]
+    ends = [p for p in occupancy._placed if not start < p.along < end]
+    assert len(behind) > 2
+    assert len(ends) > 2
+    assert len(behind) + len(ends) == len(occupancy._placed)
+    assert all(p.across * car_park.side > 0 for p in occupancy._placed)
 
 
 def test_gardens_begin_behind_the_verge():

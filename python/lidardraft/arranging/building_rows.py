@@ -9,7 +9,7 @@ import numpy as np
 from lidardraft.arranging.car_parks import CarPark
 from lidardraft.arranging.district import District
 from lidardraft.arranging.occupancy import Occupancy
-from lidardraft.arranging.sizes import MESH_FENCE_WIDTH, Extents, Size
+from lidardraft.arranging.sizes import Extents, Size
 from lidardraft.objects.buildings import STOREY
 from lidardraft.scene.road import SIDES
 from lidardraft.scene.solids import Solid
@@ -50,13 +50,7 @@ _YARD = (10.0, 18.0)  # m
 _YARD_STOREYS, _YARD_LENGTH, _YARD_WIDTH = (2, 6), (10.0, 26.0), (8.0, 12.0)
 _YARD_BUILT, _YARD_GAP = 0.6, (2.0, 14.0)  # share of the places, m between two
 
-# Gaps in a closed front.
-_GAP = (3.2, 12.0)  # m
-_GAP_BEHIND = 0.3  # m from the line of the front to the wall or fence in a gap
-_WALLED, _FENCED = 0.4, 0.2  # shares of gaps with a wall, and with mesh fences; the others are open
-_COURT_WALL, _COURT_WALL_WIDTH, _COURT_WALL_ENDS = (1.8, 2.8), 0.3, 0.3  # m of height, across, and free at its ends
-_SITE_FENCE = (3.5, 2.0)  # m: mobile fences of building sites
-_SITE_FENCE_GAP = 0.05  # m
+_GAP = (3.2, 14.0)  # m in a closed front
 
 
 def place_buildings(
@@ -141,7 +135,7 @@ def _block_height(storeys: int) -> float:
 
 
 def _place_closed_front(occupancy: Occupancy, district: District, side: int, rng: np.random.Generator) -> None:
-    """Blocks wall to wall close to the sidewalk, with gaps and courtyard walls, and buildings behind the yards.
+    """Blocks wall to wall close to the sidewalk, with gaps, and buildings behind the yards.
 
     If a block has no room, a shorter one is tried.
     """
@@ -162,7 +156,7 @@ def _place_closed_front(occupancy: Occupancy, district: District, side: int, rng
             continue
         along += extent + _SEAM
         if rng.random() > district.adjoining:
-            along = _place_gap(occupancy, along, side, setback, rng)
+            along += rng.uniform(*_GAP)
     _place_yard_buildings(occupancy, side, road.verge + setback + depth, rng)
 
 
@@ -183,21 +177,3 @@ def _place_yard_buildings(occupancy: Occupancy, side: int, back: float, rng: np.
 
 def _step_back(rng: np.random.Generator) -> float:
     return rng.uniform(*_STEP_BACK) if rng.random() < _STEPPED else 0.0
-
-
-def _place_gap(occupancy: Occupancy, along: float, side: int, setback: float, rng: np.random.Generator) -> float:
-    """A gap between blocks, open, walled or fenced off as a building site; returns its end [m along]."""
-    width = rng.uniform(*_GAP)
-    pick = rng.random()
-    across = side * (occupancy.road.verge + setback + _GAP_BEHIND)
-    if pick < _WALLED:
-        size = (width - _COURT_WALL_ENDS, _COURT_WALL_WIDTH, rng.uniform(*_COURT_WALL))
-        occupancy.place("wall", along + width / 2, across, size, margin=0.0, private=True)
-    elif pick < _WALLED + _FENCED:
-        length, height = _SITE_FENCE
-        count = max(1, int(width / (length + _SITE_FENCE_GAP)))
-        for number in range(count):
-            middle = along + (number + 0.5) * width / count
-            size = (min(length, width / count - _SITE_FENCE_GAP), MESH_FENCE_WIDTH, height)
-            occupancy.place("mesh_fence", middle, across, size, margin=0.0, private=True)
-    return along + width

@@ -54,10 +54,10 @@ _CLUSTERS = (
     Cluster((("bench", sizes.BENCH), ("bin", sizes.LITTER_BIN)), (1, 3), (1.6, 2.6), (0.45, 0.6), 1, (0.05, 0.06)),
     Cluster((("cafe_table", sizes.CAFE_TABLE),), (2, 6), (1.7, 2.3), (0.9, 1.0), 1, (0.01, 0.08), askew=0.6),
     Cluster((_CRATE,), (1, 5), (0.6, 1.2), (0.3, 0.6), 1, (0.04, 0.06), askew=0.5, scattered=0.1),
-    Cluster((("fence", sizes.RAILING),), (3, 10), (2.0, 2.02), (0.3, 0.4), 0, (0.02, 0.05), 0.0, 0.0, 0.0, alike=True),
+    Cluster((("fence", sizes.RAILING),), (3, 10), (2.0, 2.02), (0.3, 0.4), 0, (0.02, 0.09), 0.0, 0.0, 0.0, alike=True),
     Cluster(
         (("mesh_fence", sizes.SITE_FENCE), ("wall", sizes.HOARDING)),
-        (2, 7), (3.55, 3.6), (0.2, 0.3), 1, (0.03, 0.04), 0.0, 0.0, 0.0, alike=True,
+        (2, 7), (3.55, 3.6), (0.2, 0.3), 1, (0.03, 0.09), 0.0, 0.0, 0.0, alike=True,
     ),
     Cluster(
         (("ground_cover", sizes.GROUND_COVER),),
@@ -65,7 +65,7 @@ _CLUSTERS = (
     ),
     Cluster((("cone", sizes.CONE), ("crate", sizes.CRATE)), (2, 6), (1.0, 2.5), (0.3, 0.6), 0, (0.02, 0.0)),
 )  # fmt: skip
-_CLUSTERS_EACH = 24.0  # mean number a street of 180 m with sidewalks
+_CLUSTERS_EACH = 36.0  # mean number a street of 180 m with sidewalks
 _JUNCTION, _GATE, _MARGIN = 0.5, 4.5, 0.03  # m to a junction, from the middle of a car park's gate, between two pieces
 
 

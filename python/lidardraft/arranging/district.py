@@ -50,11 +50,11 @@ class District:
     Pairs are ranges [m]. `share` is that of all streets, `heavy` that of trucks and buses in the traffic, `blocks` that
     of blocks among the buildings. Probabilities of the road are `bend`, `junction`, `roundabout`, `lights` (of
     junctions), `oneway`, `car_park`, `parked` (a side) and `strip` (of grass beside the kerb). Those beside it are
-    `paved` (the land), `built` (a plot), `front_fences` (a side), `street_trees` (a side) and `adjoining` (a block to
-    the next in closed fronts). `people`, `thickets` (a side) and `wild_trees` are mean numbers; `traffic_gap` is a mean
-    [m]. `speed` is the limit [m/s], `riders` a factor of the usual number of riders. `shoulder` is the width of a hard
-    shoulder [m], `curvature` a range [1/m]. `short_front` is the length [m] of the blocks that close a front without
-    room for longer ones.
+    `paved` (the land), `built` (a plot), `front_fences` (a side), `green` (of fences: hedges), `street_trees` (a side)
+    and `adjoining` (a block to the next in closed fronts). `people`, `thickets` (a side) and `wild_trees` are mean
+    numbers; `traffic_gap` is a mean [m]. `speed` is the limit [m/s], `riders` a factor of the usual number of riders.
+    `shoulder` is the width of a hard shoulder [m], `curvature` a range [1/m]. `short_front` is the length [m] of the
+    blocks that close a front without room for longer ones.
     """
 
     share: float
@@ -73,6 +73,7 @@ class District:
     setback: Range
     gap: Range
     front_fences: float
+    green: float
     street_trees: float
     thickets: float
     wild_trees: int
@@ -123,33 +124,33 @@ _COUNTRY_ROAD = RoadEquipment(short_rails=0.25, delineators=True, cones=0.0)
 DISTRICTS: dict[str, District] = {
     "residential": District(
         share=0.44, lanes=(1,), lane_width=(2.5, 3.25), sidewalk=(1.5, 3.0), speed=30 / 3.6, bend=0.5, junction=0.45,
-        parked=0.25, traffic_gap=70.0, heavy=0.015, people=0.42,
+        parked=0.25, traffic_gap=70.0, heavy=0.015, people=0.6,
         built=0.82, blocks=0.1, setback=(3.5, 11.0), gap=(2.5, 9.0),
-        front_fences=0.95, street_trees=0.7, thickets=5.5, wild_trees=52,
+        front_fences=0.95, green=0.88, street_trees=0.7, thickets=5.5, wild_trees=52,
         roundabout=0.14, oneway=0.12, car_park=0.04, strip=0.15,
         land=Land(grade=0.036, hillside=0.035, bank=0.3),
     ),
     "urban": District(
         share=0.18, lanes=(1, 1, 2), lane_width=(2.75, 3.25), sidewalk=(2.2, 5.5), speed=50 / 3.6, bend=0.2,
-        junction=0.55, parked=0.4, traffic_gap=40.0, heavy=0.035, people=1.4,
+        junction=0.55, parked=0.4, traffic_gap=40.0, heavy=0.035, people=1.5,
         built=0.95, blocks=0.95, setback=(0.0, 0.4), gap=(0.0, 0.0),
-        front_fences=0.0, street_trees=0.8, thickets=0.6, wild_trees=26,
+        front_fences=0.8, green=0.2, adjoining=0.62, street_trees=0.8, thickets=0.6, wild_trees=26,
         roundabout=0.08, lights=0.6, oneway=0.35, car_park=0.06, paved=0.7,
         land=Land(grade=0.025, hillside=0.015, rolling=0.1),
     ),
     "avenue": District(
         share=0.15, lanes=(2, 2, 3), lane_width=(3.0, 3.5), sidewalk=(2.0, 4.0), speed=50 / 3.6, bend=0.25,
-        junction=0.5, parked=0.2, traffic_gap=60.0, heavy=0.035, people=0.85,
+        junction=0.5, parked=0.2, traffic_gap=60.0, heavy=0.035, people=1.1,
         built=0.75, blocks=0.65, setback=(1.5, 7.0), gap=(1.0, 12.0),
-        front_fences=0.7, street_trees=0.9, thickets=6.0, wild_trees=40,
+        front_fences=0.9, green=0.2, street_trees=0.9, thickets=6.0, wild_trees=40,
         roundabout=0.15, lights=0.75, car_park=0.12, median=(0.0, 4.0), strip=0.4, paved=0.4,
         land=Land(grade=0.022, bank=0.1),
     ),
     "retail": District(
         share=0.06, lanes=(1, 1, 2), lane_width=(3.0, 3.5), sidewalk=(1.5, 2.5), speed=50 / 3.6, bend=0.2, junction=0.3,
-        parked=0.1, traffic_gap=40.0, heavy=0.08, people=0.55,
+        parked=0.1, traffic_gap=40.0, heavy=0.08, people=0.9,
         built=0.6, blocks=0.25, setback=(6.0, 14.0), gap=(6.0, 25.0),
-        front_fences=0.6, street_trees=0.65, thickets=5.0, wild_trees=32,
+        front_fences=0.75, green=0.2, street_trees=0.65, thickets=5.0, wild_trees=32,
         roundabout=0.12, lights=0.4, car_park=1.0, strip=0.3, paved=0.35,
         land=Land(ditch=0.1, bank=0.1),
     ),
@@ -157,7 +158,7 @@ DISTRICTS: dict[str, District] = {
         share=0.10, lanes=(1, 1, 1, 2), lane_width=(2.75, 3.75), sidewalk=(0.0, 0.0), speed=100 / 3.6, bend=0.6,
         junction=0.3, parked=0.02, traffic_gap=70.0, heavy=0.07, people=0.2,
         built=0.18, blocks=0.0, setback=(8.0, 22.0), gap=(8.0, 40.0),
-        front_fences=0.4, street_trees=0.6, thickets=7.0, wild_trees=65,
+        front_fences=0.4, green=0.7, street_trees=0.6, thickets=7.0, wild_trees=65,
         roundabout=0.35,
         land=Land(grade=0.045, hillside=0.06, rolling=0.6, ditch=0.5, bank=0.4),
         equipment=_COUNTRY_ROAD,
@@ -166,7 +167,7 @@ DISTRICTS: dict[str, District] = {
         share=0.07, lanes=(2, 2, 3), lane_width=(3.5, 3.75), sidewalk=(0.0, 0.0), speed=130 / 3.6, bend=0.6,
         junction=0.0, parked=0.0, traffic_gap=50.0, heavy=0.15, people=0.0,
         built=0.05, blocks=0.2, setback=(20.0, 40.0), gap=(15.0, 60.0),
-        front_fences=0.0, street_trees=0.0, thickets=8.0, wild_trees=60,
+        front_fences=0.0, green=0.7, street_trees=0.0, thickets=8.0, wild_trees=60,
         median=(2.5, 4.0), shoulder=2.5, curvature=(0.0003, 0.002),
         land=Land(grade=0.025, hillside=0.05, rolling=0.5, ditch=0.35, bank=0.5),
         equipment=_MOTORWAY,
@@ -192,9 +193,9 @@ SETTINGS: dict[str, District] = {
         short_front=3.0,
     ),
     "village": replace(_RESIDENTIAL, setback=(1.0, 6.0), gap=(1.0, 7.0), built=0.75, front_fences=0.8),
-    "industrial": replace(_RETAIL, blocks=1.0, built=0.75, heavy=0.35, people=0.1, street_trees=0.3, wild_trees=14),
+    "industrial": replace(_RETAIL, blocks=1.0, built=0.75, heavy=0.35, people=0.3, street_trees=0.3, wild_trees=14),
     "forest": replace(_COUNTRY, built=0.0, front_fences=0.0, street_trees=0.0, thickets=14.0, wild_trees=240),
-    "school": replace(_RESIDENTIAL, people=6.5, blocks=0.7, setback=(6.0, 14.0)),
+    "school": replace(_RESIDENTIAL, people=3.5, blocks=0.7, setback=(6.0, 14.0)),
     "roadworks": replace(_URBAN, equipment=RoadEquipment(cones=1.0)),
 }
 STREET_DISTRICTS = {**SETTINGS, **DISTRICTS}  # districts that streets can ask for

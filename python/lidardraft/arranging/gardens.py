@@ -35,12 +35,15 @@ _WITH_CAR, _CAR_OFF, _CAR_ASKEW = 0.7, 0.5, 0.03  # share with a car, m from the
 # Front fences, walls and hedges, in runs of one kind.
 _FENCE_OFF = (0.3, 0.9)  # m from the verge
 _FENCE_RUN, _RUN_GAP = (8.0, 28.0), (1.2, 4.0)  # m of a run, and between two
+_GAP_OFF, _GAP_LENGTH = (0.05, 0.3), 3.0  # m from the verge, and m of a piece, in gaps of a closed front
 _FENCE_LENGTH, _LEAST_FENCE, _FENCE_SEAM = 12.0, 1.2, 0.1  # m of a piece: longest, shortest, between two
 _GATE, _BEFORE_GATE = 1.7, 4.5  # m from the middle of a gate that stay open, and within which a piece ends at it
 
 # Between plots.
 _PLOT, _PLOT_DEPTH, _PLOT_FRONT = (9.0, 24.0), (14.0, 34.0), (0.6, 5.0)  # m along, across, and open at its front
 _PLOT_PIECES, _PLOT_RISE = (2.5, 6.0), 0.25  # m of a piece, limits, and m of rise of the ground under it at most
+
+_PARK_FENCED, _PARK_OFF = 0.6, 0.8  # share of the edges of a car park with a fence, and m to it
 
 # Behind the fences.
 _YARD_OBJECTS, _FEW_YARD_OBJECTS = 4, 0.5  # mean number if most plots are built, and else
@@ -134,19 +137,21 @@ def place_front_fences(
     car_park: CarPark | None,
     rng: np.random.Generator,
 ) -> None:
-    """Fences, walls or hedges before the front gardens, in runs with gates between, open at driveways."""
-    road = occupancy.road
+    """Fences, walls or hedges before front gardens or in the gaps of a closed front, in runs with gates between, open
+    at driveways."""
+    road, gardens = occupancy.road, district.front_gardens
+    longest = _FENCE_LENGTH if gardens else _GAP_LENGTH
     for side in SIDES:
-        if rng.random() > district.front_fences or not district.front_gardens:
+        if rng.random() > district.front_fences:
             continue
-        along, off = -road.half_length, road.verge + rng.uniform(*_FENCE_OFF)
+        along, off = -road.half_length, road.verge + rng.uniform(*(_FENCE_OFF if gardens else _GAP_OFF))
         gates = [place for other, place in driveways if other == side]
         if car_park is not None and car_park.side == side:
             gates.append(car_park.gate)
         while along < road.half_length:
-            kind, width, height = sample_enclosure(rng)
+            kind, width, height = sample_enclosure(district.green, rng)
             stop = min(along + rng.uniform(*_FENCE_RUN), road.half_length)
-            along = _place_fence_run(occupancy, kind, (along, stop), side, off, (width, height), gates)
+            along = _place_fence_run(occupancy, kind, (along, stop), side, off, (width, height), gates, longest)
             along += rng.uniform(*_RUN_GAP)
 
 
@@ -158,6 +163,7 @@ def _place_fence_run(
     off: float,
     section: tuple[float, float],
     gates: list[float],
+    longest: float,
 ) -> float:
     """Pieces of one kind over a span [m along], `off` [m] from the middle of the road, with gaps at the gates.
 
@@ -166,7 +172,7 @@ def _place_fence_run(
     along, stop = span
     width, height = section
     while along < stop:
-        length = min(occupancy.ground.level_length(along, _FENCE_LENGTH), stop - along)
+        length = min(occupancy.ground.level_length(along, longest), stop - along)
         gate = next((g for g in gates if g - _BEFORE_GATE < along + length and along < g + _GATE), None)
         if gate is not None:
             length = gate - _GATE - along
@@ -184,16 +190,39 @@ def place_plot_lines(occupancy: Occupancy, district: District, rng: np.random.Ge
     if not district.built_up:
         return
     for side in SIDES:
-        longest = piece_across(occupancy, side, *_PLOT_PIECES, _PLOT_RISE)
         along = -road.half_length + rng.uniform(*_PLOT)
         while along < road.half_length:
-            kind, width, height = sample_enclosure(rng)
-            ends = road.verge + np.arange(rng.uniform(*_PLOT_FRONT), rng.uniform(*_PLOT_DEPTH), longest)
-            heights = occupancy.ground.heights(np.full(len(ends), along), side * ends)
-            for middle in ((ends[1:] + ends[:-1]) / 2)[np.abs(np.diff(heights)) < 2 * _PLOT_RISE].tolist():
-                size = (longest - _FENCE_SEAM, width, height)
-                occupancy.place(kind, along, side * middle, size, angle=math.pi / 2, margin=0.0, private=True)
+            section = sample_enclosure(district.green, rng)
+            span = road.verge + rng.uniform(*_PLOT_FRONT), road.verge + rng.uniform(*_PLOT_DEPTH)
+            _place_across(occupancy, section, along, side, span)
             along += rng.uniform(*_PLOT)
+
+
+def _place_across(
+    occupancy: Occupancy, section: tuple[str, float, float], along: float, side: int, span: tuple[float, float]
+) -> None:
+    """Pieces of a kind, width and height [m] in a line across a side of the road, over a span [m from its middle]."""
+    kind, width, height = section
+    longest = piece_across(occupancy, side, *_PLOT_PIECES, _PLOT_RISE)
+    ends = np.arange(*span, longest)
+    heights = occupancy.ground.heights(np.full(len(ends), along), side * ends)
+    for middle in ((ends[1:] + ends[:-1]) / 2)[np.abs(np.diff(heights)) < 2 * _PLOT_RISE].tolist():
+        size = (longest - _FENCE_SEAM, width, height)
+        occupancy.place(kind, along, side * middle, size, angle=math.pi / 2, margin=0.0, private=True)
+
+
+def place_car_park_fences(
+    occupancy: Occupancy, district: District, car_park: CarPark, rng: np.random.Generator
+) -> None:
+    """Fences, walls and hedges along the back and the ends of a car park."""
+    kind, width, height = section = sample_enclosure(district.green, rng)
+    ends = car_park.paved_area.along
+    near, far = sorted(abs(edge) for edge in car_park.paved_area.across)
+    if rng.random() < _PARK_FENCED:
+        _place_fence_run(occupancy, kind, ends, car_park.side, far + _PARK_OFF, (width, height), [], _FENCE_LENGTH)
+    for along in (ends[0] - _PARK_OFF - width, ends[1] + _PARK_OFF + width):
+        if rng.random() < _PARK_FENCED:
+            _place_across(occupancy, section, along, car_park.side, (near, far))
 
 
 def piece_across(occupancy: Occupancy, side: int, least: float, most: float, rise: float) -> float:

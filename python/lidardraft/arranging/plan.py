@@ -11,6 +11,7 @@ from lidardraft.arranging.car_parks import CarPark, place_in_car_park, sample_ca
 from lidardraft.arranging.clusters import place_clusters
 from lidardraft.arranging.district import CALM, STREET_DISTRICTS, District, sample_road
 from lidardraft.arranging.gardens import (
+    place_car_park_fences,
     place_driveways,
     place_front_fences,
     place_garden_plants,
@@ -42,8 +43,8 @@ from lidardraft.scene.street import StreetFrame, paths_of
 _GREEN = 0.35
 # Streets along parks and open land, country roads with sidewalks, and calm streets without any: estimates.
 _OPEN, _COUNTRY_WALKS, _NO_WALKS = 0.15, 0.3, 0.08
-_OPEN_FENCES, _OPEN_THICKETS = 0.15, 2.0  # a side
-_OPEN_SETBACK, _OPEN_GAP, _WALKS = (6.0, 14.0), (4.0, 20.0), (1.5, 2.5)  # m
+_OPEN_BUILT, _OPEN_FENCES, _OPEN_THICKETS = 0.45, 0.6, 2.0  # share of the plots behind; a side
+_OPEN_SETBACK, _OPEN_GAP, _WALKS = (18.0, 45.0), (4.0, 20.0), (1.5, 2.5)  # m
 _GREEN_SETBACK, _GREEN_FENCES, _GREEN_THICKETS = (2.5, 6.0), 0.5, 1.5  # m, a side, mean number a side
 _TWO_AISLES = 0.35  # share of car parks with two aisles
 
@@ -104,15 +105,15 @@ def greened(district: District, rng: np.random.Generator) -> District:
 
 
 def walked(district: District, rng: np.random.Generator) -> District:
-    """The district with variants: sometimes sidewalks without buildings, along parks, open land and country roads;
-    more seldom buildings without sidewalks."""
+    """The district with variants: sometimes parks, squares and yards before its buildings, country roads with
+    sidewalks; more seldom buildings without sidewalks."""
     draw = rng.random()
     if not district.junction:  # a motorway
         return district
     if not district.built_up:
         return replace(district, sidewalk=_WALKS) if draw < _COUNTRY_WALKS else district
     if draw < _OPEN:
-        district = replace(district, built=0.0, paved=0.0, setback=_OPEN_SETBACK, gap=_OPEN_GAP)
+        district = replace(district, built=_OPEN_BUILT, paved=0.0, setback=_OPEN_SETBACK, gap=_OPEN_GAP)
         return replace(district, front_fences=_OPEN_FENCES, thickets=_OPEN_THICKETS)
     if draw > 1.0 - _NO_WALKS and district.speed < CALM:
         return replace(district, sidewalk=(0.0, 0.0))
@@ -134,6 +135,8 @@ def fill(frame: Frame, rng: np.random.Generator) -> None:
     place_side_road_buildings(occupancy, district, rng)
     driveways = place_driveways(occupancy, district, rng)
     place_front_fences(occupancy, district, driveways, car_park, rng)
+    if car_park is not None:
+        place_car_park_fences(occupancy, district, car_park, rng)
     place_street_furniture(occupancy, district, car_park, rng)
     place_street_trees(occupancy, district, rng)
     place_beside_side_roads(occupancy, district, rng)

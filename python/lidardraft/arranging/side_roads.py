@@ -112,7 +112,7 @@ def place_beside_side_roads(occupancy: Occupancy, district: District, rng: np.ra
     start = _START + (road.verge if road.roundabout_radius is None else road.roundabout_radius + road.sidewalk)
     for edge in _side_road_edges(occupancy):
         if rng.random() < district.front_fences:
-            _place_fences(occupancy, edge, start, rng)
+            _place_fences(occupancy, edge, start, district.green, rng)
         if road.sidewalk > 0:
             _place_lamps(occupancy, edge, start, rng)
         if rng.random() < district.street_trees:
@@ -125,11 +125,13 @@ def place_beside_side_roads(occupancy: Occupancy, district: District, rng: np.ra
             occupancy.place("person", along, across, sample_person(rng, standing=False), angle=angle)
 
 
-def _place_fences(occupancy: Occupancy, edge: SideRoadEdge, start: float, rng: np.random.Generator) -> None:
+def _place_fences(
+    occupancy: Occupancy, edge: SideRoadEdge, start: float, green: float, rng: np.random.Generator
+) -> None:
     distance, off = start, occupancy.road.verge + rng.uniform(*_FENCE_OFF)
     longest = piece_across(occupancy, edge.side, *_FENCE_LENGTHS, _FENCE_RISE)
     while distance < _FAR:
-        kind, width, height = sample_enclosure(rng)
+        kind, width, height = sample_enclosure(green, rng)
         length = rng.uniform(*_FENCE_LENGTH) * longest
         along, across, angle = edge.at(distance + length / 2, off + width / 2)
         occupancy.place(kind, along, across, (length, width, height), angle=angle, margin=0.0, private=True)

@@ -65,15 +65,17 @@ SIGN_DEPTH = 0.12  # m
 LAMP_WIDTH = 0.2  # m
 # m of fences, walls and hedges across their run: estimates
 FENCE_WIDTH, MESH_FENCE_WIDTH, GARDEN_WALL_WIDTH, HEDGE_WIDTH = 0.1, 0.06, 0.3, (0.6, 1.2)
-# Enclosures of plots: share, m across the run, m high. Estimates; of the walls and fences of PandaSet, 13 % of its
-# returns, most are 0.3 to 2.5 m high.
-_ENCLOSURES: tuple[tuple[str, float, Range, Range], ...] = (
-    ("fence", 0.12, (FENCE_WIDTH, FENCE_WIDTH), (0.7, 1.9)),
-    ("garden_wall", 0.1, (GARDEN_WALL_WIDTH, GARDEN_WALL_WIDTH), (0.5, 1.6)),
-    ("wall", 0.05, (GARDEN_WALL_WIDTH, GARDEN_WALL_WIDTH), (1.5, 2.3)),
-    ("mesh_fence", 0.05, (MESH_FENCE_WIDTH, MESH_FENCE_WIDTH), (0.9, 2.0)),
-    ("overgrown_fence", 0.26, (0.25, 0.9), (0.6, 2.0)),
-    ("hedge", 0.42, HEDGE_WIDTH, (0.6, 2.4)),
+# Enclosures of plots without plants and with them: share, m across the run, m high. Estimates; of the walls and fences
+# of PandaSet, 13 % of its returns, most are 0.3 to 2.5 m high and flat.
+_BUILT: tuple[tuple[str, float, Range, Range], ...] = (
+    ("fence", 0.35, (FENCE_WIDTH, FENCE_WIDTH), (0.7, 1.9)),
+    ("garden_wall", 0.34, (GARDEN_WALL_WIDTH, GARDEN_WALL_WIDTH), (0.5, 1.6)),
+    ("wall", 0.16, (GARDEN_WALL_WIDTH, GARDEN_WALL_WIDTH), (1.5, 2.3)),
+    ("mesh_fence", 0.15, (MESH_FENCE_WIDTH, MESH_FENCE_WIDTH), (0.9, 2.0)),
+)
+_GREEN: tuple[tuple[str, float, Range, Range], ...] = (
+    ("overgrown_fence", 0.38, (0.25, 0.9), (0.6, 2.0)),
+    ("hedge", 0.62, HEDGE_WIDTH, (0.6, 2.4)),
 )
 
 _STATURE = (1.72, 0.09)  # m of adults, mean and deviation (NCD-RisC, 2016, Europe); those below are estimates
@@ -91,10 +93,11 @@ _OVAL = (0.9, 1.1)  # length of a crown over its width
 _STEM = (0.08, 0.32)  # bare share of the height
 
 
-def sample_enclosure(rng: np.random.Generator) -> tuple[str, float, float]:
-    """Kind, width and height [m] of a fence, wall or hedge."""
-    pick = int(rng.choice(len(_ENCLOSURES), p=[share for _, share, *_ in _ENCLOSURES]))
-    kind, _, widths, heights = _ENCLOSURES[pick]
+def sample_enclosure(green: float, rng: np.random.Generator) -> tuple[str, float, float]:
+    """Kind, width and height [m] of a fence or wall, or, in a share of `green`, of a hedge or an overgrown fence."""
+    kinds = _GREEN if rng.random() < green else _BUILT
+    pick = int(rng.choice(len(kinds), p=[share for _, share, *_ in kinds]))
+    kind, _, widths, heights = kinds[pick]
     return kind, rng.uniform(*widths), rng.uniform(*heights)
 
 

@@ -15,7 +15,7 @@ from lidardraft.scene.road import SIDES
 _MARGIN = 0.05  # m
 _AT_STOP = 1.5  # mean number of people waiting at a bus stop
 # Walkers per standing group, per crossing person, and per person waiting at each corner with lights
-_GROUPS, _CROSSING, _WAITING = 10, 16, 16
+_GROUPS, _CROSSING, _WAITING = 0.7, 2.2, 4.5
 _MOST_WAITING = 1.0  # mean number at a corner, at most
 
 # On the sidewalks.
@@ -28,6 +28,7 @@ _OFF_WAY = 0.2  # rad against the street, deviation
 
 # Groups in a ring.
 _GROUP = (2, 5)  # people: from, to before
+_GROUP_AHEAD = (0.22, 0.5)  # of the half length, either way from the middle of the street, near which scans are made
 _RING, _RING_EACH = 0.35, 0.12  # m of its radius: a constant, and a part for each person
 _OFF_RING = 0.15  # rad off even places, deviation
 _GROUP_KERB = 0.3  # m behind the kerb, at least
@@ -56,7 +57,9 @@ def place_people(occupancy: Occupancy, district: District, lights: bool, rng: np
     for _ in range(rng.poisson(district.people)):
         _place_walkers(occupancy, rng)
     for _ in range(rng.poisson(district.people / _GROUPS)):
-        _place_group(occupancy, _spot(occupancy, rng), int(rng.integers(*_GROUP)), rng)
+        ahead = (1 if rng.random() < 0.5 else -1) * rng.uniform(*_GROUP_AHEAD) * occupancy.road.half_length
+        spot = (ahead, _spot(occupancy, rng)[1])
+        _place_group(occupancy, spot, int(rng.integers(*_GROUP)), rng)
     for along, side in occupancy.stops:
         _place_at_stop(occupancy, along, side, rng)
     for _ in range(rng.poisson(district.people / _CROSSING)):

@@ -40,7 +40,7 @@ _STREAM = 5  # of random numbers, apart from those that made the layout
 _NARROW = {"residential": 0.55, "urban": 0.25, "avenue": 0.15, "retail": 0.05}
 _WIDE = {"urban": 0.35, "avenue": 0.5, "retail": 0.15}
 # Factors of the district's traffic and people, by the activity that was asked for: estimates.
-_ACTIVITY = {"busy": StreetMix(traffic=2.5, people=4.0), "quiet": StreetMix(traffic=0.3, people=0.4)}
+_ACTIVITY = {"busy": StreetMix(traffic=2.5, people=2.5), "quiet": StreetMix(traffic=0.3, people=0.4)}
 # Distances that added objects keep [m]: estimates.
 _GAP = 0.3  # to all objects that were asked for
 _RIM = 3.0  # twice that of the cores of crowns, whose rims stick out
