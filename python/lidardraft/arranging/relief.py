@@ -22,14 +22,13 @@ _BANKED_EACH = 12.0  # m: cross fall times radius of the bend, up to `_BANKED`: 
 # Two waves of crests and sags along the road: the shortest and longest of each [m], since vertical curves of some 100 m
 # are usual (RAL), and the steepness of the second against the first, an estimate.
 _WAVELENGTHS = ((120.0, 55.0), (320.0, 140.0))
-_WAVES = (1.0, 0.6)
+_WAVES = (1.0, 0.45)
 # Short waves: their number, the least and longest [m], and the deviation of their slope on one street. ISO 8608 has
 # .003 for good roads (class B) and .009 for poor ones (D) at these lengths.
 _RIPPLES, _RIPPLE_LENGTHS, _ROUGHNESS = 6, (6.0, 25.0), (0.003, 0.009)
 # The land beside the road: estimates.
 _STEEPEST_HILL = 0.12
 _STREET_HILLS = 2.3  # times `Land.hillside`
-_ALONG_HILL = 0.6  # share of a side's slope of its own: most land falls on one side of a road and rises on the other
 _HILL_BEGINS = 14.0  # m from the verge, at which a hillside has half of its slope
 _ROLLING = (0.3, 1.0)  # height of its waves, in shares of the district's
 _ROLLING_BEGINS = 15.0  # m from the pavement, at which they have their full height
@@ -72,7 +71,6 @@ class Relief:
         self._rise = np.clip(rng.normal(0.0, land.grade, 2) * _WAVES, -0.5 * _STEEPEST, 0.5 * _STEEPEST)
         self._phase = rng.uniform(0.0, 2 * math.pi, 2)
         slopes = rng.normal(0.0, land.hillside, 2) * _STREET_HILLS
-        slopes = np.array([slopes[0], _ALONG_HILL * slopes[1] - math.sqrt(1.0 - _ALONG_HILL**2) * slopes[0]])
         self.hillside = np.clip(slopes, -_STEEPEST_HILL, _STEEPEST_HILL)
         self._sections = np.stack([_section(road, land, rng) for _ in range(2)])
         self._rolling = rng.uniform(*_ROLLING) * land.rolling
