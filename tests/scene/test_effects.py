@@ -433,7 +433,9 @@ def test_range_noise_grows_as_power_falls():
 
 def test_a_rough_surface_scatters_ranges_by_its_heights():
     model = replace(IDEAL, material_noise=True)
-    flat = Layout((Primitive(shape="plane", center=(0, 0, -2), size=(200, 200, 0), label="other", id="ground", material="bark"),))
+    flat = Layout(
+        (Primitive(shape="plane", center=(0, 0, -2), size=(200, 200, 0), label="other", id="ground", material="bark"),)
+    )
     steep = replace(SENSOR, elevations=(-0.8, -0.9, -1.0, -1.1))
     for layout, sensor, cosine in (
         (wall(9.0, "bark"), SENSOR, np.ones(4)),
