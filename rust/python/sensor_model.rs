@@ -161,6 +161,7 @@ struct Surfaces<'py> {
     grain: Column<'py, f32>,
     texture: Column<'py, f32>,
     rms_height: Column<'py, f32>,
+    unevenness: Column<'py, f32>,
 }
 
 impl<'py> Surfaces<'py> {
@@ -172,6 +173,7 @@ impl<'py> Surfaces<'py> {
             grain: array("grain", &surfaces.getattr("grain")?)?,
             texture: array("texture", &surfaces.getattr("texture")?)?,
             rms_height: array("rms_height", &surfaces.getattr("rms_height")?)?,
+            unevenness: array("unevenness", &surfaces.getattr("unevenness")?)?,
         })
     }
 
@@ -183,6 +185,7 @@ impl<'py> Surfaces<'py> {
             grain: self.grain.as_slice()?,
             texture: self.texture.as_slice()?,
             rms_height: self.rms_height.as_slice()?,
+            unevenness: self.unevenness.as_slice()?,
         })
     }
 }

@@ -28,15 +28,14 @@ _WAVES = (1.0, 0.45)
 _RIPPLES, _RIPPLE_LENGTHS, _ROUGHNESS = 6, (6.0, 25.0), (0.003, 0.009)
 # The land beside the road: estimates.
 _STEEPEST_HILL = 0.12
-_STREET_HILLS = 1.6  # times `Land.hillside`
-_HILL_BEGINS = 20.0  # m from the verge, at which a hillside has half of its slope
+_STREET_HILLS = 2.3  # times `Land.hillside`
+_HILL_BEGINS = 14.0  # m from the verge, at which a hillside has half of its slope
 _ROLLING = (0.3, 1.0)  # height of its waves, in shares of the district's
 _ROLLING_BEGINS = 15.0  # m from the pavement, at which they have their full height
 _ROLLING_WAVES = ((0.03, -0.06, 0.0), (0.22, 0.06, 2 * math.pi))  # rad/m along and across, phase: least and most
 _MOUND = (0.1, 1.4)  # m, the rise of a roundabout's island to its middle
 _CAMBER_BEGINS = 6.0  # m from the circle of a roundabout, at which a road has its full camber and waves
 _TOWN_BANK = 0.4  # height of a bank behind a sidewalk against one without
-_FALLING = 0.5  # share of banks that fall
 _SHOULDER_DROP = 0.03  # m from the road to its bare shoulder
 _FOOT_OF_BANK = 0.35  # of its height at the last but one of `SECTION`
 
@@ -44,7 +43,7 @@ _FOOT_OF_BANK = 0.35  # of its height at the last but one of `SECTION`
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Land:
     """The shape of land: `grade` and `hillside` are standard deviations of slopes along and beside the road, `rolling`
-    the height [m] of its waves, `ditch` and `bank` probabilities a side.
+    the height [m] of its waves, `ditch` and `bank` probabilities a side; `falling` is the share of banks that fall.
     """
 
     grade: float = 0.027
@@ -52,6 +51,7 @@ class Land:
     rolling: float = 0.25
     ditch: float = 0.0
     bank: float = 0.0
+    falling: float = 0.5
 
 
 class Relief:
@@ -82,7 +82,7 @@ class Relief:
         self._ripples = 2 * math.pi / lengths * np.stack([np.cos(heading), np.sin(heading)])
         self._ripple_heights = own.uniform(*_ROUGHNESS) / math.sqrt(_RIPPLES / 2) * lengths / (2 * math.pi)
         if not outside:  # behind a sidewalk land also falls as often as it rises
-            self._sections[:, -2:] *= np.where(own.random(2) < _FALLING, -1.0, 1.0)[:, None]
+            self._sections[:, -2:] *= np.where(own.random(2) < land.falling, -1.0, 1.0)[:, None]
 
     def grade(self, along: float) -> float:
         """The slope of the road along itself."""
@@ -160,7 +160,7 @@ def _section(road: Road, land: Land, rng: np.random.Generator) -> np.ndarray:
     """Heights [m] of the land at the verge and at each of `SECTION`: flat, with a ditch, with a bank, or both."""
     ditch = rng.uniform(*_DITCH) if rng.random() < land.ditch else 0.0
     bank = rng.uniform(*_BANK) * (1.0 if road.sidewalk == 0 else _TOWN_BANK) if rng.random() < land.bank else 0.0
-    if road.sidewalk == 0 and rng.random() < _FALLING:
+    if road.sidewalk == 0 and rng.random() < land.falling:
         bank = -bank
     shoulder = -_SHOULDER_DROP if road.sidewalk == 0 else 0.0
     return np.array([0.0, shoulder, shoulder - ditch, shoulder - ditch, shoulder + _FOOT_OF_BANK * bank, bank])

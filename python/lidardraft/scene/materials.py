@@ -23,6 +23,9 @@ Sources of `MATERIALS`, by column; a value with several sources is typical of th
 - `rms_height`: of grass from the rows of terrain in PandaSet within 15 m, whose returns lie 4 mm off the line between
   their neighbours in height (5 mm root mean square) and 38 mm in range (8 to 17 mm); of bark, gravel and soil
   estimates.
+- `unevenness`: waves of 0.3 to 4 m. Of asphalt between ISO 8608's classes C and D (2 to 5 mm); of grass and soil an
+  estimate, half of which is left within 2.5 m: the random roughness of grassland in the RUSLE (Renard et al.,
+  Agriculture Handbook 703, 1997) is 8 to 25 mm.
 - `variation`, `grain`: the spread between objects of one material (dirt, age, colour), an estimate, and within one
   from firing to firing, in addition to the sensor's (`speckle`): such that neighbouring readings of PandaSet
   (roads, sidewalks, walls, leaves) and of ika's VLP-32C differ as recorded, see docs/explanation/sensor-model.md.
@@ -55,7 +58,7 @@ class Material:
     square). `transmission` is the share that passes through once. `retroreflection` is the peak of the light returned
     to its source over that of a white surface. `variation` is the relative spread of the whole between objects, `grain`
     that from pixel to pixel of one object. `texture` is its share of the world's texture; `rms_height` [m] is the
-    standard deviation of the heights of its surface from return to return.
+    standard deviation of the heights of its surface from return to return, `unevenness` [m] that from place to place.
     """
 
     name: str
@@ -69,13 +72,14 @@ class Material:
     grain: float = 0.03
     texture: float = 1.0
     rms_height: float = 0.0
+    unevenness: float = 0.0
 
 
 MATERIALS: tuple[Material, ...] = (
-    Material("asphalt", 0.12, roughness=1.0, grain=0.03),
+    Material("asphalt", 0.12, roughness=1.0, grain=0.03, unevenness=0.004),
     Material("concrete", 0.32, roughness=0.5, texture=0.5),
-    Material("paving", 0.22, roughness=0.8, grain=0.04),
-    Material("gravel", 0.25, roughness=1.0, grain=0.2, rms_height=0.008),
+    Material("paving", 0.22, roughness=0.8, grain=0.04, unevenness=0.004),
+    Material("gravel", 0.25, roughness=1.0, grain=0.2, rms_height=0.008, unevenness=0.012),
     Material("plaster", 0.45, roughness=0.35, texture=0.5),
     Material("brick", 0.36, roughness=0.35, texture=0.5),
     Material("stone", 0.33, texture=0.5),
@@ -86,8 +90,8 @@ MATERIALS: tuple[Material, ...] = (
     Material("chrome", 0.03, specular=0.6, rms_slope=0.05, texture=0.0),
     Material("foliage", 0.50, variation=0.15, grain=0.23),
     Material("bark", 0.32, roughness=0.6, grain=0.15, rms_height=0.01),
-    Material("grass", 0.45, roughness=0.8, variation=0.25, grain=0.2, rms_height=0.008),
-    Material("soil", 0.27, roughness=0.8, grain=0.15, rms_height=0.008),
+    Material("grass", 0.45, roughness=0.8, variation=0.25, grain=0.2, rms_height=0.008, unevenness=0.035),
+    Material("soil", 0.27, roughness=0.8, grain=0.15, rms_height=0.008, unevenness=0.035),
     Material("cloth", 0.48, roughness=0.6, variation=0.3, grain=0.15, texture=0.0),
     Material("dark-cloth", 0.22, roughness=0.6, variation=0.4, grain=0.15, texture=0.0),
     Material("skin", 0.55, texture=0.0),
@@ -100,7 +104,7 @@ MATERIALS: tuple[Material, ...] = (
     Material("car-glass", 0.003, specular=2 * _COAT, rms_slope=0.006, transmission=0.32, variation=0.5, texture=0.0),
     Material("window", 0.02, specular=2 * _COAT, rms_slope=0.006, transmission=0.45, variation=0.5, texture=0.0),
     Material("retroreflector", 0.30, retroreflection=math.pi * 250.0, variation=0.3, texture=0.0),
-    Material("road-paint", 0.50, roughness=1.0, variation=0.6, grain=0.15),
+    Material("road-paint", 0.50, roughness=1.0, variation=0.6, grain=0.15, unevenness=0.004),
     Material("sign-back", 0.35, roughness=0.3, specular=0.3, rms_slope=0.2, texture=0.0),
 )
 

@@ -37,8 +37,9 @@ class Surfaces:
     """`table` f32 [P + 1, 128]: the response of each primitive in bins of the root of 1 - cosine of incidence, which is
     nearly linear in the angle; 1 is a white surface that faces the sensor. Row 0 is that of no return.
 
-    `transmission`, `grain`, `texture` and `rms_height`, f32 [P + 1], are those of the primitives' materials, `behind`
-    is the distance [m] from glass to the next surface behind it. Make it once for a layout that is scanned often.
+    `transmission`, `grain`, `texture`, `rms_height` and `unevenness`, f32 [P + 1], are those of the primitives'
+    materials, `behind` is the distance [m] from glass to the next surface behind it. Make it once for a layout that is
+    scanned often.
     """
 
     table: np.ndarray
@@ -47,6 +48,7 @@ class Surfaces:
     grain: np.ndarray
     texture: np.ndarray
     rms_height: np.ndarray
+    unevenness: np.ndarray
 
     @classmethod
     def from_layout(
@@ -100,14 +102,14 @@ class Surfaces:
             alike = np.where(paint, keys[paint][:1].sum(), keys)  # the paint of a street is of one age
             scatter = np.where(alike == 0, 0.0, _nearly_normal(alike))
             table[1:] *= np.exp(spread * scatter).astype(np.float32)[:, None]
-        columns = np.zeros((5, len(index) + 1), np.float32)
-        constants = [(m.transmission, _BEHIND, m.grain, m.texture, m.rms_height) for m in MATERIALS]
+        columns = np.zeros((6, len(index) + 1), np.float32)
+        constants = [(m.transmission, _BEHIND, m.grain, m.texture, m.rms_height, m.unevenness) for m in MATERIALS]
         columns[:, 1:] = np.array(constants)[index].T
         if keys is not None:
             for row, spread, factor in ((0, _TINT_SPREAD, _FACTORS[2]), (1, _BEHIND_SPREAD, _FACTORS[1])):
                 columns[row, 1:] *= np.exp(spread * _nearly_normal(keys * factor))
             columns[0] = np.minimum(columns[0], 1.0)
-        columns[4, 1:][media] = 0.0
+        columns[4:, 1:][:, media] = 0.0
         return cls(table, *columns)
 
 

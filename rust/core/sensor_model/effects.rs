@@ -12,6 +12,8 @@ const BEHIND_RESPONSE: f32 = 0.25;
 const BEHIND_RELIEF: f32 = 0.3;
 /// Cosine of incidence below which rays meet the tops of a rough surface: an estimate.
 const GRAZING: f32 = 0.3;
+/// The same of an uneven surface, about the slope of its waves: flatter rays meet the next crest.
+const WAVE_SLOPE: f32 = 0.1;
 /// How often echoes at the detection threshold are dropped, as the mean of an exponential distribution.
 const WEAK_DROPS: f32 = 2.0;
 /// Standard deviations of the dust's pattern above which there is a stain.
@@ -156,6 +158,26 @@ pub(crate) fn intensity(echoes: &Echoes, beam: usize, cutoff: f32, model: &Senso
     }
     for shown in shown {
         *shown = larger(*shown, model.least_reading);
+    }
+}
+
+/// Brings echoes of uneven surfaces nearer where these are high, and further away where they are low, by their
+/// `unevenness` times the field `heights`; along the ray as in [`roughness`]. `work` is written.
+#[inline(always)]
+pub(crate) fn uneven<L: Lanes>(
+    echoes: &mut Echoes,
+    heights: &[f32],
+    surfaces: &Surfaces<'_>,
+    model: &SensorModel,
+    work: &mut [f32],
+) {
+    if !model.material_noise {
+        return;
+    }
+    echoes.look_up::<L>(surfaces.unevenness, work);
+    let depths = echoes.depth.iter_mut().zip(&echoes.incidence);
+    for (((depth, &incidence), &height), &deviation) in depths.zip(heights).zip(&*work) {
+        *depth -= deviation * height / larger(incidence, WAVE_SLOPE);
     }
 }
 

@@ -143,6 +143,7 @@ impl Surfaces<'_> {
             ("grain", self.grain.len()),
             ("texture", self.texture.len()),
             ("rms_height", self.rms_height.len()),
+            ("unevenness", self.unevenness.len()),
         ] {
             if found != entries {
                 return Err(Error::SurfaceColumn { column, found, entries });

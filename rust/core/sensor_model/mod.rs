@@ -23,6 +23,7 @@ use crate::threads::spread;
 use crate::{Backend, Result};
 use effects::{
     add_backscatter, dim_by_dust, drop_rays, intensity, range_noise, roughness, scatter_power, transmit_through_glass,
+    uneven,
 };
 use noise::{Key, Numbers, Patches, Stream};
 use receiver::{Echoes, receive};
@@ -102,7 +103,7 @@ struct Observer<'a> {
     ranging: Ranging,
     model: &'a SensorModel,
     seed: u64,
-    /// The pose of the head in each column, if surfaces have a texture.
+    /// The pose of the head in each column, if surfaces have a texture or are uneven.
     heads: [Points; 4],
     /// Where echoes fade.
     patches: Patches,
@@ -138,6 +139,7 @@ struct Row {
     patches: Vec<f32>,
     points: Points,
     texture: Vec<f32>,
+    heights: Vec<f32>,
     stains: Vec<f32>,
     work: Vec<f32>,
     dropped: Vec<bool>,
@@ -151,6 +153,7 @@ impl Row {
             patches: vec![0.0; columns],
             points: Points::default(),
             texture: vec![0.0; columns],
+            heights: vec![0.0; columns],
             stains: vec![0.0; columns],
             work: vec![0.0; columns],
             dropped: vec![false; columns],
@@ -167,7 +170,7 @@ impl<'a> Observer<'a> {
         beams.sample(Key::new(model.unit, Stream::Beams, 0), rows);
         let mut cutoffs = Numbers::default();
         cutoffs.sample(Key::new(model.unit, Stream::Cutoffs, 0), rows);
-        let heads = if model.texture > 0.0 { light.places.heads() } else { Default::default() };
+        let heads = if model.texture > 0.0 || model.material_noise { light.places.heads() } else { Default::default() };
         Observer { light, ranging, model, seed, heads, patches, stains, beams, cutoffs }
     }
 
@@ -185,7 +188,7 @@ impl<'a> Observer<'a> {
     fn observe_row<L: Lanes>(&self, number: usize, row: &mut Row, scan: &mut ReturnsMut<'_>) {
         let (model, surfaces, extinction) = (self.model, &self.light.surfaces, self.light.extinction);
         let columns = self.light.shape[1];
-        let Row { echoes, numbers, patches, points, texture: field, stains, work, dropped } = row;
+        let Row { echoes, numbers, patches, points, texture: field, heights, stains, work, dropped } = row;
         let returns = self.light.returns.row(number, columns * model.shares.len());
         numbers.sample(Key::new(self.seed, Stream::Pulses, number), columns);
         self.patches.blend(number, patches);
@@ -194,10 +197,10 @@ impl<'a> Observer<'a> {
         }
 
         receive::<L>(&returns, surfaces, extinction, model, echoes);
-        if model.texture > 0.0 {
+        if model.texture > 0.0 || model.material_noise {
             let rays = model.shares.len();
             self.light.places.along(&self.heads, number * rays + rays / 2, &echoes.depth, points);
-            texture(points, field);
+            texture(points, field, heights);
             echoes.look_up::<L>(surfaces.texture, work);
             field.iter_mut().zip(&*work).for_each(|(field, &of_surface)| *field *= of_surface);
         }
@@ -211,6 +214,7 @@ impl<'a> Observer<'a> {
         drop_rays(echoes, patches, &numbers.exponential, model, dropped);
         let cutoff = model.cutoff + model.cutoff_spread * self.cutoffs.normal[number];
         intensity(echoes, number, cutoff, model, scan.intensity);
+        uneven::<L>(echoes, heights, surfaces, model, work);
         roughness::<L>(echoes, surfaces, model, work);
         let known = model.range_offsets.get(number).copied().unwrap_or(0.0);
         range_noise(

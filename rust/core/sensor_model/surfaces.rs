@@ -19,8 +19,10 @@ pub struct Surfaces<'a> {
     pub grain: &'a [f32],
     /// The share of the world's texture that the surface has.
     pub texture: &'a [f32],
-    /// Standard deviation of the heights of the surface [m].
+    /// Standard deviation of the heights of the surface, from return to return [m].
     pub rms_height: &'a [f32],
+    /// That from place to place [m].
+    pub unevenness: &'a [f32],
 }
 
 impl Surfaces<'_> {

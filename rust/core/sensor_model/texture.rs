@@ -1,4 +1,5 @@
-//! Texture: how much more or less surfaces send back from place to place, a field that is anchored in the world.
+//! Texture: how much more or less surfaces send back from place to place, and how much higher they are there, fields that
+//! are anchored in the world.
 
 use std::f32::consts::{FRAC_1_SQRT_2, FRAC_PI_2};
 
@@ -10,6 +11,8 @@ use crate::{Error, Pose, Result, SensorPattern};
 /// Cells a metre, and shares of the standard deviation: asphalt is as patchy in recordings
 /// (docs/explanation/sensor-model.md).
 const OCTAVES: [(f32, f32); 4] = [(10.0, 0.22), (2.5, 0.30), (0.7, 0.44), (0.2, 0.82)];
+/// The shares of the deviation of heights, an estimate: waves of 0.3 to 4 m. Longer ones are those of the layout.
+const HEIGHTS: [f32; 4] = [0.15, 0.45, 0.88, 0.0];
 /// The period of the cells' numbers [m]: this many are exact enough in 32 bits.
 const PERIOD: f64 = 4096.0;
 /// Added to every coordinate [m], so that the seam between two periods is away from layouts.
@@ -79,13 +82,18 @@ impl Places<'_> {
     }
 }
 
-/// Writes the field at each place: nearly normal numbers of variance 1, alike at close places.
+/// Writes both fields at each place: nearly normal numbers of variance 1, alike at close places. High places are often
+/// the brighter ones, as tussocks are over soil: one set of numbers serves for both.
 #[inline(always)]
-pub(crate) fn texture([x, y, z]: &Points, field: &mut [f32]) {
+pub(crate) fn texture([x, y, z]: &Points, field: &mut [f32], heights: &mut [f32]) {
     field.fill(0.0);
-    for (seed, (cells, share)) in (1_u32..).zip(OCTAVES) {
-        for (((field, &x), &y), &z) in field.iter_mut().zip(x).zip(y).zip(z) {
-            *field += share / DEVIATION * octave([x * cells, y * cells, z * cells], seed);
+    heights.fill(0.0);
+    for (seed, ((cells, share), height)) in (1_u32..).zip(OCTAVES.into_iter().zip(HEIGHTS)) {
+        let fields = field.iter_mut().zip(heights.iter_mut());
+        for ((((field, heights), &x), &y), &z) in fields.zip(x).zip(y).zip(z) {
+            let number = octave([x * cells, y * cells, z * cells], seed);
+            *field += share / DEVIATION * number;
+            *heights += height / DEVIATION * number;
         }
     }
 }

@@ -132,6 +132,7 @@ fn seen_with(
         grain: &[0.0, 0.1, 0.05, 0.2],
         texture: &[0.0, 1.0, 0.0, 1.0],
         rms_height: &[0.0, 0.0, 0.0, 0.02],
+        unevenness: &[0.0, 0.01, 0.0, 0.03],
     };
     let backscatter = [Backscatter { depth: &fog, response: &weak }];
     let mut light = Light { returns, surfaces, backscatter: &backscatter, extinction: 0.001, shape: SHAPE, places };
@@ -214,6 +215,7 @@ fn what_does_not_fit_is_refused() {
         let surfaces = &mut light.surfaces;
         (surfaces.table, surfaces.transmission) = (&surfaces.table[..3], &surfaces.transmission[..3]);
         (surfaces.grain, surfaces.rms_height) = (&surfaces.grain[..3], &surfaces.rms_height[..3]);
+        surfaces.unevenness = &surfaces.unevenness[..3];
         (surfaces.behind, surfaces.texture) = (&surfaces.behind[..3], &surfaces.texture[..3]);
     };
     assert_eq!(refused(&model, short), "the image shows primitive 2; the layout has 2");

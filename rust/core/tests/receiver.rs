@@ -89,6 +89,7 @@ fn received(depth: &[f32], primitive: &[i32], model: &SensorModel) -> Echoes {
         grain: &column,
         texture: &column,
         rms_height: &column,
+        unevenness: &column,
     };
     let (label, instance, incidence) = (vec![1; depth.len()], vec![0; depth.len()], vec![1.0; depth.len()]);
     let rays = Returns { depth, label: &label, instance: &instance, primitive, incidence: &incidence };

@@ -125,9 +125,9 @@ class _Scene:
         district = applied(_ACTIVITY.get(str(self.intent.activity), StreetMix()), district)
         district = _beside_lots(district, road)
         paved = bool(rng.random() < district.paved)
-        # banks would hide the objects that were asked for
+        # ditches and rising banks would hide the objects that were asked for
         crossed = self.paved or any(map(self._is_beside, itertools.chain.from_iterable(self.asked.values())))
-        land = dataclasses.replace(district.land, ditch=0.0, bank=0.0) if crossed else district.land
+        land = dataclasses.replace(district.land, ditch=0.0, falling=1.0) if crossed else district.land
         ground = Ground(road, rng, land, plain=self.street.plain, paved=paved)
         denied = _denied(self.intent, self.counted) | (set() if district.built_up else _AT_HOUSES)
         instances = max((primitive.instance for primitive in self.given), default=0)
