@@ -28,8 +28,8 @@ _WAVES = (1.0, 0.45)
 _RIPPLES, _RIPPLE_LENGTHS, _ROUGHNESS = 6, (6.0, 25.0), (0.003, 0.009)
 # The land beside the road: estimates.
 _STEEPEST_HILL = 0.12
-_STREET_HILLS = 2.3  # times `Land.hillside`
-_HILL_BEGINS = 14.0  # m from the verge, at which a hillside has half of its slope
+_STREET_HILLS = 1.6  # times `Land.hillside`
+_HILL_BEGINS = 20.0  # m from the verge, at which a hillside has half of its slope
 _ROLLING = (0.3, 1.0)  # height of its waves, in shares of the district's
 _ROLLING_BEGINS = 15.0  # m from the pavement, at which they have their full height
 _ROLLING_WAVES = ((0.03, -0.06, 0.0), (0.22, 0.06, 2 * math.pi))  # rad/m along and across, phase: least and most

@@ -24,8 +24,8 @@ Sources of `MATERIALS`, by column; a value with several sources is typical of th
   their neighbours in height (5 mm root mean square) and 38 mm in range (8 to 17 mm); of bark, gravel and soil
   estimates.
 - `unevenness`: waves of 0.3 to 4 m. Of asphalt between ISO 8608's classes C and D (2 to 5 mm); of grass and soil an
-  estimate, half of which is left within 2.5 m: the random roughness of grassland in the RUSLE (Renard et al.,
-  Agriculture Handbook 703, 1997) is 8 to 25 mm.
+  estimate: the random roughness of grassland in the RUSLE (Renard et al., Agriculture Handbook 703, 1997) is 8 to
+  25 mm.
 - `variation`, `grain`: the spread between objects of one material (dirt, age, colour), an estimate, and within one
   from firing to firing, in addition to the sensor's (`speckle`): such that neighbouring readings of PandaSet
   (roads, sidewalks, walls, leaves) and of ika's VLP-32C differ as recorded, see docs/explanation/sensor-model.md.
@@ -90,8 +90,8 @@ MATERIALS: tuple[Material, ...] = (
     Material("chrome", 0.03, specular=0.6, rms_slope=0.05, texture=0.0),
     Material("foliage", 0.50, variation=0.15, grain=0.23),
     Material("bark", 0.32, roughness=0.6, grain=0.15, rms_height=0.01),
-    Material("grass", 0.45, roughness=0.8, variation=0.25, grain=0.2, rms_height=0.008, unevenness=0.035),
-    Material("soil", 0.27, roughness=0.8, grain=0.15, rms_height=0.008, unevenness=0.035),
+    Material("grass", 0.45, roughness=0.8, variation=0.25, grain=0.2, rms_height=0.008, unevenness=0.022),
+    Material("soil", 0.27, roughness=0.8, grain=0.15, rms_height=0.008, unevenness=0.022),
     Material("cloth", 0.48, roughness=0.6, variation=0.3, grain=0.15, texture=0.0),
     Material("dark-cloth", 0.22, roughness=0.6, variation=0.4, grain=0.15, texture=0.0),
     Material("skin", 0.55, texture=0.0),
