@@ -40,8 +40,8 @@ _ONE_EACH_WAY, _TWO_EACH_WAY = (0.5,), (0.75, 0.25)  # middles of lanes in share
 _STATION = 2.0  # between the points of a bent lane
 _RELIEF, _SAME = 4.0, 0.05  # between the points of a lane with relief; and a distance that counts as none
 _QUARTER = np.linspace(0.0, math.pi / 2, 17)
-_WIDE = 1.5  # turns to the right are wider by this factor, as there is a corner beside them
-_INTO_RING = 0.25  # rad on the ring beyond the lane by which traffic enters, and before the one by which it leaves
+_WIDE = 1.5  # turns to the right, and in and out of a roundabout, are wider by this factor: a corner is beside them
+_INTO_RING = 0.35  # rad on the ring beyond the lane by which traffic enters, and before the one by which it leaves
 MAIN_ROAD, SIDE_ROAD, ROUNDABOUT, AISLE = "main", "side", "ring", "aisle"  # kinds of paths
 
 
@@ -302,7 +302,7 @@ class StreetFrame:
         middle, axes = self.crossed()
         far, outer = road.edge + _CORNER, self.side_offsets()[0]
         low, high = self.ends or (-road.half_length, road.half_length)
-        for across, way, _, _ in self._offsets():
+        for across, way, _, width in self._offsets():
             begin, own = low if way > 0 else high, way * across
             stations = np.linspace(begin, junction - way * far, max(2, math.ceil(road.half_length / _STATION)))[:-1]
             for turn, side in (("left", LEFT), ("right", RIGHT)):
@@ -315,7 +315,8 @@ class StreetFrame:
                 bend = middle + way * np.concatenate([np.column_stack([forward, left]), on]) @ axes
                 points = np.concatenate([road.points(stations, np.array(across)), bend])
                 along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-                yield points, {"turn": turn, "bend": (float(along[len(stations)]), float(along[-2]))}
+                bends = float(along[len(stations)]), float(along[-2])
+                yield points, {"turn": turn, "bend": bends, "width": width}
 
     def _along_path(self, path: Path) -> _Points:
         """Around a roundabout, or straight on; side roads of a bend are straight too."""
@@ -447,10 +448,10 @@ class _Lanes:
             on = ring[0] + np.outer((0.0, 1.0), (-math.sin(angle), math.cos(angle)))
             if way > 0:
                 self.known[id] |= {"successors": (f"{id}>ring",), "stop": math.inf}
-                self._through(f"{id}>ring", _bent(self.points[id][-2:], on), f"ring_{number}", **known)
+                self._through(f"{id}>ring", _bent(self.points[id][-2:], on, _WIDE), f"ring_{number}", **known)
             else:
                 into = on - np.diff(on, axis=0)
-                self._through(f"ring>{id}", _bent(into, self.points[id][:2]), id, **known)
+                self._through(f"ring>{id}", _bent(into, self.points[id][:2], _WIDE), id, **known)
 
     def _through(self, id: str, points: np.ndarray, *successors: str, **known: Any) -> None:
         """A lane through the junction."""

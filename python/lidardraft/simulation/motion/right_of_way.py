@@ -74,8 +74,8 @@ class Passage:
 @dataclass(slots=True)
 class _User:
     """A driver before a passage or on it: the `line` at which it waits, beyond that of the passage if it stands there
-    and before the ways of others; its front and rear along the way [m]; whether it is `committed`, too near to stop at
-    the line, or `held` by a light."""
+    and before the ways of others; its front and rear along the way, and the way to brake [m]; whether it is
+    `committed`, too near to stop at the line, or `held` by a light."""
 
     number: int
     driver: Driver
@@ -83,6 +83,7 @@ class _User:
     line: float
     front: float
     rear: float
+    brakes: float
     committed: bool
     held: bool
 
@@ -209,7 +210,7 @@ class RightOfWay:
                 held = self._is_red(passage, time)
                 if not driver.motion.gives_way:
                     committed, held = committed or driver.speed > _SLOW, False
-                yield _User(number, driver, passage, line, front, rear, committed, held), index
+                yield _User(number, driver, passage, line, front, rear, brakes, committed, held), index
 
     def _is_red(self, passage: Passage, time: float) -> bool:
         return passage.phase is not None and not self.is_green(passage.phase, time)
@@ -218,10 +219,10 @@ class RightOfWay:
         """The furthest place of a driver along its way [m]: its line or, once beyond it, the start of the zone of
         another driver that is beyond its own line and there first. `free` are the ends of all drivers' free ways
         [m]."""
-        line, brakes = user.line, user.driver.speed**2 / (2 * _BRAKING)
+        line = user.line
         if user.held and not user.committed:
             return line
-        if line - user.front > brakes + _LOOKS:
+        if line - user.front > user.brakes + _LOOKS:
             return math.inf
         found = [math.inf]
         for zone in user.passage.zones:
@@ -229,7 +230,7 @@ class RightOfWay:
             others = (other for other in others if other.comes(zone, free[other.number]))
             if not user.committed:
                 found += [line for other in others if _meet(user, zone, other)]
-            elif user.front + brakes < zone.own[0]:
+            elif user.front + user.brakes < zone.own[0]:
                 first = (other for other in others if other.committed and _is_first(other, user, zone))
                 found += [max(user.front, zone.own[0] - _BEFORE) for other in first if _meet(user, zone, other)]
         return min(found)
