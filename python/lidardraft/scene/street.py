@@ -37,7 +37,7 @@ _SHORTEST = 12.0  # a piece of the road before or behind a roundabout
 _TWO_LANES = 6.0  # m, the least width of a one-way street with two lanes
 _FOUR_LANES = 6.5  # m, the least half width of a side road with two lanes each way
 _ONE_EACH_WAY, _TWO_EACH_WAY = (0.5,), (0.75, 0.25)  # middles of lanes in shares of the half width
-_STATION = 2.0  # between the points of a bent lane
+_STATION, _RING_STATION = 2.0, 1.0  # between the points of a bent lane, and of a roundabout
 _RELIEF, _SAME = 4.0, 0.05  # between the points of a lane with relief; and a distance that counts as none
 _QUARTER = np.linspace(0.0, math.pi / 2, 17)
 _WIDE = 1.5  # turns to the right, and in and out of a roundabout, are wider by this factor: a corner is beside them
@@ -441,7 +441,7 @@ class _Lanes:
         for number, (angle, way, id) in enumerate(events):
             after = (number + 1) % len(events)
             span = (events[after][0] - angle) % math.tau or math.tau
-            turns = angle + np.linspace(0.0, span, 2 + math.ceil(span * radius / _STATION))
+            turns = angle + np.linspace(0.0, span, 2 + math.ceil(span * radius / _RING_STATION))
             ring = middle + radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
             out = () if events[after][1] > 0 else (f"ring>{events[after][2]}",)
             self._through(f"ring_{number}", ring, f"ring_{after}", *out, **known)

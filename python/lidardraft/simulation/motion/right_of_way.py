@@ -358,10 +358,13 @@ def _spans(row: np.ndarray, their: np.ndarray) -> tuple[tuple[float, float], tup
     mine, theirs = np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
     if not len(mine) or (near[0, 0] and math.cos(row[0, 3] - their[0, 3]) > 0.0):
         return None
-    (begin, end), (near_at, far) = row[mine[[0, -1]], 0].tolist(), their[theirs[[0, -1]], 0].tolist()
+    begin, near_at, end, far = mine[0], theirs[0], row[mine[-1], 0], their[theirs[-1], 0]
     if math.cos(row[mine[-1], 3] - their[theirs[-1], 3]) > math.sqrt(0.5):  # they go on together
-        end, far = min(end, begin + _MERGING), min(far, near_at + _MERGING)
-    return (begin, end), (near_at, far)
+        # from the place that neither starts at: a way around a ring is also at its start when it has gone round
+        met = (begin, near[begin].argmax()), (near[:, near_at].argmax(), near_at)
+        begin, near_at = max(met, key=min)
+        end, far = min(end, row[begin, 0] + _MERGING), min(far, their[near_at, 0] + _MERGING)
+    return (float(row[begin, 0]), float(end)), (float(their[near_at, 0]), float(far))
 
 
 def _gives(one: Passage, other: Passage) -> int:
