@@ -31,7 +31,7 @@ _STANDS, _ROLLS = (
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
 _SEES, _CLEAR, _TO_EDGE = 20.0, 1.0, 0.7  # m of view to cyclists, m beside them, m from them to the lane's edge
 _LEFT = 4.0  # m/s at which a bus has left its stop
-_RETURN, _PASSED = 12.0, 6.0  # m over which a vehicle begins to return to its lane; m that it is then ahead of the passed one
+_RETURN, _PASSED = 12.0, 6.0  # m over which a vehicle returns to its lane; m that it is then ahead of the passed one
 CYCLES = frozenset({"bicycle"})  # classes that keep right
 
 
