@@ -37,11 +37,11 @@ _SHORTEST = 12.0  # a piece of the road before or behind a roundabout
 _TWO_LANES = 6.0  # m, the least width of a one-way street with two lanes
 _FOUR_LANES = 6.5  # m, the least half width of a side road with two lanes each way
 _ONE_EACH_WAY, _TWO_EACH_WAY = (0.5,), (0.75, 0.25)  # middles of lanes in shares of the half width
-_STATION = 2.0  # between the points of a bent lane
+_STATION, _RING_STATION = 2.0, 1.0  # between the points of a bent lane, and of a roundabout
 _RELIEF, _SAME = 4.0, 0.05  # between the points of a lane with relief; and a distance that counts as none
 _QUARTER = np.linspace(0.0, math.pi / 2, 17)
-_WIDE = 1.5  # turns to the right are wider by this factor, as there is a corner beside them
-_INTO_RING = 0.25  # rad on the ring beyond the lane by which traffic enters, and before the one by which it leaves
+_WIDE = 1.5  # turns to the right, and in and out of a roundabout, are wider by this factor: a corner is beside them
+_INTO_RING = 0.35  # rad on the ring beyond the lane by which traffic enters, and before the one by which it leaves
 MAIN_ROAD, SIDE_ROAD, ROUNDABOUT, AISLE = "main", "side", "ring", "aisle"  # kinds of paths
 
 
@@ -302,7 +302,7 @@ class StreetFrame:
         middle, axes = self.crossed()
         far, outer = road.edge + _CORNER, self.side_offsets()[0]
         low, high = self.ends or (-road.half_length, road.half_length)
-        for across, way, _, _ in self._offsets():
+        for across, way, _, width in self._offsets():
             begin, own = low if way > 0 else high, way * across
             stations = np.linspace(begin, junction - way * far, max(2, math.ceil(road.half_length / _STATION)))[:-1]
             for turn, side in (("left", LEFT), ("right", RIGHT)):
@@ -315,7 +315,8 @@ class StreetFrame:
                 bend = middle + way * np.concatenate([np.column_stack([forward, left]), on]) @ axes
                 points = np.concatenate([road.points(stations, np.array(across)), bend])
                 along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-                yield points, {"turn": turn, "bend": (float(along[len(stations)]), float(along[-2]))}
+                bends = float(along[len(stations)]), float(along[-2])
+                yield points, {"turn": turn, "bend": bends, "width": width}
 
     def _along_path(self, path: Path) -> _Points:
         """Around a roundabout, or straight on; side roads of a bend are straight too."""
@@ -440,17 +441,17 @@ class _Lanes:
         for number, (angle, way, id) in enumerate(events):
             after = (number + 1) % len(events)
             span = (events[after][0] - angle) % math.tau or math.tau
-            turns = angle + np.linspace(0.0, span, 2 + math.ceil(span * radius / _STATION))
+            turns = angle + np.linspace(0.0, span, 2 + math.ceil(span * radius / _RING_STATION))
             ring = middle + radius * np.stack([np.cos(turns), np.sin(turns)], axis=1)
             out = () if events[after][1] > 0 else (f"ring>{events[after][2]}",)
             self._through(f"ring_{number}", ring, f"ring_{after}", *out, **known)
             on = ring[0] + np.outer((0.0, 1.0), (-math.sin(angle), math.cos(angle)))
             if way > 0:
                 self.known[id] |= {"successors": (f"{id}>ring",), "stop": math.inf}
-                self._through(f"{id}>ring", _bent(self.points[id][-2:], on), f"ring_{number}", **known)
+                self._through(f"{id}>ring", _bent(self.points[id][-2:], on, _WIDE), f"ring_{number}", **known)
             else:
                 into = on - np.diff(on, axis=0)
-                self._through(f"ring>{id}", _bent(into, self.points[id][:2]), id, **known)
+                self._through(f"ring>{id}", _bent(into, self.points[id][:2], _WIDE), id, **known)
 
     def _through(self, id: str, points: np.ndarray, *successors: str, **known: Any) -> None:
         """A lane through the junction."""

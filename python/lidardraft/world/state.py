@@ -26,7 +26,8 @@ _FIELDS = ("seed", "origin", "time", "steps", "layouts", "things", "scenario", "
 class Drive:
     """A driver on the way of number `way`: `along` it, `left` of its middle [m], `yaw` against it [rad] and place along
     it at its `start`, and `speed` [m/s]. `beside` is whether it has been beside the vehicle that it overtakes,
-    `returns` whether it moves to the middle, `waited` how long it has stood [s]."""
+    `returns` whether it moves to the middle, `waited` how long it has stood [s], `drift` its way to the left for each
+    metre along."""
 
     way: int
     along: float
@@ -37,6 +38,7 @@ class Drive:
     beside: bool = False
     returns: bool = False
     waited: float = 0.0
+    drift: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)

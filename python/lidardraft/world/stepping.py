@@ -27,7 +27,7 @@ from lidardraft.world.things import Thing
 
 _AWAY = 0.5  # m from an object to its way-points at most
 _FORESEEN = 60.0  # s of a walk whose way is checked
-_KEPT = ("along", "left", "yaw", "start", "speed", "beside", "returns", "waited")  # a driver's fields in a state
+_KEPT = ("along", "left", "yaw", "start", "speed", "beside", "returns", "waited", "drift")  # of a driver
 ThingOf = Callable[[str, Actor], Thing]
 
 

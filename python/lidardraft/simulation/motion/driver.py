@@ -57,6 +57,7 @@ class Driver:
     beside: bool = False  # whether it has been beside a vehicle that it overtakes
     returns: bool = False  # to its lane, or to its `side` of it
     side: float = 0.0  # its goal left of the middle [m]
+    drift: float = 0.0  # m to the left for each along
 
     def wish(self, time: float) -> float:
         """The speed that it wants at a `time` [s] if the way is free [m/s]."""

@@ -31,7 +31,7 @@ _STANDS, _ROLLS = (
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
 _SEES, _CLEAR, _TO_EDGE = 20.0, 1.0, 0.7  # m of view to cyclists, m beside them, m from them to the lane's edge
 _LEFT = 4.0  # m/s at which a bus has left its stop
-_RETURN, _PASSED = 25.0, 6.0  # m over which a vehicle returns to its lane; m that it is then ahead of the passed one
+_RETURN, _PASSED = 12.0, 6.0  # m over which a vehicle returns to its lane; m that it is then ahead of the passed one
 CYCLES = frozenset({"bicycle"})  # classes that keep right
 
 
@@ -158,11 +158,11 @@ class Traffic:
             rows = [self.drivers[number] for number in numbers]
             lane = rows[0].lane
             end = lane.line.length
-            along, left, first, start, off_side = np.array(
-                [(row.along, row.left, row.yaw, row.start, row.returns * (row.left - row.side)) for row in rows]
+            along, left, first, start, drift = np.array(
+                [(row.along, row.left, row.yaw, row.start, row.drift) for row in rows]
             ).T
             found[numbers, :2], found[numbers, 2] = lane.line.at(along, left), lane.line.height(along, left)
-            off = first * np.exp((start - along) / _AIM) - np.arctan(off_side / _RETURN)
+            off = first * np.exp((start - along) / _AIM) + np.arctan(drift)
             found[numbers, 3] = lane.line.heading(along) + off
             if (over := np.maximum(along - end, 0.0)).any():  # off the map it goes straight on
                 heading = lane.line.heading(end)
@@ -189,10 +189,12 @@ class Traffic:
             push = _ACCELERATION * (max(free, -_BRAKING / _ACCELERATION) - (kept / max(gap, 0.1)) ** 2)
             faster = min(speed + push * span, _safe(gap - motion.gap / 2, ahead))
             driver.speed = max(faster, speed - _HARDEST * span, 0.0)
-            driver.along += driver.speed * span
+            driver.along += (way := driver.speed * span)
             rolls = driver.speed > (_ROLLS if motion.halt is None else _LEFT)
             driver.waited = 0.0 if rolls else driver.waited + span * (driver.speed < _STANDS)
-            driver.left += (driver.side - driver.left) * (1 - math.exp(-driver.speed * span / _RETURN * driver.returns))
+            if driver.returns:  # it turns the wheel gradually
+                driver.drift += way / _RETURN * ((driver.side - driver.left) / _RETURN - 2 * driver.drift)
+                driver.left += way * driver.drift
 
     def _free(self, others: np.ndarray, time: float, *, starts: bool = False) -> list[tuple[float, float]]:
         """As `_ahead`, and up to the lines at which drivers have to wait."""

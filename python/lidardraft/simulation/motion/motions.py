@@ -99,7 +99,8 @@ def usual_motions(
 def _along_lane(body: Body, asked: Asked, lanes: Sequence[Lane]) -> Motion | None:
     """The motion of a vehicle along its lane as asked for; None if it is in no lane and has no other motion."""
     heading, speed, motion = str(asked.heading), asked.speed, asked.motion
-    straight = AlongLane(speed, overtakes=motion == "overtakes", gives_way=not heading.startswith("across"))
+    goes = asked.counted and heading.startswith("across")  # those asked for by number cross, of the rest each as it may
+    straight = AlongLane(speed, overtakes=motion == "overtakes", gives_way=not goes)
     if asked.heading is None and motion is None and body.name != "ego" and body.size[0] < _SHORT:
         straight = replace(straight, turn=_turn_of(body, lanes))
     turned = [replace(straight, turn=turn) for turn in _TURNS.get(heading, ())]

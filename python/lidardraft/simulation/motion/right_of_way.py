@@ -74,8 +74,8 @@ class Passage:
 @dataclass(slots=True)
 class _User:
     """A driver before a passage or on it: the `line` at which it waits, beyond that of the passage if it stands there
-    and before the ways of others; its front and rear along the way [m]; whether it is `committed`, too near to stop at
-    the line, or `held` by a light."""
+    and before the ways of others; its front and rear along the way, and the way to brake [m]; whether it is
+    `committed`, too near to stop at the line, or `held` by a light."""
 
     number: int
     driver: Driver
@@ -83,6 +83,7 @@ class _User:
     line: float
     front: float
     rear: float
+    brakes: float
     committed: bool
     held: bool
 
@@ -209,7 +210,7 @@ class RightOfWay:
                 held = self._is_red(passage, time)
                 if not driver.motion.gives_way:
                     committed, held = committed or driver.speed > _SLOW, False
-                yield _User(number, driver, passage, line, front, rear, committed, held), index
+                yield _User(number, driver, passage, line, front, rear, brakes, committed, held), index
 
     def _is_red(self, passage: Passage, time: float) -> bool:
         return passage.phase is not None and not self.is_green(passage.phase, time)
@@ -218,10 +219,10 @@ class RightOfWay:
         """The furthest place of a driver along its way [m]: its line or, once beyond it, the start of the zone of
         another driver that is beyond its own line and there first. `free` are the ends of all drivers' free ways
         [m]."""
-        line, brakes = user.line, user.driver.speed**2 / (2 * _BRAKING)
+        line = user.line
         if user.held and not user.committed:
             return line
-        if line - user.front > brakes + _LOOKS:
+        if line - user.front > user.brakes + _LOOKS:
             return math.inf
         found = [math.inf]
         for zone in user.passage.zones:
@@ -229,7 +230,7 @@ class RightOfWay:
             others = (other for other in others if other.comes(zone, free[other.number]))
             if not user.committed:
                 found += [line for other in others if _meet(user, zone, other)]
-            elif user.front + brakes < zone.own[0]:
+            elif user.front + user.brakes < zone.own[0]:
                 first = (other for other in others if other.committed and _is_first(other, user, zone))
                 found += [max(user.front, zone.own[0] - _BEFORE) for other in first if _meet(user, zone, other)]
         return min(found)
@@ -357,10 +358,13 @@ def _spans(row: np.ndarray, their: np.ndarray) -> tuple[tuple[float, float], tup
     mine, theirs = np.flatnonzero(near.any(axis=1)), np.flatnonzero(near.any(axis=0))
     if not len(mine) or (near[0, 0] and math.cos(row[0, 3] - their[0, 3]) > 0.0):
         return None
-    (begin, end), (near_at, far) = row[mine[[0, -1]], 0].tolist(), their[theirs[[0, -1]], 0].tolist()
+    begin, near_at, end, far = mine[0], theirs[0], row[mine[-1], 0], their[theirs[-1], 0]
     if math.cos(row[mine[-1], 3] - their[theirs[-1], 3]) > math.sqrt(0.5):  # they go on together
-        end, far = min(end, begin + _MERGING), min(far, near_at + _MERGING)
-    return (begin, end), (near_at, far)
+        # from the place that neither starts at: a way around a ring is also at its start when it has gone round
+        met = (begin, near[begin].argmax()), (near[:, near_at].argmax(), near_at)
+        begin, near_at = max(met, key=min)
+        end, far = min(end, row[begin, 0] + _MERGING), min(far, their[near_at, 0] + _MERGING)
+    return (float(row[begin, 0]), float(end)), (float(their[near_at, 0]), float(far))
 
 
 def _gives(one: Passage, other: Passage) -> int:
