@@ -51,7 +51,7 @@ def streets(count: int) -> Iterator[tuple[str, Layout]]:
     for number in range(count):
         street = make_street(seed=1, config=config, number=number)
         pose, _ = _start(street, np.random.default_rng([1, number, _STREAM]))
-        shapes = as_boxes(street.coarse, BoxStyle(relief=True), pose)
+        shapes = as_boxes(street.coarse, BoxStyle(relief=True), pose, reach=math.inf)
         layout = street.with_roads(shapes.layout({}, intent=street.scene.intent), pose, relief=True)
         yield f"street {number} ({street.district})", layout
 

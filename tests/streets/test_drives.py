@@ -37,6 +37,11 @@ def test_the_ego_vehicle_and_others_move() -> None:
         assert math.hypot(x, y) > 0.5
 
 
+def test_the_ground_of_the_layout_goes_as_far_as_the_street() -> None:
+    for number in range(3):
+        assert math.hypot(*drive(number).layout["road"].size[:2]) > 2 * CONFIG.half_length
+
+
 def test_points_of_things_lie_in_the_boxes_of_the_layout() -> None:
     """Details reach a little over the boxes; what moves is as far from its box as it goes in half a sweep."""
     inside = total = 0

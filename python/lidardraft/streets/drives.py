@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -50,7 +51,7 @@ def street_drive(
     rng = np.random.default_rng([seed, number, _STREAM])
     pose, left = _start(street, rng)
     provenance = {"source": "streets", "seed": seed, "number": number, "district": street.district}
-    shapes = as_boxes(street.coarse, BoxStyle(relief=True), pose)
+    shapes = as_boxes(street.coarse, BoxStyle(relief=True), pose, reach=math.inf)
     layout = street.with_roads(shapes.layout(provenance, intent=street.scene.intent), pose, relief=True)
     simulator = SequenceSimulator(
         layout,

@@ -13,9 +13,9 @@ from lidardraft.arranging.traffic import EGO_ROOM, HUGGED, USES
 from lidardraft.errors import LayoutError
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.street import MAIN_ROAD, Path
+from lidardraft.simulation.wheels import on_wheels, wheels_at
 
 EGO_SPACE = (4.5, 2.2, 1.6)  # m of free space for the ego vehicle
-_WHEELBASE, _TRACK = 2.7, 1.6  # m, as is usual for cars
 
 # Its place: estimates.
 _NEAR = 0.45  # of the half length of the street, from the middle at most
@@ -87,11 +87,7 @@ def _ego(
 ) -> Ego:
     along, across, angle = place
     x, y, yaw = planar
-    ahead = np.array([_WHEELBASE, _WHEELBASE, -_WHEELBASE, -_WHEELBASE]) / 2
-    left = np.array([_TRACK, -_TRACK, _TRACK, -_TRACK]) / 2
-    cos, sin = math.cos(angle), math.sin(angle)
-    wheels = occupancy.ground.heights(along + ahead * cos - left * sin, across + ahead * sin + left * cos)
-    rise, bank = float(ahead @ wheels / (ahead @ ahead)), float(left @ wheels / (left @ left))
+    wheels = occupancy.ground.heights(*wheels_at(place))
     z = float(wheels.mean())
     speed = _speed(lane, rng)
     braking = min(max(rng.normal(0.0, _BRAKING), -_CORNERING), _CORNERING) if speed > 0 else 0.0
@@ -99,7 +95,7 @@ def _ego(
     # road noise on top; a left bend leans the body to the right, braking dips its nose
     roll = _ROLL * sideways + rng.normal(0.0, _ROAD_NOISE)
     pitch = _PITCH * braking + rng.normal(0.0, _ROAD_NOISE)
-    return Ego(x, y, z, yaw, speed, lane, _on_slope((x, y, z), yaw, rise, bank), (roll, pitch))
+    return Ego(x, y, z, yaw, speed, lane, on_wheels((x, y, z), yaw, wheels), (roll, pitch))
 
 
 def _speed(lane: Path, rng: np.random.Generator) -> float:
@@ -117,19 +113,6 @@ def _bend(occupancy: Occupancy, lane: Path) -> float:
     if lane.bend or lane.kind != MAIN_ROAD:
         return lane.bend
     return math.copysign(occupancy.road.curvature, occupancy.road.curvature * math.cos(lane.angle))
-
-
-def _on_slope(place: tuple[float, float, float], yaw: float, rise: float, bank: float) -> np.ndarray:
-    """The rigid pose at a place, turned by `yaw`; its x and y axes follow the ground's slopes ahead and left."""
-    forward = np.array([math.cos(yaw), math.sin(yaw), rise])
-    left = np.array([-math.sin(yaw), math.cos(yaw), bank])
-    forward /= np.linalg.norm(forward)
-    up = np.cross(forward, left)
-    up /= np.linalg.norm(up)
-    pose = np.eye(4)
-    pose[:3, :3] = np.stack([forward, np.cross(up, forward), up], axis=1)
-    pose[:3, 3] = place
-    return pose
 
 
 def mount(sensor: Sensor, ego: Ego, rng: np.random.Generator) -> np.ndarray:

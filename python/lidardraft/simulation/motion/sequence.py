@@ -18,17 +18,18 @@ from lidardraft.scene.bodies import Bodies
 from lidardraft.scene.check import objects
 from lidardraft.scene.edit import moved_part
 from lidardraft.scene.layout import Layout, box_around, object_of
-from lidardraft.scene.pose import upright
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.scenario import Scenario, Track
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.sensor_model import SensorModel
 from lidardraft.scene.surfaces import Surfaces
 from lidardraft.scene.weather import Weather, weather_of
+from lidardraft.simulation.motion.motions import Ground
 from lidardraft.simulation.motion.tracks import tracks_of
 from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
 from lidardraft.simulation.sweeps import FLASH, Mover, Spot, Sweeper, radius_of
+from lidardraft.simulation.wheels import on_wheels, wheels_at
 
 _LONGEST = 1000.0  # s, computed within a minute
 
@@ -82,6 +83,7 @@ class SequenceSimulator:
         layout, detailed, assumed = prepared(layout, seed, detail and scene is None, relief)
         scene = scene or detailed
         self.layout = with_known_roads(layout)
+        self._ground = Ground(self.layout)
         self.tracks = tracks_of(self.layout, scenario or Scenario(), (frames - 1) / hz + sensor.sweep_time, speed)
         weather = weather or weather_of(self.layout.intent.weather)
         self._sweeper = Sweeper.of(
@@ -111,9 +113,13 @@ class SequenceSimulator:
         return number / self.hz + self._sweeper.sensor.sweep_time / 2
 
     def pose(self, number: int) -> np.ndarray:
-        """world_from_sensor [4, 4] in the middle of the sweep of a frame."""
+        """world_from_sensor [4, 4] in the middle of the sweep of a frame. The ego vehicle leans as the ground under its
+        wheels does."""
         x, y, z, yaw = self.tracks.ego.at(np.array([self.time(number)]))[0].tolist()
-        return upright((x, y, z + self._sweeper.sensor.mount_height), yaw)
+        heights, label = self._ground.at(np.column_stack(wheels_at((x, y, yaw))))
+        pose = on_wheels((x, y, z), yaw, np.where(label > 0, heights, z))
+        pose[:3, 3] += self._sweeper.sensor.mount_height * pose[:3, 2]
+        return pose
 
     def frame(self, number: int) -> Scan:
         """The scan of frame `number`; its noise has the seed `seed` + `number`, its layout is that in the middle of

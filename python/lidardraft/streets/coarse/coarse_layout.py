@@ -17,7 +17,7 @@ from lidardraft.objects.coarse_shapes import MOST_LOBES
 from lidardraft.objects.kinds import FAMILIES
 from lidardraft.scene.range_image import RangeImage
 from lidardraft.scene.shape_table import ShapeTable
-from lidardraft.streets.coarse.coarse_street import CoarseStreet, place_of
+from lidardraft.streets.coarse.coarse_street import SEEN, CoarseStreet, place_of
 
 _NOTICED = 5  # returns from which a picture shows an object: an estimate
 _SHARES = (0.3, 0.35, 0.2, 0.15)  # the share of each style
@@ -169,10 +169,10 @@ class BoxStyle:
     relief: bool = False
 
 
-def as_boxes(street: CoarseStreet, style: BoxStyle, pose: np.ndarray) -> ShapeTable:
-    """The layout of boxes: all objects at their places and sizes."""
+def as_boxes(street: CoarseStreet, style: BoxStyle, pose: np.ndarray, reach: float = SEEN) -> ShapeTable:
+    """The layout of boxes: all objects at their places and sizes, and the ground within `reach` [m]."""
     everything = np.ones(len(street.objects), dtype=bool)
-    ground = street.ground(pose, relief=style.relief)
+    ground = street.ground(pose, relief=style.relief, reach=reach)
     return ShapeTable.join(ground, street.standing(street.exact, everything, pose, relief=style.relief))
 
 

@@ -25,7 +25,7 @@ _STEP = 4.0  # m along the road
 _BESIDE = (*np.arange(1.5, 13.0, 2.5), *np.arange(14.0, 75.0, 5.0))  # m from the verge
 _ASIDE = 0.1  # m from a kerb to the lines on its sides
 _SKY = 200.0  # m
-_SEEN = 80.0  # m; ground further off returns next to nothing
+SEEN = 80.0  # m; ground further off returns next to nothing
 
 
 class GroundMesh:
@@ -46,10 +46,10 @@ class GroundMesh:
         self._vertices = np.column_stack([corners.reshape(-1, 2), height.ravel()])
         self._quads, self._labels, self._middles = quads.reshape(-1, 4), label.ravel(), middles.reshape(-1, 2)
 
-    def around(self, pose: np.ndarray) -> ShapeTable:
-        """The ground near street_from_ego `pose` [4, 4]: a mesh for each class. Heights are over the plane of the pose;
-        x and y are in the frame of the road."""
-        near = np.hypot(*(self._middles - pose[:2, 3]).T) < _SEEN
+    def around(self, pose: np.ndarray, reach: float) -> ShapeTable:
+        """The ground within `reach` [m] of street_from_ego `pose` [4, 4]: a mesh for each class. Heights are over the
+        plane of the pose; x and y are in the frame of the road."""
+        near = np.hypot(*(self._middles - pose[:2, 3]).T) < reach
         quads, labels = self._quads[near], self._labels[near]
         found = np.flatnonzero(np.bincount(labels, minlength=1))
         vertices = np.column_stack([self._vertices[:, :2], (self._vertices - pose[:3, 3]) @ pose[:3, 2]])
@@ -188,12 +188,12 @@ class CoarseStreet:
         self.poles = np.array([kind.on_pole for kind in kinds], dtype=bool)
         self.families = np.array([SENTENCE_KINDS[kind.word].family if kind.word else "" for kind in kinds], dtype=str)
 
-    def ground(self, pose: np.ndarray, *, relief: bool, sidewalks: bool = True) -> ShapeTable:
+    def ground(self, pose: np.ndarray, *, relief: bool, sidewalks: bool = True, reach: float = SEEN) -> ShapeTable:
         """The ground in the frame of the ego vehicle at street_from_ego `pose` [4, 4].
 
-        With `relief` it rises and falls, without it is the plane of the road under the ego vehicle.
+        With `relief` it rises and falls within `reach` [m], without it is the plane of the road under the ego vehicle.
         """
-        ground = (self._mesh.around(pose) if relief else self._flat).seen_from(*place_of(pose))
+        ground = (self._mesh.around(pose, reach) if relief else self._flat).seen_from(*place_of(pose))
         return ground if sidewalks else ground.select(ground.labels != BY_NAME["sidewalk"].id)
 
     def heights_over(self, pose: np.ndarray) -> np.ndarray:
