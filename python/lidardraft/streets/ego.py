@@ -85,7 +85,6 @@ def _ego(
     planar: tuple[float, float, float],
     rng: np.random.Generator,
 ) -> Ego:
-    along, across, angle = place
     x, y, yaw = planar
     wheels = occupancy.ground.heights(*wheels_at(place))
     z = float(wheels.mean())
