@@ -124,7 +124,7 @@ def test_scans_of_a_case_have_one_road() -> None:
 
 
 def test_details_bring_coarse_layouts_nearer_to_their_streets() -> None:
-    table = report(street_set(4))
+    table = report(street_set(12))
     assert table["IoU of car"]["simulated"] > table["IoU of car"]["+ sensor model"] + 0.05
     name = "intensity of vegetation (JSD)"
     assert table[name]["simulated"] < 0.5 * table[name]["+ sensor model"]

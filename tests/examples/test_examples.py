@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import runpy
 import sys
 from collections.abc import Callable
@@ -59,7 +60,7 @@ def test_own_renderer(run: Callable[..., str]) -> None:
     lines = run("own_renderer.py", "--seconds", "0.5").splitlines()
     assert [line.split(":")[0] for line in lines] == [f"0.{k} s" for k in range(1, 6)]
     for line in lines:
-        assert line.endswith("100% within")
+        assert int(re.search(r"(\d+)% within", line)[1]) >= 99
         assert "'car_1': 1" in line  # more than a hundred
 
 
