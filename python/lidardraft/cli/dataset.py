@@ -25,12 +25,12 @@ def dataset(arguments: argparse.Namespace) -> None:
     num = made.scans_of(share)
     counts = made.write(share, _workers(arguments, recipe.scans, recipe.shard_size))
     count = next(counts)
-    for note in recipe.notes:
-        say(note)
     with progress(num, "scan", initial=count) as bar:
         for now in counts:
             bar.update(now - count)
             count = now
+    for note in recipe.notes:
+        say(note)
     of = f", share {share[0]} of {share[1]}" if share[1] > 1 else ""
     text = f"{arguments.output}: {count} scan{'s' * (count > 1)} as {recipe.format}{of}"
     report(arguments, text, output=arguments.output, scans=count, format=recipe.format)
