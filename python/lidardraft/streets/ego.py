@@ -13,7 +13,7 @@ from lidardraft.arranging.traffic import EGO_ROOM, HUGGED, USES
 from lidardraft.errors import LayoutError
 from lidardraft.scene.sensor import Sensor
 from lidardraft.scene.street import MAIN_ROAD, Path
-from lidardraft.simulation.wheels import on_wheels, wheels_at
+from lidardraft.simulation.wheels import ROAD_NOISE, leaning, on_wheels, wheels_at
 
 EGO_SPACE = (4.5, 2.2, 1.6)  # m of free space for the ego vehicle
 
@@ -35,7 +35,6 @@ _FLOWING, _SLOWEST, _FASTEST = (0.9, 0.12), 0.4, 1.1  # mean and deviation, limi
 # pitch per g of braking is an estimate. Comfortable braking and cornering stay within 0.3 g.
 _ROLL, _PITCH = math.radians(5.0) / 9.81, math.radians(2.0) / 9.81
 _BRAKING, _CORNERING = 1.2, 3.0  # m/s2: deviation and limit
-_ROAD_NOISE = 0.003  # rad, deviation: an estimate
 
 # The mount of its sensor: a little askew, at a height that loads and tyres change. Deviations, estimates.
 _MOUNT_ANGLE, _MOUNT_HEIGHT = 0.003, 0.03  # rad, m
@@ -92,8 +91,8 @@ def _ego(
     braking = min(max(rng.normal(0.0, _BRAKING), -_CORNERING), _CORNERING) if speed > 0 else 0.0
     sideways = min(max(speed**2 * _bend(occupancy, lane), -_CORNERING), _CORNERING)
     # road noise on top; a left bend leans the body to the right, braking dips its nose
-    roll = _ROLL * sideways + rng.normal(0.0, _ROAD_NOISE)
-    pitch = _PITCH * braking + rng.normal(0.0, _ROAD_NOISE)
+    roll = _ROLL * sideways + rng.normal(0.0, ROAD_NOISE)
+    pitch = _PITCH * braking + rng.normal(0.0, ROAD_NOISE)
     return Ego(x, y, z, yaw, speed, lane, on_wheels((x, y, z), yaw, wheels), (roll, pitch))
 
 
@@ -119,9 +118,6 @@ def mount(sensor: Sensor, ego: Ego, rng: np.random.Generator) -> np.ndarray:
     roll, pitch = ego.lean
     roll, pitch = roll + rng.normal(0.0, _MOUNT_ANGLE), pitch + rng.normal(0.0, _MOUNT_ANGLE)
     height = sensor.mount_height + rng.normal(0.0, _MOUNT_HEIGHT)
-    about_x = np.array([[1, 0, 0], [0, math.cos(roll), -math.sin(roll)], [0, math.sin(roll), math.cos(roll)]])
-    about_y = np.array([[math.cos(pitch), 0, math.sin(pitch)], [0, 1, 0], [-math.sin(pitch), 0, math.cos(pitch)]])
-    pose = np.eye(4)
-    pose[:3, :3] = about_y @ about_x
+    pose = leaning(roll, pitch)
     pose[2, 3] = height
     return pose

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -29,7 +30,7 @@ from lidardraft.simulation.motion.tracks import tracks_of
 from lidardraft.simulation.roads import with_known_roads
 from lidardraft.simulation.simulate import prepared
 from lidardraft.simulation.sweeps import FLASH, Mover, Spot, Sweeper, radius_of
-from lidardraft.simulation.wheels import on_wheels, wheels_at
+from lidardraft.simulation.wheels import is_level, on_wheels, sway, wheels_at
 
 _LONGEST = 1000.0  # s, computed within a minute
 
@@ -114,10 +115,15 @@ class SequenceSimulator:
 
     def pose(self, number: int) -> np.ndarray:
         """world_from_sensor [4, 4] in the middle of the sweep of a frame. The ego vehicle leans as the ground under its
-        wheels does."""
-        x, y, z, yaw = self.tracks.ego.at(np.array([self.time(number)]))[0].tolist()
+        wheels does, and sways on its springs; on level ground it stays upright."""
+        time = self.time(number)
+        x, y, z, yaw = self.tracks.ego.at(np.array([time]))[0].tolist()
         heights, label = self._ground.at(np.column_stack(wheels_at((x, y, yaw))))
-        pose = on_wheels((x, y, z), yaw, np.where(label > 0, heights, z))
+        heights = np.where(label > 0, heights, z)
+        pose = on_wheels((x, y, z), yaw, heights)
+        if not is_level(heights):
+            speed = math.hypot(*self.tracks.ego.rate(time, self._span)[:2])
+            pose @= sway(time, speed, self.seed)
         pose[:3, 3] += self._sweeper.sensor.mount_height * pose[:3, 2]
         return pose
 
