@@ -237,7 +237,7 @@ def test_observe(sensor: Sensor) -> None:
         assert image.valid.sum() > 0.5 * cast.valid.sum()
         assert (image.label == cast.label)[image.valid].all()
         assert (image.instance == cast.instance)[image.valid].all()
-        assert np.abs(image.depth - cast.depth)[image.valid].max() < 0.2
+        assert np.abs(image.depth - cast.depth)[image.valid].max() < 0.6  # lawns are uneven
         assert (image.intensity[image.valid] > 0).any()
         assert not (image.valid & ~cast.valid).any()
 

@@ -70,6 +70,12 @@ def test_what_edges_lose_is_found(casts):
     assert model.edge_drop == pytest.approx(0.4, rel=0.5)  # the length of the pulse moves it, too
 
 
+def test_responses_know_no_least_reading(casts):
+    linear, limited = (casts.responses(replace(TYPICAL, least_reading=least), 0.01) for least in (0.0, 1 / 255))
+    for one, other in zip(linear, limited, strict=True):
+        np.testing.assert_array_equal(one.intensity, other.intensity)
+
+
 def test_texture_is_found(casts):
     truth = sweeps(with_model(texture=0.4), STREETS, seed=6)
 

@@ -57,7 +57,13 @@ class StreetCasts:
     def responses(self, model: SensorModel, range_sigma: float) -> list[Sweep]:
         """As `observed`, with the response of each return as its intensity: 1 is a white surface facing the sensor."""
         linear = replace(
-            model, intensity_curve=None, full_scale=_BRIGHTEST, knee=1.0, levels=0, compensation_range=math.inf
+            model,
+            intensity_curve=None,
+            full_scale=_BRIGHTEST,
+            knee=1.0,
+            levels=0,
+            least_reading=0.0,
+            compensation_range=math.inf,
         )
         return [
             replace(sweep, intensity=sweep.intensity * np.float32(_BRIGHTEST))

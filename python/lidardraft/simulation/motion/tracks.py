@@ -232,12 +232,14 @@ def _solid(body: Body, place: np.ndarray) -> Solid:
 
 
 def _check_on_road(tracks: Mapping[str, Track], bodies: Mapping[str, Body], named: set[str], ground: Ground) -> None:
-    """Raises `LayoutError` if a vehicle that follows no lane starts on a road and leaves it."""
+    """Raises `LayoutError` if a vehicle that follows no lane starts on a road and leaves it with its whole width."""
     for name in named & set(tracks):
         if name != "ego" and not bodies[name].labels & set(VEHICLE_LABELS):
             continue
         track = tracks[name]
-        road = ground.at(track.places)[1] == BY_NAME["road"].id
+        left = np.column_stack([-np.sin(track.places[:, 3]), np.cos(track.places[:, 3])]) * bodies[name].size[1] / 2
+        across = (ground.at(track.places[:, :2] + side * left)[1] for side in (-1, 0, 1))
+        road = np.any([label == BY_NAME["road"].id for label in across], axis=0)
         if road[0] and not road.all():
             k = int(np.argmin(road))
             x, y = track.places[k, :2]
