@@ -56,7 +56,7 @@ def dataset_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "-o", "--output", required=True, metavar="FOLDER", help="folder for shards: new, empty or begun"
     )
-    text = "scans to make, in place of the recipe's `scans`"
+    text = "scans, or drives, to make, in place of the recipe's number"
     parser.add_argument("-n", "--num", type=whole_number(1), metavar="N", help=text)
     add_jobs(parser)
     text = "make every K-th shard from number I (0 to K - 1) on; others make the rest, as in an array of Slurm"
