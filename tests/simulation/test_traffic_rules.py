@@ -12,6 +12,7 @@ from lidardraft.scene.road_network import RoadNetwork
 from lidardraft.scene.road_surfaces import road_surfaces
 from lidardraft.scene.scenario import AlongLane, Motion, Scenario, Straight, Track, Walk
 from lidardraft.scene.street import StreetFrame
+from lidardraft.simulation.motion.driving import STEP
 from lidardraft.simulation.motion.right_of_way import RightOfWay
 from lidardraft.simulation.motion.tracks import tracks_of
 from lidardraft.world.state import WorldState
@@ -203,6 +204,15 @@ def test_a_bus_halts_at_a_shelter_and_goes_on() -> None:
     assert 5.0 < float(waits.sum()) * 0.05 < 12.0
     assert track.places[waits, 0] == pytest.approx(60.0, abs=3.0)
     assert track.places[-1, 0] > 80.0
+
+
+def test_traffic_begins_without_hard_braking() -> None:
+    queue = [thing("car", 10.0 + 12.0 * k, 0.0, number=1 + k) for k in range(6)]
+    tracks = moved(layout_of(Road(half_length=300.0), *queue), 5.0, car_6=AlongLane(4.0))
+    for number in range(1, 7):
+        speeds = np.diff(tracks[f"car_{number}"].places[:, 0]) / STEP
+        assert speeds[0] > 3.0
+        assert np.diff(speeds).min() / STEP > -3.0
 
 
 def test_a_cyclist_keeps_right_and_is_passed_where_there_is_room() -> None:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lidardraft.scene.lane import Lane
-from lidardraft.scene.scenario import Track, Walk
+from lidardraft.scene.scenario import AlongLane, Track, Walk
 from lidardraft.scene.solids import Solid
 from lidardraft.simulation.motion.driver import Body, Driver
 from lidardraft.simulation.motion.right_of_way import RightOfWay
@@ -24,10 +24,8 @@ _WARNS = 1.0  # s before a vehicle in which people let it pass
 _SIDE = 0.2  # m that stay free beside a vehicle
 _TOUCHING = 0.5  # m by which an object before a vehicle may reach into its box at the start
 _ACCELERATION, _BRAKING, _HARDEST = 1.5, 3.0, 8.0  # m/s2: usual ones, and the limit of tyres
-_STANDS, _ROLLS = (
-    0.1,
-    1.5,
-)  # m/s: a vehicle with a lower wanted speed stands; a faster one no longer waits
+_CLOSING = 2 * math.sqrt(_ACCELERATION * _BRAKING)  # m/s2
+_STANDS, _ROLLS = 0.1, 1.5  # m/s: with a lower wanted speed a vehicle stands; faster it no longer waits
 _AIM = 10.0  # m over which a vehicle turns into its lane's direction
 _SEES, _CLEAR, _TO_EDGE = 20.0, 1.0, 0.7  # m of view to cyclists, m beside them, m from them to the lane's edge
 _LEFT = 4.0  # m/s at which a bus has left its stop
@@ -139,7 +137,9 @@ class Traffic:
             self.lanes.setdefault(id(driver.lane), []).append(number)
 
     def begin(self, starting: Sequence[Driver], others: np.ndarray, time: float = 0.0) -> None:
-        """Set the speeds of `starting` drivers: as wanted, but slow enough to stop behind the road user ahead."""
+        """Set the speeds of `starting` drivers: as wanted, but slow enough to stop behind the road user ahead; if all
+        start, slow enough to follow it without braking."""
+        together = len(starting) == len(self.drivers)
         for driver in starting:
             driver.speed = driver.wish(time)
         for _ in starting:  # a queue needs as many rounds as it is long
@@ -147,6 +147,8 @@ class Traffic:
             for driver, (gap, ahead) in zip(self.drivers, self._free(others, time, starts=True), strict=True):
                 if driver in starting:
                     safe = _safe(gap - driver.motion.gap, ahead)
+                    if together and ahead > 0.0:
+                        safe = min(safe, _steady(driver.motion, gap, ahead))
                     driver.speed = min(driver.speed, safe, self.rules.pace(driver))
             if before == [driver.speed for driver in starting]:
                 return
@@ -183,9 +185,7 @@ class Traffic:
         for driver, (gap, ahead) in zip(self.drivers, self._free(others, time), strict=True):
             motion, speed, wish = driver.motion, driver.speed, min(driver.wish(time), self.rules.pace(driver))
             free = 1.0 - (speed / wish) ** 4 if wish > _STANDS else -_BRAKING / _ACCELERATION * (speed > 0.0)
-            kept = motion.gap + max(
-                0.0, speed * motion.headway + speed * (speed - ahead) / (2 * math.sqrt(_ACCELERATION * _BRAKING))
-            )
+            kept = motion.gap + max(0.0, speed * motion.headway + speed * (speed - ahead) / _CLOSING)
             push = _ACCELERATION * (max(free, -_BRAKING / _ACCELERATION) - (kept / max(gap, 0.1)) ** 2)
             faster = min(speed + push * span, _safe(gap - motion.gap / 2, ahead))
             driver.speed = max(faster, speed - _HARDEST * span, 0.0)
@@ -284,3 +284,9 @@ def _safe(gap: float, ahead: float) -> float:
     """The highest speed [m/s] to stop within `gap` [m] behind a braking road user with the speed `ahead` [m/s]."""
     reaction = _BRAKING * STEP
     return max(0.0, math.sqrt(max(0.0, reaction**2 + ahead**2 + 2 * _BRAKING * gap)) - reaction)
+
+
+def _steady(motion: AlongLane, gap: float, ahead: float) -> float:
+    """The speed [m/s] at which a driver keeps just `gap` [m] from a road user with the speed `ahead` [m/s]."""
+    half = (motion.headway * _CLOSING - ahead) / 2
+    return math.sqrt(half**2 + max(0.0, gap - motion.gap) * _CLOSING) - half
