@@ -25,6 +25,7 @@ from typing import Any, NamedTuple, NoReturn
 from lidardraft.errors import LidarDraftError, did_you_mean, extra, one_of, printable
 
 _SHOWN_AFTER, _WIDEST = 1.0, 100  # s, columns
+_EVERY = 60.0  # s between the lines of a log
 _QUIET = ContextVar("quiet", default=False)
 
 
@@ -154,20 +155,32 @@ def _clean_end() -> Iterator[None]:
                 signal.signal(number, before[number])
 
 
+class _Log:
+    """Stderr if it is no terminal: each state of a bar is a line."""
+
+    def write(self, text: str) -> None:
+        if text.strip():
+            print(text.strip(), file=sys.stderr, flush=True)
+
+
 def progress(total: int, unit: str, text: str = "", *, initial: int = 0, leave: bool = True) -> Any:
-    """A progress bar with rate and time left, shown only on a terminal and after a second."""
+    """A progress bar with rate and time left, shown after a second; in a log, a line a minute."""
     from tqdm import tqdm
 
-    size = shutil.get_terminal_size()
+    size, terminal = shutil.get_terminal_size(), sys.stderr.isatty()
     return tqdm(
         total=total,
         unit=unit,
         desc=text or None,
         initial=initial,
         leave=leave,
-        disable=_QUIET.get() or None,
-        delay=_SHOWN_AFTER,
-        ncols=min(size.columns, _WIDEST),  # tqdm shows nothing on a terminal that reports no columns or rows
+        disable=_QUIET.get(),
+        file=sys.stderr if terminal else _Log(),
+        delay=_SHOWN_AFTER if terminal else _EVERY,
+        mininterval=0.1 if terminal else _EVERY,
+        miniters=None if terminal else 1,  # else tqdm guesses after how many updates to look at the clock
+        # tqdm shows nothing on a terminal that reports no columns or rows; 0 is numbers without a bar
+        ncols=min(size.columns, _WIDEST) if terminal else 0,
         nrows=size.lines,
     )
 

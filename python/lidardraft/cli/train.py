@@ -22,7 +22,7 @@ from lidardraft.cli.arguments import (
     read_sensor,
     whole_number,
 )
-from lidardraft.cli.command import Command, Parser, add_commands, run
+from lidardraft.cli.command import Command, Parser, add_commands, progress, run
 from lidardraft.errors import TrainingError
 from lidardraft.scene.sensor import Sensor
 
@@ -239,13 +239,11 @@ def segmenter_options(parser: argparse.ArgumentParser) -> None:
 
 def show(reports: Iterator[Report], steps: int, name: str) -> int | None:
     """Show a progress bar of a training; returns its last step, or None if there was nothing to do."""
-    from tqdm import tqdm
-
     step = None
-    with tqdm(total=steps, unit="step", desc=name) as bar:
+    with progress(steps, "step", name) as bar:
         for report in reports:
+            bar.set_postfix_str(f"loss {report.loss:.3f}, {report.samples_per_second:.1f} samples/s", refresh=False)
             bar.update(report.step - bar.n)
-            bar.set_postfix_str(f"loss {report.loss:.3f}, {report.samples_per_second:.1f} samples/s")
             step = report.step
     return step
 
