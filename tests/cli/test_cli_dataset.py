@@ -7,6 +7,7 @@ import json
 import math
 import os
 import random
+import re
 import signal
 import tarfile
 import time
@@ -187,6 +188,14 @@ def test_recipes_of_drives_are_split_by_drive(recipe: Path) -> None:
     card = Path("set/README.md").read_text()
     assert "5 drives of 3 scans at 5 Hz" in card
     assert "| train | 9 |" in card
+    # boxes are those of the files
+    ridden = next(row["token"] for row in tables["attribute"] if row["name"] == "cycle.with_rider")
+    seen = [row for row in tables["sample_annotation"] if row["num_lidar_pts"]]
+    riders = sum(ridden in row["attribute_tokens"] for row in seen)
+    assert riders
+    boxes = dict(re.findall(r"^\| ([\w-]+) \| [\d.]+% \| (\d+) \|", card, re.M))
+    assert int(boxes["rider"]) == riders
+    assert sum(map(int, boxes.values())) == len(seen)
     assert made("-o", "set", "--jobs", "1", "-n", "6").items() > {"set/recipe.json"[4:]: whole["recipe.json"]}.items()
 
 

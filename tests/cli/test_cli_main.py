@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import lidardraft
+from lidardraft.cli import command
 from lidardraft.cli import main as cli
 from lidardraft.cli import train
 from lidardraft.errors import EXTRAS
@@ -77,6 +78,32 @@ def test_quiet_and_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert json.loads(capsys.readouterr().out)["output"] == "layout.json"
     assert cli.main(["raycast", "--layout", "layout.json", "--sensor", "vlp16", "-o", "cast.npz", "--json"]) == 0
     assert 0.2 < json.loads(capsys.readouterr().out)["hit"] <= 1
+
+
+def test_a_log_gets_a_line_a_minute(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    now = [1e9]
+    monkeypatch.setattr("tqdm.std.time", lambda: now[0])
+
+    def shown(scans: int, seconds: float) -> list[str]:
+        with command.progress(scans, "scan", "streets") as bar:
+            for _ in range(scans):
+                now[0] += seconds
+                bar.update()
+        return [line.partition(" [")[0] for line in capsys.readouterr().err.splitlines()]
+
+    assert shown(10, 5.9) == []
+    assert shown(10, 25.0) == [f"streets:  {k}0% {k}/10" for k in (3, 6, 9)]
+
+
+def test_commands_show_progress_in_a_log_and_none_with_quiet(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(command, "_EVERY", 0.0)
+    simulate = ["simulate", "--text", "a car ahead", "--sensor", "vlp16", "-n", "2", "--jobs", "1", "--no-picture"]
+    assert cli.main([*simulate, "-o", "loud"]) == 0
+    assert re.findall(r"^\d+% \d/2 ", capsys.readouterr().err, re.M) == ["0% 0/2 ", "50% 1/2 ", "100% 2/2 "]
+    assert cli.main([*simulate, "-q", "-o", "quiet"]) == 0
+    assert capsys.readouterr().err == ""
 
 
 def test_an_output_may_be_a_folder(capsys: pytest.CaptureFixture[str]) -> None:

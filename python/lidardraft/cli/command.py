@@ -173,7 +173,7 @@ def progress(total: int, unit: str, text: str = "", *, initial: int = 0, leave: 
         unit=unit,
         desc=text or None,
         initial=initial,
-        leave=leave,
+        leave=leave and terminal,
         disable=_QUIET.get(),
         file=sys.stderr if terminal else _Log(),
         delay=_SHOWN_AFTER if terminal else _EVERY,

@@ -28,7 +28,7 @@ from lidardraft.dataset.merge import merge
 from lidardraft.dataset.recipe import SCANS, Recipe
 from lidardraft.errors import FormatError
 from lidardraft.files import locked_folder, named, new_folder, read_text, write_text
-from lidardraft.formats.frame import AS_SEEN, BY_DRIVE, Frame, by_split, writer_of
+from lidardraft.formats.frame import AS_SEEN, BY_DRIVE, Annotation, Frame, by_split, with_riders_merged, writer_of
 from lidardraft.formats.webdataset import write_shard
 from lidardraft.json_fields import parse_object
 from lidardraft.scan import Scan
@@ -128,7 +128,7 @@ class DataSet:
         def counted(drive: Iterator[tuple[int, Scan]]) -> Iterator[tuple[int, Scan]]:
             for k, scan in drive:
                 place, air = self.recipe.drawn(k)
-                _add(tally, _count(scan, place, air, self.recipe.split(k)))
+                _add(tally, _count(scan, place, air, self.recipe.split(k), apart=self.recipe.format == SCANS))
                 yield k, scan
 
         return map(counted, self.recipe.made(self._items(number)))
@@ -238,9 +238,11 @@ def _check_free(folder: Path, lock: str) -> None:
         return
 
 
-def _count(scan: Scan, scene: int, weather: dict[str, Any], split: str) -> Tally:
+def _count(scan: Scan, scene: int, weather: dict[str, Any], split: str, *, apart: bool) -> Tally:
+    """The contents of a scan; riders `apart` from their vehicles, or both as one box, as formats have them."""
     returns = np.bincount(scan.labels(), minlength=len(CLASSES))
-    boxes = [box for box, count in zip(scan.boxes(), scan.returns_per_box(), strict=True) if count]
+    each = [Annotation(box, count, 0.0) for box, count in zip(scan.boxes(), scan.returns_per_box(), strict=True)]
+    boxes = [found.box for found in (each if apart else with_riders_merged(each)) if found.num_points]
     tens = (min(int(math.hypot(*box.center[:2]) // _RING), _RINGS) * _RING for box in boxes)
     return {
         "ranges": Counter(f"from {ten} m" for ten in tens),

@@ -11,12 +11,13 @@ from hypothesis import strategies as st
 from readings import reading
 from writer import Writer
 
+from lidardraft.arranging.district import STREET_DISTRICTS
 from lidardraft.drafting.solver.kept import unkept
 from lidardraft.drafting.solver.layout import layout_from_spec
 from lidardraft.drafting.solver.scene_spec import CLOSED, ObjectGroup, RoadSpec, SceneSpec, relations
 from lidardraft.drafting.text.grammar import parse
 from lidardraft.drafting.text.layout import explain, layout_from_text, spec_from_text
-from lidardraft.drafting.text.lexicon import vocabulary
+from lidardraft.drafting.text.lexicon import district_of, vocabulary
 from lidardraft.drafting.text.meaning import mismatches
 from lidardraft.drafting.text.tokens import clean, tokens_of
 from lidardraft.errors import TextError
@@ -286,6 +287,15 @@ def test_the_page_shows_what_it_says() -> None:
     layout = layout_from_text("a cyclist between two trucks, a bsu on the left", seed=0)
     assert f'understood"]  # {layout.provenance["understood"]}'.replace("'", '"') in PAGE
     assert f"notes  # {layout.notes}" in PAGE.replace('("', '("')
+
+
+def test_the_page_of_streets_has_every_district_with_words_that_mean_it() -> None:
+    page = (DOCS / "how-to" / "streets.md").read_text(encoding="utf-8")
+    (line,) = re.findall(r"^Districts, with words for them: (.*?)\.", page, re.M)
+    said = dict(re.findall(r"(\w+) \((.*?)\)", line))
+    assert sorted(said) == sorted(STREET_DISTRICTS)
+    for district, words in said.items():
+        assert {district_of(word) for word in words.split(", ")} == {district}
 
 
 def test_a_word_for_a_road_is_not_lost() -> None:
