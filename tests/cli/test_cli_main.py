@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 
 import lidardraft
-from lidardraft.cli import command
 from lidardraft.cli import main as cli
 from lidardraft.cli import train
+from lidardraft.cli.command import progress
 from lidardraft.errors import EXTRAS
 
 ROOT = Path(__file__).parents[2]
@@ -85,7 +85,7 @@ def test_a_log_gets_a_line_a_minute(monkeypatch: pytest.MonkeyPatch, capsys: pyt
     monkeypatch.setattr("tqdm.std.time", lambda: now[0])
 
     def shown(scans: int, seconds: float) -> list[str]:
-        with command.progress(scans, "scan", "streets") as bar:
+        with progress(scans, "scan", "streets") as bar:
             for _ in range(scans):
                 now[0] += seconds
                 bar.update()
@@ -98,7 +98,7 @@ def test_a_log_gets_a_line_a_minute(monkeypatch: pytest.MonkeyPatch, capsys: pyt
 def test_commands_show_progress_in_a_log_and_none_with_quiet(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(command, "_EVERY", 0.0)
+    monkeypatch.setattr("lidardraft.cli.command._EVERY", 0.0)
     simulate = ["simulate", "--text", "a car ahead", "--sensor", "vlp16", "-n", "2", "--jobs", "1", "--no-picture"]
     assert cli.main([*simulate, "-o", "loud"]) == 0
     assert re.findall(r"^\d+% \d/2 ", capsys.readouterr().err, re.M) == ["0% 0/2 ", "50% 1/2 ", "100% 2/2 "]
