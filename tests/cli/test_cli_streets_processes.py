@@ -97,7 +97,7 @@ def test_a_folder_that_is_being_written_is_refused(start: Callable[..., Command]
 
 @pytest.mark.parametrize("terminal", [True, False])
 def test_a_terminal_without_a_size_shows_progress_and_a_file_none(folder: Path, terminal: bool) -> None:
-    words = ["simulate", "--street", "any", "--sensor", "small.json", "-n", "12", "--no-picture"]
+    words = ["simulate", "--street", "any", "--sensor", "small.json", "-n", "40", "--no-picture"]
     words += ["--jobs", "1", "-o", "out"]
     end, stderr = os.openpty() if terminal else os.pipe()
     process = subprocess.Popen([sys.executable, "-m", "lidardraft", *words], cwd=folder, stderr=stderr)
@@ -108,7 +108,7 @@ def test_a_terminal_without_a_size_shows_progress_and_a_file_none(folder: Path, 
             shown += read
     os.close(end)
     assert process.wait(timeout=60) == 0
-    assert (b"12/12" in shown, b"scan/s" in shown) == (terminal, terminal)
+    assert (b"40/40" in shown, b"scan/s" in shown) == (terminal, terminal)
 
 
 def test_an_interrupted_simulation_leaves_whole_scans(start: Callable[..., Command]) -> None:

@@ -167,22 +167,13 @@ def progress(total: int, unit: str, text: str = "", *, initial: int = 0, leave: 
     """A progress bar with rate and time left, shown after a second; in a log, a line a minute."""
     from tqdm import tqdm
 
-    size, terminal = shutil.get_terminal_size(), sys.stderr.isatty()
-    return tqdm(
-        total=total,
-        unit=unit,
-        desc=text or None,
-        initial=initial,
-        leave=leave and terminal,
-        disable=_QUIET.get(),
-        file=sys.stderr if terminal else _Log(),
-        delay=_SHOWN_AFTER if terminal else _EVERY,
-        mininterval=0.1 if terminal else _EVERY,
-        miniters=None if terminal else 1,  # else tqdm guesses after how many updates to look at the clock
-        # tqdm shows nothing on a terminal that reports no columns or rows; 0 is numbers without a bar
-        ncols=min(size.columns, _WIDEST) if terminal else 0,
-        nrows=size.lines,
-    )
+    size = shutil.get_terminal_size()
+    # tqdm shows nothing on a terminal that reports no columns or rows
+    how: dict[str, Any] = {"delay": _SHOWN_AFTER, "ncols": min(size.columns, _WIDEST), "leave": leave}
+    if not sys.stderr.isatty():  # numbers without a bar; each update looks at the clock
+        how = {"delay": _EVERY, "ncols": 0, "leave": False, "mininterval": _EVERY, "miniters": 1, "file": _Log()}
+    options = {"unit": unit, "desc": text or None, "initial": initial, "nrows": size.lines}
+    return tqdm(total=total, disable=_QUIET.get(), **options, **how)
 
 
 def report(arguments: argparse.Namespace, text: str, **facts: Any) -> None:
