@@ -181,7 +181,7 @@ def test_retroreflectors_read_as_the_brightest_recorded_returns(own_casts):
 
 def test_each_laser_has_a_focus_of_its_own(own_casts, others):
     rng = np.random.default_rng(3)
-    focus = np.exp(0.8 * rng.standard_normal((BEAMS, 3)))
+    focus = np.exp(rng.standard_normal((BEAMS, 3)))
     truth = IntensityCurve(
         responses=(0.005, 3.0),
         readings=((0.0, 0.9),),
