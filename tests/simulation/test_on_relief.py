@@ -2,6 +2,7 @@
 
 import dataclasses
 import math
+import re
 
 import numpy as np
 import pytest
@@ -167,7 +168,7 @@ def test_random_specs_pass_all_checks_on_their_relief(numbers: range) -> None:
         except LayoutError:
             continue
         before = {finding.message for finding in check(level)}
-        found = [one for one in check(on_relief(level)) if one.message not in before]
+        found = [one for one in check(on_relief(level)) if re.sub(r"\.piece_\d+", "", one.message) not in before]
         # on slopes buildings stand in the ground, and crowns and bushes may meet
         assert [one for one in found if not all(id.startswith("around/") for id in one.ids)] == [], number
         assert [one for one in found if one.check not in ("overlap", "grounded")] == [], number

@@ -43,6 +43,7 @@ _WIDE = {"urban": 0.35, "avenue": 0.5, "retail": 0.15}
 _ACTIVITY = {"busy": StreetMix(traffic=2.5, people=2.5), "quiet": StreetMix(traffic=0.3, people=0.4)}
 # Distances that added objects keep [m]: estimates.
 _GAP = 0.3  # to all objects that were asked for
+_OVER = 1.0  # of crowns over those beside the road: on a slope the foot of a tree lies lower
 _RIM = 3.0  # twice that of the cores of crowns, whose rims stick out
 _AT_HOUSES = {"bicycle", "bin", "letterbox"}
 _AHEAD, _ASIDE = 5.0, 1.0  # of traffic along its lane and beside it
@@ -190,7 +191,8 @@ class _Scene:
             x, y, z = primitive.center
             length, width, height = primitive.size
             low, high = z - height / 2, z + height / 2
-            yield Solid.box(x, y, primitive.yaw, (length + 2 * _GAP, width + 2 * _GAP), low - 1.0, high + _GAP)
+            over = high + (_OVER if self._is_beside(primitive) else _GAP)
+            yield Solid.box(x, y, primitive.yaw, (length + 2 * _GAP, width + 2 * _GAP), low - 1.0, over)
             if high > EGO_SIZE[2]:
                 yield Solid.box(x, y, primitive.yaw, (length + _RIM, width + _RIM), max(low, EGO_SIZE[2]), high + _GAP)
             along, across = self.road.along_across(x, y)
