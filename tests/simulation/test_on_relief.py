@@ -27,6 +27,7 @@ from lidardraft.errors import LayoutError, LidarDraftError
 from lidardraft.scene.check import check, objects
 from lidardraft.scene.layout import object_of
 from lidardraft.scene.relief import Relief
+from lidardraft.scene.road import Road
 from lidardraft.scene.sensor import PRESETS
 from lidardraft.semantics import BY_NAME, GROUND
 from lidardraft.simulation.motion.motions import Ground
@@ -187,6 +188,28 @@ def test_what_drives_and_walks_follows_the_ground() -> None:
             part = drive.frame(number).layout[id]
             over = part.center[2] - part.size[2] / 2 - float(ground.at(np.array([part.center]))[0][0])
             assert over == pytest.approx(0.0, abs=0.06)
+
+
+def test_kerbs_of_a_street_have_a_height_of_their_own_and_land_behind_sidewalks_no_step() -> None:
+    kerbs = set()
+    for seed in range(4):
+        layout = street("a street in a town", seed=seed)
+        assert layout.roads is not None
+        assert layout.roads.street is not None
+        road, ground = layout.roads.street.road, Ground(on_relief(layout))
+        along = np.linspace(-30.0, 30.0, 41)
+
+        def heights(across: float, road: Road = road, along: np.ndarray = along, ground: Ground = ground) -> np.ndarray:
+            return ground.at(np.array([road.at(s, across)[:2] for s in along.tolist()]))[0]
+
+        kerb = heights(road.edge + 0.01) - heights(road.edge - 0.04)
+        assert np.ptp(kerb) < 0.01
+        assert 0.0 <= kerb.min() <= kerb.max() < 0.125
+        kerbs.add(round(float(kerb[0]), 3))
+        for side in (-1, 1):
+            behind = heights(side * (road.verge + 0.2)) - heights(side * (road.verge - 0.05))
+            assert np.abs(behind).max() < 0.15
+    assert len(kerbs) == 4
 
 
 def test_a_world_stands_on_the_relief_of_its_layout_and_keeps_it() -> None:

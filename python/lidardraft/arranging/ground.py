@@ -113,6 +113,7 @@ _BEYOND = (11.0, 16.0, 23.0, 33.0, 48.0, 70.0, 100.0)  # m from the verge, at wh
 _AROUND = (2.5, 6.0)  # m beyond the square of a roundabout, at which the land is sampled
 _INSIDE = 0.8  # of the way to the centre of a bend, at which the land inside ends
 _GRASS_DROP = 0.02  # m from a sidewalk down to the grass beside it
+_GUTTER = 0.02  # m before a kerb, over which a relief goes down to a lower one
 _GARDEN_BEGINS = 0.15  # m from the sidewalk, at which gardens beside a level road have their height
 # m, in streets: a kerb over the road, a dropped kerb, and gardens over the sidewalk: estimates
 _KERBS, _DROPPED, _GARDENS = (0.0, KERB_HEIGHT), 0.03, (-0.04, 0.08)
@@ -135,7 +136,7 @@ class Ground:
 
     `strip` [m] is the width of the grass between kerb and sidewalk; with `paved` the land beside the street is a
     square or a yard. With the height of a `plain` [m] the ground is level, as in `road_surfaces`, and the relief
-    is still to be applied.
+    is still to be applied; with `kerbs` it lowers those of a straight road to their own height.
     """
 
     def __init__(
@@ -147,11 +148,14 @@ class Ground:
         strip: float = 0.0,
         paved: bool = False,
         plain: float | None = None,
+        kerbs: bool = True,
     ) -> None:
         self.road, self.strip, self.paved, self.plain = road, strip, paved, plain
         self.relief = Relief(road, land or Land(), rng)
         (own,) = rng.spawn(1)
-        kerb = KERB_HEIGHT if plain is not None or road.sidewalk == 0 else own.uniform(*_KERBS)
+        # lines of a relief follow no kerb in a bend or around a circle
+        kerbs = kerbs and (plain is None or (road.curvature == 0 and road.roundabout_radius is None))
+        kerb = own.uniform(*_KERBS) if kerbs and road.sidewalk > 0 else KERB_HEIGHT
         garden = own.uniform(*_GARDENS)
         # gardens are about as high as a sidewalk; beside a bare road the land is a little lower
         land_level = kerb + garden if road.sidewalk > 0 else TERRAIN_HEIGHT
@@ -282,9 +286,11 @@ class Ground:
     def drives(self) -> np.ndarray:
         """Corners [Q, 4, 3] of the driveways, each in pieces that follow the land."""
         ends = np.array([(area.along, area.across) for area in self._driveways]).reshape(-1, 2, 2)
-        steps = np.linspace(0.0, 1.0, _PIECES + 1)
-        share = np.stack([steps[:-1], steps[1:], steps[1:], steps[:-1]], axis=-1)
-        across = ends[:, 1, 0, None, None] + share * np.diff(ends[:, 1])[:, :, None]
+        lines = np.linspace(*ends[:, 1].T, _PIECES + 1, axis=-1)
+        if self.plain is not None:  # beside a level road the land has its height from here on
+            begins = np.copysign(self.road.verge + _GARDEN_BEGINS, lines[:, :1])
+            lines = np.sort(np.concatenate([lines, begins], axis=1))
+        across = np.stack([lines[:, :-1], lines[:, 1:], lines[:, 1:], lines[:, :-1]], axis=-1)
         along = np.broadcast_to(ends[:, 0, [0, 0, 1, 1]][:, None], across.shape)
         height = self.heights(along.ravel(), across.ravel()).reshape(across.shape)
         # the rim lies at the verge, at which the land begins
@@ -341,15 +347,23 @@ class Ground:
 
     def relief_lines(self) -> tuple[np.ndarray, np.ndarray]:
         """Lines along and across [m] between which the relief is nearly even."""
-        along, across = self._lines(graded(self.road.half_length + _MARGIN), True, None)
-        rims = self.road.verge + _GARDEN_BEGINS
-        return along, _distinct(np.concatenate([across, [-rims, rims]]))
+        road = self.road
+        along, across = self._lines(graded(road.half_length + _MARGIN), True, None)
+        rims = np.array([road.edge - _GUTTER, road.verge + _GARDEN_BEGINS])
+        if road.junction is not None:
+            along = np.concatenate([along, road.junction - rims[:1], road.junction + rims[:1]])
+        return _distinct(along), _distinct(np.concatenate([across, -rims, rims]))
 
     def rises(self, along: np.ndarray, across: np.ndarray) -> np.ndarray:
-        """The rise [m] of a relief over level ground at points that broadcast; gardens become as high as sidewalks."""
+        """The rise [m] of a relief over level ground at points that broadcast; kerbs get their own height, and gardens
+        become as high as sidewalks."""
         step = self._levels[2] - (TERRAIN_HEIGHT if self.plain is None else self.plain)
         begins = np.minimum(self.relief.away(along, across) / _GARDEN_BEGINS, 1.0)
-        heights: np.ndarray = self.relief.heights(along, across) + step * begins
+        middle = 0.0 if self.road.junction is None else self.road.junction
+        beside = along + np.copysign(_NEAR, along - middle), across + np.copysign(_NEAR, across)
+        behind = (self.kinds(*beside) != 0) & (np.abs(beside[1]) > self.road.edge)
+        kerb = np.where(behind, self._levels[1] - KERB_HEIGHT, 0.0)
+        heights: np.ndarray = self.relief.heights(along, across) + kerb + (step - kerb) * begins
         return heights
 
     def _lines(

@@ -129,7 +129,9 @@ class _Scene:
         # ditches and rising banks would hide the objects that were asked for
         crossed = self.paved or any(map(self._is_beside, itertools.chain.from_iterable(self.asked.values())))
         land = dataclasses.replace(district.land, ditch=0.0, falling=1.0) if crossed else district.land
-        ground = Ground(road, rng, land, plain=self.street.plain, paved=paved)
+        tops = [one.center[2] + one.size[2] / 2 for one in self.given if one.label == "sidewalk"]
+        usual = all(math.isclose(top, KERB_HEIGHT) for top in tops)
+        ground = Ground(road, rng, land, plain=self.street.plain, paved=paved, kerbs=usual)
         denied = _denied(self.intent, self.counted) | (set() if district.built_up else _AT_HOUSES)
         instances = max((primitive.instance for primitive in self.given), default=0)
         occupancy = Occupancy(road, ground, denied=denied, instances=instances)
