@@ -41,7 +41,7 @@ ELSEWHERE = (
     "devkit/bin/pip",
     "lidardraft studio",
 )
-# What numbers over 4 become here.
+# What larger numbers become here.
 FEWER = {"-n": 2, "--num": 2, "--frames": 3, "--steps": 1}
 SERVER = "http://localhost:11434/v1"
 
@@ -58,8 +58,8 @@ def blocks(page: Path) -> Iterator[tuple[str, str, str]]:
 def smaller(words: list[str]) -> list[str]:
     """A command with less to do: the same options, smaller numbers, no pictures."""
     for at, (option, value) in enumerate(pairwise(words), 1):
-        if option in FEWER and int(value) > 4:
-            words[at] = str(FEWER[option])
+        if option in FEWER:
+            words[at] = str(min(int(value), FEWER[option]))
     command, *rest = words
     if command == "lidardraft-train":
         words += ["--batch", "1"]
