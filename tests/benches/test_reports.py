@@ -123,6 +123,7 @@ def test_scans_of_a_case_have_one_road() -> None:
     assert table["height over the road (JSD)"]["simulated"] < 0.02
 
 
+@pytest.mark.slow
 def test_details_bring_coarse_layouts_nearer_to_their_streets() -> None:
     table = report(street_set(12))
     assert table["IoU of car"]["simulated"] > table["IoU of car"]["+ sensor model"] + 0.05

@@ -116,6 +116,7 @@ def drives() -> Drives:
     return {"a": sweeps[:4], "b": sweeps[4:8], "more": sweeps[8:]}
 
 
+@pytest.mark.slow
 def test_streets_are_not_told_from_streets(drives: Drives) -> None:
     found = two_sample({"a": drives["a"], "b": drives["b"]}, drives["more"])
     assert list(found.auc) == ["all", *FAMILIES]

@@ -55,7 +55,7 @@ def test_drop_and_noise_are_found(casts, threshold, drop, sigma, jitter):
     assert model.offset_spread == TYPICAL.offset_spread  # lasers 2 degrees apart do not tell
 
 
-@pytest.mark.parametrize("spread", [0.003, 0.03])
+@pytest.mark.parametrize("spread", [pytest.param(0.003, marks=pytest.mark.slow), 0.03])
 def test_how_lasers_differ_in_range_is_found_where_they_are_close(spread):
     close = replace(SENSOR, elevations=tuple(np.deg2rad(np.linspace(-6, -22, 33)).tolist()), origin_heights=())
     truth = replace(close, model=replace(SENSOR.model, offset_spread=spread))

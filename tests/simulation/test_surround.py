@@ -151,7 +151,7 @@ def test_all_sentences_of_the_corpus_keep_what_they_ask_for() -> None:
     check_sentences(SENTENCES)
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=10, deadline=None)
 @given(
     road=st.sampled_from(ROADS),
     kinds=st.lists(st.sampled_from(sorted(SENTENCE_KINDS)), min_size=1, max_size=4),

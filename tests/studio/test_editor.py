@@ -224,8 +224,13 @@ def unpacked(content: bytes, folder: Path) -> Path:
     return folder
 
 
-@pytest.mark.parametrize("weather", [None, Weather(rain=4.5, wetness=0.3)])
-@pytest.mark.parametrize("sensor", [SENSOR, Sensor(name="own", elevations=(0.03, -0.05, -0.15), columns=360)])
+@pytest.mark.parametrize(
+    ("sensor", "weather"),
+    [
+        (SENSOR, None),
+        (Sensor(name="own", elevations=(0.03, -0.05, -0.15), columns=360), Weather(rain=4.5, wetness=0.3)),
+    ],
+)
 def test_the_command_and_the_script_make_the_same_scan_byte_for_byte(
     layout: Layout, sensor: Sensor, weather: Weather | None, tmp_path: Path
 ) -> None:

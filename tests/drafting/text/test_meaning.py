@@ -81,7 +81,7 @@ def mirrored(line: str) -> str:
     return re.sub(r"\b(left|right)\b", lambda found: MIRROR[found[0]], line)
 
 
-@pytest.mark.parametrize("part", [0, 4, *(pytest.param(part, marks=pytest.mark.slow) for part in (1, 2, 3, 5, 6, 7))])
+@pytest.mark.parametrize("part", [0, *(pytest.param(part, marks=pytest.mark.slow) for part in range(1, 8))])
 def test_the_mirror_image_of_a_sentence_is_the_mirror_image_of_its_scene(part: int) -> None:
     # traffic keeps to the right, so who overtakes, and lanes and shoulders, have no mirror image
     handed = re.compile(
@@ -113,7 +113,7 @@ def test_a_rewriting_that_keeps_the_meaning_keeps_the_scene(rewriting: int) -> N
     pattern, other = SAME[rewriting]
     mixed = r"\b(of them|lane|way|m by|hundred|dozen|or|each|man|men|point|one|all)\b"
     texts = [one for one in SENTENCES if re.search(pattern, one) and not re.search(mixed, one)]
-    texts = texts[:: 1 + len(texts) // 60]
+    texts = texts[:: 1 + len(texts) // 30]
     broken = []
     for text in texts:
         one, changed = read(text), read(re.sub(pattern, other, text))

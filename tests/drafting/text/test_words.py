@@ -49,7 +49,8 @@ def counted(text: str) -> int:
 
 
 @pytest.mark.parametrize(
-    "hundred", [0, pytest.param(1, marks=pytest.mark.slow), 2, 3, 5, 9, 10, 11, 12, 15, 19, 20, 21, 30, 47, 99]
+    "hundred",
+    [0, 2, 10, 11, 19, 47, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 3, 5, 9, 12, 15, 20, 21, 30, 99))],
 )
 def test_numbers_in_words_and_digits_are_never_another_count(hundred: int) -> None:
     # every number up to 199, then each hundred with some rests: two-digit endings repeat
