@@ -18,7 +18,7 @@ from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor_model import IntensityCurve, SensorModel
 from lidardraft.semantics import BY_NAME
 
-STREETS = 24
+STREETS = 16
 TYPICAL = SensorModel(tilt_spread=0.0, gain_spread=0.0)
 
 
@@ -134,7 +134,7 @@ def curves(draw: st.DrawFn) -> IntensityCurve:
     )
 
 
-@settings(max_examples=3, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=2, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(curves())
 def test_readings_come_out_as_the_known_curve_has_them(own_casts, others, truth):
     model = replace(SENSOR.model, intensity_curve=truth)
