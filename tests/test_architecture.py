@@ -33,6 +33,12 @@ def trees() -> dict[Path, ast.Module]:
     return {path: ast.parse(path.read_text()) for path in FILES}
 
 
+@cache
+def nodes() -> dict[Path, list[ast.AST]]:
+    """All nodes of each tree: to walk through them takes as long as to read the files."""
+    return {path: list(ast.walk(tree)) for path, tree in trees().items()}
+
+
 def room_of(path: Path) -> str:
     return path.relative_to(PACKAGE).parts[0].removesuffix(".py")
 
@@ -41,7 +47,7 @@ def room_of(path: Path) -> str:
 def imported(path: Path) -> set[str]:
     """Full names of all modules and names a file imports, wherever in it."""
     names = set()
-    for node in ast.walk(trees()[path]):
+    for node in nodes()[path]:
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -93,7 +99,7 @@ def test_outside_libraries_stay_in_their_rooms() -> None:
         assert "torch" not in top or room_of(path) in TORCH_ROOMS, path
         if room_of(path) != "cli":
             assert not top & {"argparse", "tqdm"}, path
-            calls = [node for node in ast.walk(trees()[path]) if isinstance(node, ast.Call)]
+            calls = [node for node in nodes()[path] if isinstance(node, ast.Call)]
             prints = [c.lineno for c in calls if isinstance(c.func, ast.Name) and c.func.id == "print"]
             assert not prints, f"{path} prints in lines {prints}"
         assert not top & {"requests", "pickle", "yaml"}, path
@@ -108,7 +114,7 @@ def test_names_and_sizes() -> None:
         assert path.stem not in FORBIDDEN_NAMES, path
         assert not path.stem.endswith(("_v2", "_new", "_cond")), path
         assert len(path.read_text().splitlines()) <= LONGEST_FILE, path
-        for node in ast.walk(trees()[path]):
+        for node in nodes()[path]:
             if isinstance(node, ast.FunctionDef):
                 assert node.end_lineno is not None
                 assert node.end_lineno - node.lineno < LONGEST_FUNCTION, f"{path}: {node.name} is too long"
@@ -169,10 +175,10 @@ def test_modules_of_the_package_do_not_go_in_circles() -> None:
 
 def test_no_class_is_an_include() -> None:
     """A class with one subclass and no other user is a piece of it: inheritance is for substitution."""
-    classes = [node for tree in trees().values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    classes = [node for found in nodes().values() for node in found if isinstance(node, ast.ClassDef)]
     own = {node.name for node in classes}
     bases = [base.id for node in classes for base in node.bases if isinstance(base, ast.Name) and base.id in own]
-    uses = Counter(node.id for tree in trees().values() for node in ast.walk(tree) if isinstance(node, ast.Name))
+    uses = Counter(node.id for found in nodes().values() for node in found if isinstance(node, ast.Name))
     includes = {name for name in bases if bases.count(name) == 1 and uses[name] == 1}
     assert not includes, f"these are pieces of their only subclass: {sorted(includes)}"
 
@@ -232,8 +238,8 @@ def test_one_module_makes_lanes() -> None:
     """Those of streets; others come from files, by `read_as`, or are of several joined."""
     makers = {
         path.relative_to(PACKAGE).as_posix()
-        for path, tree in trees().items()
-        for node in ast.walk(tree)
+        for path, found in nodes().items()
+        for node in found
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Lane"
     }
     assert makers == {"scene/street.py"}

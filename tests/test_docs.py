@@ -69,6 +69,8 @@ def smaller(words: list[str]) -> list[str]:
         return words
     if rest[0] == "dataset":
         return [*words, "-n", "3"]
+    if rest[0] == "streets":
+        return [*words, "--jobs", "1"]
     if rest[0] == "generate" or "--weights" in rest:
         return [*words, "--steps", "1", *([] if "--weights" in rest else ["--weights", "paper-small"]), "-n", "1"]
     if rest[0] == "draft":

@@ -182,7 +182,7 @@ def test_what_networks_get_wrong_is_borne():
 
 def test_a_picture_larger_than_networks_see_gives_the_same_boxes():
     """Callables are shown a picture of 2048 pixels at most; arrays are of the whole picture."""
-    camera = CAMERA.resized(2400, 1500)
+    camera = CAMERA.resized(2056, 1285)
     picture = rendered_pictures.render(STREET, camera)
     shown = []
 
