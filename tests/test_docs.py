@@ -137,8 +137,14 @@ APART = (TUTORIAL, DOCS / "how-to" / "world.md")  # whose code runs in tests of 
 WITH_CODE = [page for page in PAGES if page not in APART and any(lang in ("python", "sh") for lang, *_ in blocks(page))]
 
 
+LONG = ("evaluate.md", "fit-sensor.md", "train.md")  # commands alone, which have tests of their own
+
+
 @pytest.mark.timeout(400)
-@pytest.mark.parametrize("page", WITH_CODE, ids=name_of)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, id=name_of(page), marks=pytest.mark.slow if page.name in LONG else ()) for page in WITH_CODE],
+)
 def test_the_code_of_a_page_runs(
     page: Path, place: Path, server: ReplayServer, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -173,12 +179,17 @@ def test_the_tutorial(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_every_command_of_the_pages_is_known() -> None:
-    """Also of those that run elsewhere: the first word is one of our programs, or is listed in ELSEWHERE."""
+    """Also of those that run elsewhere: the first word is one of our programs, whose parser knows all others, or is
+    listed in ELSEWHERE."""
+    parsers = {"lidardraft": cli.parser(), "lidardraft-train": train.parser()}
     for page in PAGES:
         for language, _, text in blocks(page):
             for line in text.splitlines() if language == "sh" else ():
                 programs = ("lidardraft ", "lidardraft-train ", "python ", "devkit/bin/")
                 assert not line or line.startswith((*programs, *ELSEWHERE)), f"{page.name}: {line}"
+                program, *words = shlex.split(line, comments=True) or [""]
+                if program in parsers:
+                    parsers[program].parse_args(words)
 
 
 def test_every_page_is_in_a_table_of_contents() -> None:

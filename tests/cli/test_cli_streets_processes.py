@@ -85,6 +85,7 @@ def test_a_killed_worker_is_one_line(start: Callable[..., Command]) -> None:
     wait_for(lambda: not command.members(), seconds=20)
 
 
+@pytest.mark.slow
 def test_a_folder_that_is_being_written_is_refused(start: Callable[..., Command]) -> None:
     first = start(*ENDLESS, "--workers", "1")
     wait_for(Path("pairs/.lock").exists)

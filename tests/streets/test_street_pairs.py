@@ -110,6 +110,7 @@ def test_a_labelled_scan_of_a_street_is_that_of_its_pair() -> None:
         street_scan(-1, seed=3, config=SMALL)
 
 
+@pytest.mark.slow
 def test_scan_and_condition_image_agree_on_most_objects():
     pairs = take(11, StreetConfig(poses_per_street=1), 30)
     cards = [adherence(pair.scan, pair.condition_image) for pair in pairs]
