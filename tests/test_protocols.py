@@ -293,7 +293,9 @@ def test_frid_has_features_of_16_groups_of_rows(tmp_path: Path, image: Spherical
     given = network.images(image)
     assert given.shape == (1, 4, 64, 1024)
     assert (given[0][:, image.depth == 0] == -1).all()
-    loaded = network.load(tmp_path, "cpu")
+    # whose means over columns a quarter of the columns has as well
+    narrow = dataclasses.replace(network, images=lambda image: network.images(image)[..., :256])
+    loaded = narrow.load(tmp_path, "cpu")
     features = loaded.measure(image)
     assert features.shape == (512,)
     assert "sha256" in loaded.description

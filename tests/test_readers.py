@@ -75,7 +75,7 @@ EDITS = st.lists(
 
 @each_reader
 @pytest.mark.filterwarnings("ignore::UserWarning")  # which say what was assumed of a file that is read
-@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=12, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(change=st.one_of(EDITS, EDITS, st.binary(max_size=400)))
 @example(change=b"")
 def test_errors_anywhere_in_a_file(tmp_path: Path, name: str, change: bytes | list[tuple[float, int, bytes]]) -> None:

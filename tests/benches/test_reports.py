@@ -49,6 +49,7 @@ def test_shares_are_of_the_classes_that_the_recordings_know() -> None:
 
 
 @needs_recordings
+@pytest.mark.slow
 def test_kitti_fills_its_rows() -> None:
     sweeps = recordings.hdl64e(data(), 1024)
     assert set(sweeps.plain) == {"raw 0005", "odometry 00", "object"}

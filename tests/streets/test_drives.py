@@ -91,13 +91,13 @@ def test_bad_drives_are_refused() -> None:
         street_drive(0, config=CONFIG, hz=0)
 
 
-def test_traffic_passes_under_crowns_on_hills_too() -> None:
+@pytest.mark.parametrize("number", [1, pytest.param(2, marks=pytest.mark.slow)])
+def test_traffic_passes_under_crowns_on_hills_too(number: int) -> None:
     """Here two cars waited for ever at trees whose crowns hang over the lane, and the ego vehicle behind them."""
     few = dataclasses.replace(SMALL, name="few", elevations=SMALL.elevations[:8], columns=64)
-    for number in (1, 2):
-        tracks = street_drive(number, seed=2, config=dataclasses.replace(CONFIG, sensor=few), frames=120).tracks
-        late = tracks.ego.at(np.array([8.0, 11.5]))[:, :2]
-        assert math.dist(*late) > 10.0
+    tracks = street_drive(number, seed=2, config=dataclasses.replace(CONFIG, sensor=few), frames=120).tracks
+    late = tracks.ego.at(np.array([8.0, 11.5]))[:, :2]
+    assert math.dist(*late) > 10.0
 
 
 def test_drives_of_riders_as_scenes_of_nuscenes(tmp_path: Path) -> None:
