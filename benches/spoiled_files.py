@@ -95,7 +95,6 @@ def special_files(large: bool = True) -> Iterator[tuple[str, str, bytes]]:
     }
     yield from (("sketch of shapes", name, data) for name, data in svg.items())
     rows = zlib.compress(bytes(10_001) * 1000)
-    noise = np.random.default_rng(1).integers(0, 256, (1400, 1400, 3)).astype(np.uint8)
     stripes = np.full((1000, 1000, 3), 255, np.uint8)
     stripes[::6] = stripes[1::6] = stripes[2::6] = (102, 102, 156)
     checks = np.full((1400, 1400, 3), 255, np.uint8)
@@ -116,7 +115,9 @@ def special_files(large: bool = True) -> Iterator[tuple[str, str, bytes]]:
     down, right = np.mgrid[-500:500, -500:500]
     turns = np.sin(np.hypot(right, down) / 12 + np.arctan2(down, right) / 2)
     spiral = np.where(np.abs(turns)[..., None] < 0.4, (128, 64, 128), 255).astype(np.uint8)
-    drawn = {"noise": noise, "stripes": stripes, "checks": checks, "maze": maze, "spiral": spiral}
+    drawn = {"stripes": stripes, "checks": checks, "maze": maze, "spiral": spiral}
+    if large:
+        drawn["noise"] = np.random.default_rng(1).integers(0, 256, (1400, 1400, 3)).astype(np.uint8)
     for name, pixels in drawn.items():
         yield "painted sketch", name, picture_bytes("png", pixels, compress_level=1)
     images = {

@@ -77,11 +77,13 @@ def test_a_drive_depends_on_seed_and_number_alone() -> None:
     assert drive(2).layout != drive(1).layout
 
 
-def test_every_district_has_drives() -> None:
+@pytest.mark.parametrize(
+    "name", ["motorway", *(pytest.param(n, marks=pytest.mark.slow) for n in ("village", "school"))]
+)
+def test_a_district_has_drives(name: str) -> None:
     few = dataclasses.replace(SMALL, name="few", elevations=SMALL.elevations[:8], columns=64)
-    for name in ("motorway", "village", "school"):
-        config = StreetConfig(sensor=few, half_length=200.0, mix=StreetMix(**only(name)))
-        assert street_drive(0, seed=1, config=config, frames=3).layout.intent.district == name
+    config = StreetConfig(sensor=few, half_length=200.0, mix=StreetMix(**only(name)))
+    assert street_drive(0, seed=1, config=config, frames=3).layout.intent.district == name
 
 
 def test_bad_drives_are_refused() -> None:

@@ -253,7 +253,7 @@ def test_every_word_for_a_kind_means_it() -> None:
     words = [(" ".join(parts), word) for entries in lexicon().values() for parts, word in entries]
     nouns = {text: word.features for text, word in words if word.category == "kind"}
     assert {said["kind"] for said in nouns.values()} == set(SENTENCE_KINDS)
-    for number, (noun, said) in enumerate(sorted(nouns.items())[::3]):  # they are alike
+    for number, (noun, said) in enumerate(sorted(nouns.items())[::5]):  # they are alike
         if not said.get("plural"):
             (node,) = parse(tokens_of(clean(f"some {noun}"), vocabulary()))
             read = dict(node.features)
