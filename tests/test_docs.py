@@ -137,7 +137,7 @@ APART = (TUTORIAL, DOCS / "how-to" / "world.md")  # whose code runs in tests of 
 WITH_CODE = [page for page in PAGES if page not in APART and any(lang in ("python", "sh") for lang, *_ in blocks(page))]
 
 
-LONG = ("evaluate.md", "fit-sensor.md", "train.md")  # commands alone, which have tests of their own
+LONG = ("evaluate.md", "fit-sensor.md", "scenarios.md", "train.md", "view.md")  # whose parts have tests of their own
 
 
 @pytest.mark.timeout(400)

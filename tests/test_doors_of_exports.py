@@ -312,7 +312,8 @@ format = "{format}"
 scans = 5
 shard_size = 2
 [[scene]]
-street = "urban"
+text = "three cars ahead, a bus 15 m behind"
+surroundings = "bare"
 [[sensor]]
 name = "few.json"
 """

@@ -41,10 +41,11 @@ def test_what_no_value_reaches_gets_the_nearest_limit():
 @pytest.mark.parametrize(
     ("threshold", "drop", "sigma", "jitter"),
     [
-        pytest.param(0.10 / 40.0**2, 0.002, 0.004, 0.03, id="short and exact", marks=pytest.mark.slow),
+        pytest.param(0.10 / 40.0**2, 0.002, 0.004, 0.03, id="short and exact"),
         pytest.param(0.10 / 120.0**2, 0.03, 0.02, 0.15, id="long and noisy"),
     ],
 )
+@pytest.mark.slow
 def test_drop_and_noise_are_found(casts, threshold, drop, sigma, jitter):
     truth = with_model(detection_threshold=threshold, drop_exponent=drop, jitter=jitter)
     model, found = fit_receiver(sweeps(replace(truth, range_sigma=sigma), STREETS, seed=6), casts, TYPICAL)
