@@ -17,6 +17,7 @@ from lidardraft.scan import SCAN_ENDINGS
 from lidardraft.training.sources import PairFolder
 
 pytestmark = pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="there is no process table in /proc")
+SIMULATE = ("simulate", "--text", "a car ahead", "--surroundings", "bare", "--sensor", "small.json", "-o", "out")
 ENDLESS = ("streets", "--sensor", "small.json", "--num", "1000000", "--poses", "32", "--output", "pairs")
 
 
@@ -106,7 +107,7 @@ def test_a_folder_that_is_being_written_is_refused(start: Callable[..., Command]
 @pytest.mark.parametrize("terminal", [True, False])
 def test_a_terminal_without_a_size_shows_progress_and_a_file_none(folder: Path, terminal: bool) -> None:
     at_once = "import sys\nfrom lidardraft.cli import command, main\ncommand._SHOWN_AFTER = 0.0\nsys.exit(main.main())"
-    words = ["simulate", "--street", "any", "--sensor", "small.json", "-n", "3", "--no-picture", "-o", "out"]
+    words = [*SIMULATE, "-n", "3", "--no-picture"]
     end, stderr = os.openpty() if terminal else os.pipe()
     process = subprocess.Popen([sys.executable, "-c", at_once, *words], cwd=folder, stderr=stderr)
     os.close(stderr)
@@ -120,7 +121,7 @@ def test_a_terminal_without_a_size_shows_progress_and_a_file_none(folder: Path, 
 
 
 def test_an_interrupted_simulation_leaves_whole_scans(start: Callable[..., Command]) -> None:
-    command = start("simulate", "--street", "any", "--sensor", "small.json", "-n", "100000", "--jobs", "2", "-o", "out")
+    command = start(*SIMULATE, "-n", "100000", "--jobs", "2")
     wait_for(Path("out/000005.bin").exists)
     command.interrupt()
     assert command.ended()[0] == 130
