@@ -75,8 +75,9 @@ def _claim(shape: tuple[int, ...], zeros: int = 0) -> bytes:
     return header.getvalue() + bytes(zeros * _MIB)
 
 
-def special_files() -> Iterator[tuple[str, str, bytes]]:
-    """Reader, name and bytes of files that are made against one format."""
+def special_files(large: bool = True) -> Iterator[tuple[str, str, bytes]]:
+    """Reader, name and bytes of files that are made against one format; `large` for those that take a while to make,
+    too."""
     entities = "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 10}">' for k in range(1, 7))
     bomb = f'<!DOCTYPE svg [<!ENTITY e0 "eeeeeeeeee">{entities}]><svg><text>&e6;</text></svg>'
     svg = {
@@ -94,18 +95,18 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
     }
     yield from (("sketch of shapes", name, data) for name, data in svg.items())
     rows = zlib.compress(bytes(10_001) * 1000)
-    noise = np.random.default_rng(1).integers(0, 256, (1400, 1400, 3)).astype(np.uint8)
     stripes = np.full((1000, 1000, 3), 255, np.uint8)
     stripes[::6] = stripes[1::6] = stripes[2::6] = (102, 102, 156)
     checks = np.full((1400, 1400, 3), 255, np.uint8)
     checks[np.add.outer(np.arange(1400) // 4, np.arange(1400) // 4) % 2 > 0] = (0, 0, 142)
     pictures = {
-        "100 megapixels": _png(10_000, 10_000, zlib.compress(bytes(10_001) * 10_000, 1), kind=0),
         "two billion pixels to a side": _png(2**31 - 1, 2**31 - 1, rows),
         "pixels that are not there": _png(5000, 5000, rows[:200]),
         "nothing": _png(0, 0),
         "a broken sum": _png(4, 4).replace(b"IDAT", b"zTXt", 1),
     }
+    if large:
+        pictures["100 megapixels"] = _png(10_000, 10_000, zlib.compress(bytes(10_001) * 10_000, 1), kind=0)
     for name, data in pictures.items():
         yield "painted sketch", name, data
         yield "picture", name, data
@@ -114,15 +115,18 @@ def special_files() -> Iterator[tuple[str, str, bytes]]:
     down, right = np.mgrid[-500:500, -500:500]
     turns = np.sin(np.hypot(right, down) / 12 + np.arctan2(down, right) / 2)
     spiral = np.where(np.abs(turns)[..., None] < 0.4, (128, 64, 128), 255).astype(np.uint8)
-    drawn = {"noise": noise, "stripes": stripes, "checks": checks, "maze": maze, "spiral": spiral}
+    drawn = {"stripes": stripes, "checks": checks, "maze": maze, "spiral": spiral}
+    if large:
+        drawn["noise"] = np.random.default_rng(1).integers(0, 256, (1400, 1400, 3)).astype(np.uint8)
     for name, pixels in drawn.items():
         yield "painted sketch", name, picture_bytes("png", pixels, compress_level=1)
     images = {
-        "a bomb": _claim((35 * _MIB,), 140),
         "more than there is": _claim((2**40,)),
         "a pickle": npy(np.array([print], dtype=object)),
         "text for numbers": npy(np.array(["car"])),
     }
+    if large:
+        images["a bomb"] = _claim((35 * _MIB,), 140)
     for name, data in images.items():
         yield "cast", name, archive("depth", data)
         yield "range image", name, archive("depth", data)

@@ -1,5 +1,6 @@
 """A language model's server in the test process, and an environment that names no other."""
 
+import gc
 import itertools
 import os
 from collections.abc import Iterator
@@ -11,6 +12,11 @@ from replay_server import ReplayServer
 os.environ.setdefault("OMP_NUM_THREADS", "1")  # for torch, on small tensors: threads would wait for each other
 
 _NUMBERS = itertools.count()
+
+
+def pytest_collection_finish() -> None:
+    """What was imported stays, and is not looked at whenever a test or pytest itself collects garbage."""
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True)

@@ -27,7 +27,7 @@ def surface(ground: Ground, along: float, across: float) -> str:
 
 @cache
 def plans() -> list[tuple[Occupancy, tuple[Path, ...], str]]:
-    planned = (plan_street(np.random.default_rng([seed, 9]), 90.0) for seed in range(120))
+    planned = (plan_street(np.random.default_rng([seed, 9]), 90.0) for seed in range(90))
     return [(frame.occupancy, paths_of(frame.street), name) for frame, name in planned]
 
 

@@ -28,7 +28,15 @@ FORBIDDEN_NAMES = {"utils", "util", "helpers", "helper", "misc", "common", "tool
 LONGEST_FILE, LONGEST_FUNCTION = 600, 60  # of a file that is one thing
 
 
-TREES = {path: ast.parse(path.read_text()) for path in FILES}
+@cache
+def trees() -> dict[Path, ast.Module]:
+    return {path: ast.parse(path.read_text()) for path in FILES}
+
+
+@cache
+def nodes() -> dict[Path, list[ast.AST]]:
+    """All nodes of each tree: to walk through them takes as long as to read the files."""
+    return {path: list(ast.walk(tree)) for path, tree in trees().items()}
 
 
 def room_of(path: Path) -> str:
@@ -39,7 +47,7 @@ def room_of(path: Path) -> str:
 def imported(path: Path) -> set[str]:
     """Full names of all modules and names a file imports, wherever in it."""
     names = set()
-    for node in ast.walk(TREES[path]):
+    for node in nodes()[path]:
         if isinstance(node, ast.Import):
             names |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
@@ -91,7 +99,7 @@ def test_outside_libraries_stay_in_their_rooms() -> None:
         assert "torch" not in top or room_of(path) in TORCH_ROOMS, path
         if room_of(path) != "cli":
             assert not top & {"argparse", "tqdm"}, path
-            calls = [node for node in ast.walk(TREES[path]) if isinstance(node, ast.Call)]
+            calls = [node for node in nodes()[path] if isinstance(node, ast.Call)]
             prints = [c.lineno for c in calls if isinstance(c.func, ast.Name) and c.func.id == "print"]
             assert not prints, f"{path} prints in lines {prints}"
         assert not top & {"requests", "pickle", "yaml"}, path
@@ -106,7 +114,7 @@ def test_names_and_sizes() -> None:
         assert path.stem not in FORBIDDEN_NAMES, path
         assert not path.stem.endswith(("_v2", "_new", "_cond")), path
         assert len(path.read_text().splitlines()) <= LONGEST_FILE, path
-        for node in ast.walk(TREES[path]):
+        for node in nodes()[path]:
             if isinstance(node, ast.FunctionDef):
                 assert node.end_lineno is not None
                 assert node.end_lineno - node.lineno < LONGEST_FUNCTION, f"{path}: {node.name} is too long"
@@ -127,7 +135,7 @@ def reads_of_provenance(tree: ast.AST) -> set[str]:
 def test_a_provenance_is_shown_and_saved_but_nothing_depends_on_it() -> None:
     """What depends on where a layout came from has a field of its own."""
     shown = {"scene/layout.py": {"__repr__"}, "cli/inputs.py": {"around_it"}}
-    for path, tree in TREES.items():
+    for path, tree in trees().items():
         name = path.relative_to(PACKAGE).as_posix()
         assert reads_of_provenance(tree) == shown.get(name, set()), name
     looks = "def f(layout):\n    return layout.provenance['a']\ndef g(x):\n    return 'b' in x.provenance\n"
@@ -137,7 +145,7 @@ def test_a_provenance_is_shown_and_saved_but_nothing_depends_on_it() -> None:
 
 
 def test_public_names_are_documented() -> None:
-    for path, tree in TREES.items():
+    for path, tree in trees().items():
         if path.stem != "__init__" or path.parent == PACKAGE:
             assert ast.get_docstring(tree), f"{path} says nothing about itself"
         for node in tree.body:
@@ -167,10 +175,10 @@ def test_modules_of_the_package_do_not_go_in_circles() -> None:
 
 def test_no_class_is_an_include() -> None:
     """A class with one subclass and no other user is a piece of it: inheritance is for substitution."""
-    classes = [node for tree in TREES.values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    classes = [node for found in nodes().values() for node in found if isinstance(node, ast.ClassDef)]
     own = {node.name for node in classes}
     bases = [base.id for node in classes for base in node.bases if isinstance(base, ast.Name) and base.id in own]
-    uses = Counter(node.id for tree in TREES.values() for node in ast.walk(tree) if isinstance(node, ast.Name))
+    uses = Counter(node.id for found in nodes().values() for node in found if isinstance(node, ast.Name))
     includes = {name for name in bases if bases.count(name) == 1 and uses[name] == 1}
     assert not includes, f"these are pieces of their only subclass: {sorted(includes)}"
 
@@ -230,8 +238,8 @@ def test_one_module_makes_lanes() -> None:
     """Those of streets; others come from files, by `read_as`, or are of several joined."""
     makers = {
         path.relative_to(PACKAGE).as_posix()
-        for path, tree in TREES.items()
-        for node in ast.walk(tree)
+        for path, found in nodes().items()
+        for node in found
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "Lane"
     }
     assert makers == {"scene/street.py"}

@@ -41,7 +41,7 @@ ELSEWHERE = (
     "devkit/bin/pip",
     "lidardraft studio",
 )
-# What numbers over 4 become here.
+# What larger numbers become here.
 FEWER = {"-n": 2, "--num": 2, "--frames": 3, "--steps": 1}
 SERVER = "http://localhost:11434/v1"
 
@@ -58,8 +58,8 @@ def blocks(page: Path) -> Iterator[tuple[str, str, str]]:
 def smaller(words: list[str]) -> list[str]:
     """A command with less to do: the same options, smaller numbers, no pictures."""
     for at, (option, value) in enumerate(pairwise(words), 1):
-        if option in FEWER and int(value) > 4:
-            words[at] = str(FEWER[option])
+        if option in FEWER:
+            words[at] = str(min(int(value), FEWER[option]))
     command, *rest = words
     if command == "lidardraft-train":
         words += ["--batch", "1"]
@@ -69,6 +69,8 @@ def smaller(words: list[str]) -> list[str]:
         return words
     if rest[0] == "dataset":
         return [*words, "-n", "3"]
+    if rest[0] == "streets":
+        return [*words, "--jobs", "1"]
     if rest[0] == "generate" or "--weights" in rest:
         return [*words, "--steps", "1", *([] if "--weights" in rest else ["--weights", "paper-small"]), "-n", "1"]
     if rest[0] == "draft":
@@ -131,11 +133,18 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-WITH_CODE = [page for page in PAGES if page != TUTORIAL and any(lang in ("python", "sh") for lang, *_ in blocks(page))]
+APART = (TUTORIAL, DOCS / "how-to" / "world.md")  # whose code runs in tests of their own
+WITH_CODE = [page for page in PAGES if page not in APART and any(lang in ("python", "sh") for lang, *_ in blocks(page))]
+
+
+LONG = ("evaluate.md", "fit-sensor.md", "scenarios.md", "train.md", "view.md")  # whose parts have tests of their own
 
 
 @pytest.mark.timeout(400)
-@pytest.mark.parametrize("page", WITH_CODE, ids=name_of)
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, id=name_of(page), marks=pytest.mark.slow if page.name in LONG else ()) for page in WITH_CODE],
+)
 def test_the_code_of_a_page_runs(
     page: Path, place: Path, server: ReplayServer, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -170,12 +179,17 @@ def test_the_tutorial(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_every_command_of_the_pages_is_known() -> None:
-    """Also of those that run elsewhere: the first word is one of our programs, or is listed in ELSEWHERE."""
+    """Also of those that run elsewhere: the first word is one of our programs, whose parser knows all others, or is
+    listed in ELSEWHERE."""
+    parsers = {"lidardraft": cli.parser(), "lidardraft-train": train.parser()}
     for page in PAGES:
         for language, _, text in blocks(page):
             for line in text.splitlines() if language == "sh" else ():
                 programs = ("lidardraft ", "lidardraft-train ", "python ", "devkit/bin/")
                 assert not line or line.startswith((*programs, *ELSEWHERE)), f"{page.name}: {line}"
+                program, *words = shlex.split(line, comments=True) or [""]
+                if program in parsers:
+                    parsers[program].parse_args(words)
 
 
 def test_every_page_is_in_a_table_of_contents() -> None:

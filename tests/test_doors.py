@@ -242,6 +242,15 @@ def test_observe(sensor: Sensor) -> None:
         assert not (image.valid & ~cast.valid).any()
 
 
+@pytest.mark.parametrize(
+    "sensor",
+    [
+        pytest.param(name, marks=pytest.mark.slow if name in ("staggered", "no sweep time", "one beam") else ())
+        for name in FORMS
+    ],
+    indirect=True,
+    scope="module",
+)
 def test_fit(simulator: Simulator, sensor: Sensor) -> None:
     scans = [simulator.scan(sensor.pose(yaw=1.6 * seed), seed=seed) for seed in range(8)]
     rows = [(scan.points(), scan.intensities(), scan.image.beams()) for scan in scans]

@@ -312,7 +312,8 @@ format = "{format}"
 scans = 5
 shard_size = 2
 [[scene]]
-street = "urban"
+text = "three cars ahead, a bus 15 m behind"
+surroundings = "bare"
 [[sensor]]
 name = "few.json"
 """
@@ -375,7 +376,7 @@ def test_a_merge_that_is_killed_at_any_point_goes_on(made: Callable[..., dict[st
     died, point = True, 0
     while died:
         Path("set/summary.json").unlink(missing_ok=True)
-        point += 4
+        point += 8
         if not (child := os.fork()):
             die_at(point)
             cli.main(["dataset", "recipe.toml", "--jobs", "1", "-o", "set"])

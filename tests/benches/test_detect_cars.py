@@ -54,5 +54,5 @@ def test_a_detector_learns() -> None:
     points = np.concatenate([np.array([*car[:2], 0.8]) + rng.normal(size=(200, 3)) * 0.5 for car in CARS])
     scene = Scene(points.astype(np.float32), CARS)
     before = loss_of(Detector()(torch.from_numpy(view_from_above(scene.points))[None]), [CARS])
-    after = loss_of(trained_detector([[scene]], 12, 0)(torch.from_numpy(view_from_above(scene.points))[None]), [CARS])
+    after = loss_of(trained_detector([[scene]], 6, 0)(torch.from_numpy(view_from_above(scene.points))[None]), [CARS])
     assert after < 0.7 * before

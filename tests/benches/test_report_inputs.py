@@ -67,11 +67,12 @@ def test_what_was_found_is_held_against_what_there_is():
     assert math.isnan(other.centre)
 
 
-def test_vehicles_of_rendered_pictures_are_recovered():
-    """What the report says, on four scenes: nine of ten vehicles that stand free within 0.5 m and 5 degrees."""
-    rows = [row for scene in report_image.rendered(4) for row in scene]
+@pytest.mark.parametrize(("scenes", "least"), [(1, 2), pytest.param(4, 8, marks=pytest.mark.slow)])
+def test_vehicles_of_rendered_pictures_are_recovered(scenes, least):
+    """What the report says: nine of ten vehicles that stand free within 0.5 m and 5 degrees."""
+    rows = [row for scene in report_image.rendered(scenes) for row in scene]
     good = [row.centre < report_image.CLOSE and row.yaw < report_image.STRAIGHT for row in rows]
-    assert len(good) >= 8
+    assert len(good) >= least
     assert np.mean(good) >= 0.9
 
 

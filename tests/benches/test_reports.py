@@ -49,6 +49,7 @@ def test_shares_are_of_the_classes_that_the_recordings_know() -> None:
 
 
 @needs_recordings
+@pytest.mark.slow
 def test_kitti_fills_its_rows() -> None:
     sweeps = recordings.hdl64e(data(), 1024)
     assert set(sweeps.plain) == {"raw 0005", "odometry 00", "object"}
@@ -123,6 +124,7 @@ def test_scans_of_a_case_have_one_road() -> None:
     assert table["height over the road (JSD)"]["simulated"] < 0.02
 
 
+@pytest.mark.slow
 def test_details_bring_coarse_layouts_nearer_to_their_streets() -> None:
     table = report(street_set(12))
     assert table["IoU of car"]["simulated"] > table["IoU of car"]["+ sensor model"] + 0.05

@@ -141,7 +141,7 @@ def test_the_rings_of_a_recorded_pandar64_are_those_of_its_table():
     assert np.median(np.abs(apart - np.median(apart))) < 3e-3
 
 
-STREETS = 6
+STREETS = 4
 BRIGHT = IntensityCurve(responses=(0.01, 1.0), readings=((0.3, 0.9),))
 JUDGED = replace(with_model(intensity_curve=BRIGHT, drop_exponent=0.1), range_sigma=0.05)
 

@@ -118,7 +118,9 @@ def test_columns_that_are_no_firings_give_no_azimuths():
     np.testing.assert_array_equal(fit_beam_table([backwards]).azimuth_offsets, 0.0)
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=pytest.mark.slow if n % 2 else ()) for n, name in enumerate(PRESETS)]
+)
 def test_scans_of_ours_tell_their_lasers_by_any_preset(tmp_path, name):
     truth = Sensor.preset(name)
     recordings = []

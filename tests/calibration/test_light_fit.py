@@ -18,7 +18,7 @@ from lidardraft.metrics.sweep import Sweep
 from lidardraft.scene.sensor_model import IntensityCurve, SensorModel
 from lidardraft.semantics import BY_NAME
 
-STREETS = 24
+STREETS = 16
 TYPICAL = SensorModel(tilt_spread=0.0, gain_spread=0.0)
 
 
@@ -41,10 +41,11 @@ def test_what_no_value_reaches_gets_the_nearest_limit():
 @pytest.mark.parametrize(
     ("threshold", "drop", "sigma", "jitter"),
     [
-        pytest.param(0.10 / 40.0**2, 0.002, 0.004, 0.03, id="short and exact", marks=pytest.mark.slow),
+        pytest.param(0.10 / 40.0**2, 0.002, 0.004, 0.03, id="short and exact"),
         pytest.param(0.10 / 120.0**2, 0.03, 0.02, 0.15, id="long and noisy"),
     ],
 )
+@pytest.mark.slow
 def test_drop_and_noise_are_found(casts, threshold, drop, sigma, jitter):
     truth = with_model(detection_threshold=threshold, drop_exponent=drop, jitter=jitter)
     model, found = fit_receiver(sweeps(replace(truth, range_sigma=sigma), STREETS, seed=6), casts, TYPICAL)
@@ -55,7 +56,7 @@ def test_drop_and_noise_are_found(casts, threshold, drop, sigma, jitter):
     assert model.offset_spread == TYPICAL.offset_spread  # lasers 2 degrees apart do not tell
 
 
-@pytest.mark.parametrize("spread", [0.003, 0.03])
+@pytest.mark.parametrize("spread", [pytest.param(0.003, marks=pytest.mark.slow), 0.03])
 def test_how_lasers_differ_in_range_is_found_where_they_are_close(spread):
     close = replace(SENSOR, elevations=tuple(np.deg2rad(np.linspace(-6, -22, 33)).tolist()), origin_heights=())
     truth = replace(close, model=replace(SENSOR.model, offset_spread=spread))
@@ -134,7 +135,7 @@ def curves(draw: st.DrawFn) -> IntensityCurve:
     )
 
 
-@settings(max_examples=3, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=2, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(curves())
 def test_readings_come_out_as_the_known_curve_has_them(own_casts, others, truth):
     model = replace(SENSOR.model, intensity_curve=truth)

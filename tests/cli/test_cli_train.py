@@ -106,6 +106,7 @@ def test_what_ships_is_scored_on_the_device_that_was_asked_for(
     assert cli.main([*generate, "--weights", "tiny.safetensors", "-o", "out"]) == 0
 
 
+@pytest.mark.slow
 def test_the_papers_stages_follow_one_another(capsys: pytest.CaptureFixture[str]) -> None:
     argv = ["street", "--recipe", "tiny", "--sensor", "small.json", "--work", "work", "-o", "paper.safetensors"]
     assert train.main([*argv, *SHORT]) == 0

@@ -11,6 +11,7 @@ from scipy import ndimage
 
 import rendered_pictures
 from lidardraft import Layout, Primitive, layout_from_image
+from lidardraft.drafting.picture import layout as picture_layout
 from lidardraft.drafting.picture.camera import Pinhole
 from lidardraft.errors import CheckpointError, LayoutError
 from lidardraft.scene.check import check
@@ -180,9 +181,10 @@ def test_what_networks_get_wrong_is_borne():
     assert layout.provenance["scale"] == pytest.approx(1 / 1.12, rel=0.05)
 
 
-def test_a_picture_larger_than_networks_see_gives_the_same_boxes():
-    """Callables are shown a picture of 2048 pixels at most; arrays are of the whole picture."""
-    camera = CAMERA.resized(2400, 1500)
+def test_a_picture_larger_than_networks_see_gives_the_same_boxes(monkeypatch):
+    """Callables are shown a picture of so many pixels at most; arrays are of the whole picture."""
+    monkeypatch.setattr(picture_layout, "_LONGEST_SIDE", 640)
+    camera = CAMERA.resized(800, 500)
     picture = rendered_pictures.render(STREET, camera)
     shown = []
 
@@ -191,7 +193,7 @@ def test_a_picture_larger_than_networks_see_gives_the_same_boxes():
         return rendered_pictures.render(STREET, CAMERA.resized(pixels.shape[1], pixels.shape[0])).depth
 
     layout = drafted(picture, depth=depth)
-    assert shown == [(1280, 2048, 3)]
+    assert shown == [(400, 640, 3)]
     assert_vehicles_are_recovered(layout)
 
 

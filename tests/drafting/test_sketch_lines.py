@@ -113,8 +113,8 @@ def test_more_than_can_be_read_is_refused() -> None:
 
 def test_a_long_line_takes_no_more_memory_than_its_length() -> None:
     """A spiral; the distances between all its points would take gigabytes."""
-    down, right = np.mgrid[-500:500, -500:500]
-    turns = np.hypot(right, down) / 4 + np.arctan2(down, right) / 2
+    down, right = np.mgrid[-400:400, -400:400]
+    turns = np.hypot(right, down) / 3 + np.arctan2(down, right) / 2
     mask, _ = ndimage.label(np.abs(np.sin(turns)) < 0.6, np.ones((3, 3)))
     largest = 1 + int(np.argmax(np.bincount(mask.ravel())[1:]))
     tracemalloc.start()

@@ -192,6 +192,7 @@ def test_what_is_not_there_is_one_line(monkeypatch, name):
     assert "\n" not in str(raised.value)
 
 
+@pytest.mark.slow
 def test_a_hub_that_does_not_answer_is_asked_once_and_gets_one_line(tmp_path):
     """transformers asks six times, for half a minute, and logs each."""
     asked = []

@@ -39,10 +39,10 @@ CONFIG = StreetConfig(sensor=PRESETS["vlp16"], poses_per_street=1)
 
 @cache
 def layouts() -> list[Layout]:
-    """50 of sentences and 20 of streets."""
+    """50 of sentences and 10 of streets."""
     texts = [layout_from_text(sentence, seed=seed) for sentence in SENTENCES for seed in range(5)]
     streets = []
-    for number in range(20):
+    for number in range(10):
         street = make_street(seed=4, config=CONFIG, number=number)
         ego, _, _ = sample_viewpoint(street, CONFIG.sensor, number)
         streets.append(street.with_roads(Layout(), ego.pose, relief=True))

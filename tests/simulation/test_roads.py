@@ -48,8 +48,9 @@ def drivers(layout: Layout) -> list[str]:
     return [name for name in tracks.actors if name in vehicles]
 
 
-@pytest.mark.parametrize("number", [1, 3, 6, 21, 27])  # a bend, a T-junction, a roundabout, one-way, a car park
+@pytest.mark.parametrize("number", [1, 6, 27, *(pytest.param(number, marks=pytest.mark.slow) for number in (3, 21))])
 def test_a_saved_street_is_driven(number: int, tmp_path: Path) -> None:
+    """A bend, a roundabout, a car park; a T-junction, one-way."""
     layout = saved(street_scan(number, seed=4, config=CONFIG).layout, tmp_path)
     tracks = tracks_of(layout, Scenario(), 3.0)
     goes = {name: np.hypot(*track.places[:, :2].T) for name, track in tracks.actors.items()}

@@ -182,7 +182,7 @@ def test_a_car_parked_beside_a_lane_does_not_turn_at_the_junction() -> None:
     assert not moved(layout_of(road, turns, parked=(LEFT, -LEFT)), 1.0)
 
 
-@pytest.mark.parametrize("seed", [2, 5])
+@pytest.mark.parametrize("seed", [2, pytest.param(5, marks=pytest.mark.slow)])
 def test_the_ego_vehicle_passes_a_crossroads_that_is_crowded_at_the_start(seed: int) -> None:
     sentence = "a busy downtown crossroads with pedestrians crossing"
     layout = surround(layout_from_text(sentence, seed=seed), seed=seed)

@@ -4,8 +4,6 @@ import itertools
 import multiprocessing
 import os
 import signal
-import subprocess
-import sys
 import threading
 import time
 from contextlib import closing
@@ -47,40 +45,21 @@ def test_pair_k_depends_on_the_seed_and_k_alone():
 
 
 def test_shards_are_disjoint_and_together_all():
-    whole = [pair.index for pair in take(3, SMALL, 12)]
+    whole = [pair.index for pair in take(3, SMALL, 6)]
     parts = [
-        [pair.index for pair in itertools.islice(streets(seed=3, config=SMALL, shard=(i, 3)), 4)] for i in range(3)
+        [pair.index for pair in itertools.islice(streets(seed=3, config=SMALL, shard=(i, 3)), 2)] for i in range(3)
     ]
     assert sorted(itertools.chain(*parts)) == whole
     # and each goes on in its own part
-    assert next(streets(seed=3, config=SMALL, start=parts[1][3], shard=(1, 3))).index == parts[1][3]
+    assert next(streets(seed=3, config=SMALL, start=parts[1][1], shard=(1, 3))).index == parts[1][1]
 
 
 def test_processes_make_the_same_pairs():
+    """Each of them casts with one thread, and this one with all."""
     config = replace(SMALL, poses_per_street=3)
     with closing(streets(seed=3, config=config, start=1, workers=2)) as pairs:
-        for one, two in zip(itertools.islice(pairs, 8), take(3, config, 8, 1), strict=True):
+        for one, two in zip(itertools.islice(pairs, 5), take(3, config, 5, 1), strict=True):
             assert_equal(one, two)
-
-
-def test_pairs_do_not_depend_on_the_number_of_threads():
-    program = (
-        "import hashlib; from lidardraft import Sensor\nfrom lidardraft.streets import StreetConfig, streets\n"
-        "pair = next(streets(seed=1, config=StreetConfig(sensor=Sensor.preset('vlp16'))))\n"
-        "images = (pair.scan.depth, pair.scan.label, pair.scan.intensity, pair.condition_image.depth)\n"
-        "print(hashlib.sha256(b''.join(image.tobytes() for image in images)).hexdigest())"
-    )
-    digests = {
-        subprocess.run(
-            [sys.executable, "-c", program],
-            env={**os.environ, "RAYON_NUM_THREADS": threads},
-            capture_output=True,
-            text=True,
-            check=True,
-        ).stdout
-        for threads in ("1", "3")
-    }
-    assert len(digests) == 1
 
 
 def test_the_condition_image_is_the_cast_of_the_layout():
@@ -91,9 +70,8 @@ def test_the_condition_image_is_the_cast_of_the_layout():
 
 
 def test_a_pair_has_boxes_of_all_objects_around_their_points() -> None:
-    config = StreetConfig(poses_per_street=2)
     inside = total = 0
-    for pair in take(5, config, 12):
+    for pair in take(5, SMALL, 12):
         boxes = {box.instance: box for box in pair.boxes()}
         assert boxes.keys() >= {*np.unique(pair.scan.instance).tolist()} - {0}  # also where a sentence leaves some out
         deskewed = (pair.scan.points(pair.poses()) - pair.pose[:3, 3]) @ pair.pose[:3, :3]
@@ -132,6 +110,7 @@ def test_a_labelled_scan_of_a_street_is_that_of_its_pair() -> None:
         street_scan(-1, seed=3, config=SMALL)
 
 
+@pytest.mark.slow
 def test_scan_and_condition_image_agree_on_most_objects():
     pairs = take(11, StreetConfig(poses_per_street=1), 30)
     cards = [adherence(pair.scan, pair.condition_image) for pair in pairs]

@@ -99,7 +99,7 @@ def test_at_first_only_the_zero_convolutions_learn(pairs: PairFolder, base: Path
     assert not torch.equal(later["controlnet.encoder.stem.weight"], after["controlnet.encoder.stem.weight"])
 
 
-@pytest.mark.parametrize("stage", ["generator", "base", "control"])
+@pytest.mark.parametrize("stage", ["generator", pytest.param("base", marks=pytest.mark.slow), "control"])
 def test_a_run_in_slices_is_the_run_in_one(stage: str, pairs: PairFolder, base: Path, tmp_path: Path) -> None:
     config = dataclasses.replace(STAGES[stage], steps=8, save_every=3)
 

@@ -29,7 +29,9 @@ def test_a_step_draws_from_the_pairs_that_are_there(monkeypatch: pytest.MonkeyPa
         while bank.made < 9 and time.monotonic() < end:
             time.sleep(0.05)
     config = StreetConfig(sensor=SENSOR, poses_per_street=sources._POSES_MEANWHILE)
-    made = [Pair(p.scan, p.condition_image).compact() for p in itertools.islice(streets(seed=3, config=config), 40)]
+    made = [
+        Pair(p.scan, p.condition_image).compact() for p in itertools.islice(streets(seed=3, config=config), bank.made)
+    ]
     newest = made[bank.made - 6 : bank.made]
     for number, pair in enumerate(newest, start=bank.made - 6):  # each in its place, to the bit
         for name, image in pair.items():

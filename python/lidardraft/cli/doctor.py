@@ -6,6 +6,7 @@ import argparse
 import os
 import platform
 import time
+from collections.abc import Mapping
 from importlib import import_module, metadata
 from importlib.util import find_spec
 
@@ -35,8 +36,9 @@ def doctor(arguments: argparse.Namespace) -> None:
     milliseconds = _first_scan()
     text = f"simulate: {milliseconds:.0f} ms for a first scan of {_SENTENCE!r}"
     report(arguments, text, first_scan_ms=round(milliseconds, 1))
+    packages = metadata.packages_distributions()
     for library, extras in EXTRAS.items():
-        found = _found(library)
+        found = _found(library, packages)
         lacks = f"missing; pip install 'lidardraft[{extras[0]}]'"
         report(arguments, f"{library:15} {found or lacks}", library=library, found=found, extra=extras[0])
     if devices := _devices():
@@ -50,16 +52,16 @@ def _first_scan() -> float:
     return 1e3 * (time.perf_counter() - begun)
 
 
-def _found(library: str) -> str | None:
-    """The version of a library, or the error of its import; None if it is not installed."""
+def _found(library: str, packages: Mapping[str, list[str]]) -> str | None:
+    """The version of a library, which one of the `packages` brings, or the error of its import; None if it is not
+    installed."""
     if find_spec(library) is None:
         return None
     try:
         import_module(library)
     except Exception as error:  # a broken library may raise anything
         return f"broken: {error}"
-    names = metadata.packages_distributions().get(library, [library])
-    return metadata.version(names[0])
+    return metadata.version(packages.get(library, [library])[0])
 
 
 def _devices() -> list[str]:

@@ -9,7 +9,7 @@ import pytest
 from hostile_scripts import HOSTILE, says_where
 
 MEMORY = 100 * 2**20  # bytes beside what an import of lidardraft takes
-SECONDS = 0.1  # of processor time that each is allowed
+SECONDS = 0.04  # of processor time that each is allowed
 WITHIN = 0.5  # s of processor time each is refused
 
 ALL_IN_ONE_PROCESS = f"""

@@ -48,7 +48,7 @@ def read(text: str) -> SceneSpec | None:
     return found and found.spec
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=8, deadline=None, derandomize=True)
 @given(st.integers(0, 10**6))
 def test_a_scene_is_read_from_the_sentence_that_says_it_or_the_difference_is_told(seed: int) -> None:
     """1,000 scenes of other seeds: 998 are the same, one is refused, of one the difference is told."""
@@ -64,7 +64,7 @@ def test_a_scene_is_read_from_the_sentence_that_says_it_or_the_difference_is_tol
 
 def test_a_group_that_is_lost_and_another_number_are_told() -> None:
     writer = Writer(5)
-    for text, scene in (writer.scene() for _ in range(60)):
+    for text, scene in (writer.scene() for _ in range(30)):
         if any(group.references for group in scene.groups):
             continue
         for number, group in enumerate(scene.groups):
@@ -82,7 +82,7 @@ def mirrored(line: str) -> str:
     return re.sub(r"\b(left|right)\b", lambda found: MIRROR[found[0]], line)
 
 
-@pytest.mark.parametrize("part", [0, 4, *(pytest.param(part, marks=pytest.mark.slow) for part in (1, 2, 3, 5, 6, 7))])
+@pytest.mark.parametrize("part", [0, *(pytest.param(part, marks=pytest.mark.slow) for part in range(1, 8))])
 def test_the_mirror_image_of_a_sentence_is_the_mirror_image_of_its_scene(part: int) -> None:
     # traffic keeps to the right, so who overtakes, and lanes and shoulders, have no mirror image
     handed = re.compile(
@@ -114,7 +114,7 @@ def test_a_rewriting_that_keeps_the_meaning_keeps_the_scene(rewriting: int) -> N
     pattern, other = SAME[rewriting]
     mixed = r"\b(of them|lane|way|m by|hundred|dozen|or|each|man|men|point|one|all)\b"
     texts = [one for one in SENTENCES if re.search(pattern, one) and not re.search(mixed, one)]
-    texts = texts[:: 1 + len(texts) // 60]
+    texts = texts[:: 1 + len(texts) // 30]
     broken = []
     for text in texts:
         one, changed = read(text), read(re.sub(pattern, other, text))

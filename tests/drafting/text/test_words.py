@@ -49,7 +49,8 @@ def counted(text: str) -> int:
 
 
 @pytest.mark.parametrize(
-    "hundred", [0, pytest.param(1, marks=pytest.mark.slow), 2, 3, 5, 9, 10, 11, 12, 15, 19, 20, 21, 30, 47, 99]
+    "hundred",
+    [0, 2, 10, 11, 19, 47, *(pytest.param(n, marks=pytest.mark.slow) for n in (1, 3, 5, 9, 12, 15, 20, 21, 30, 99))],
 )
 def test_numbers_in_words_and_digits_are_never_another_count(hundred: int) -> None:
     # every number up to 199, then each hundred with some rests: two-digit endings repeat
@@ -149,8 +150,15 @@ def test_constituents(text: str, symbols: list[str]) -> None:
 def test_the_cheapest_constituents_cover_all_tokens() -> None:
     rules = {"pair": (rule("a b"), rule("a a", cost=9.0)), "run": (rule("a a*"),)}
     words = [[Node(symbol, at, at + 1, 0.0), Node("unknown", at, at + 1, 5.0)] for at, symbol in enumerate("aaba")]
-    nodes = Chart(Grammar(rules, {"pair": 1.0, "run": 1.0, "unknown": 1.0}), words).cover()
+    nodes = Chart(Grammar.of(rules, {"pair": 1.0, "run": 1.0, "unknown": 1.0}), words).cover()
     assert [(node.symbol, node.start, node.end) for node in nodes] == [("run", 0, 1), ("pair", 1, 3), ("run", 3, 4)]
+
+
+def test_a_constituent_begins_with_what_its_first_parts_begin_with() -> None:
+    rules = {"noun": (rule("size? colour* thing"), rule("pronoun")), "pair": (rule("noun and noun"),)}
+    begins = Grammar.of(rules, {}).begins
+    assert begins["noun"] == {"noun", "size", "colour", "thing", "pronoun"}
+    assert begins["pair"] == {"pair", *begins["noun"]}
 
 
 def test_words_that_fit_together_narrow_a_place_and_others_are_alternatives() -> None:

@@ -45,10 +45,31 @@ class Rule(NamedTuple):
 
 
 class Grammar(NamedTuple):
-    """The rules of each symbol, and the cost of each symbol that may be a sentence's constituent by itself."""
+    """The rules of each symbol, the cost of each symbol that may be a sentence's constituent by itself, and the symbols
+    of the words that each may begin with."""
 
     rules: dict[str, tuple[Rule, ...]]
     tops: dict[str, float]
+    begins: dict[str, frozenset[str]]
+
+    @classmethod
+    def of(cls, rules: dict[str, tuple[Rule, ...]], tops: dict[str, float]) -> Grammar:
+        """The grammar of these rules and costs."""
+        begins = {symbol: frozenset({symbol}) for symbol in rules}
+        grown = True
+        while grown:
+            grown = False
+            for symbol, ways in rules.items():
+                more = begins[symbol].union(*(begins.get(one, {one}) for way in ways for one in _leading(way.parts)))
+                grown |= more != begins[symbol]
+                begins[symbol] = more
+        return cls(rules, tops, begins)
+
+
+def _leading(parts: Parts) -> list[str]:
+    """The symbols that the first constituent of a rule may have."""
+    needed = next((number for number, (_, times) in enumerate(parts) if not times), len(parts))
+    return [symbol for symbol, _ in parts[: needed + 1]]
 
 
 def rule(parts: str, build: Build | None = None, cost: float = 0.0) -> Rule:
@@ -67,6 +88,7 @@ class Chart:
     def __init__(self, grammar: Grammar, words: Sequence[Iterable[Node]]) -> None:
         """`words` are the word nodes that begin at each token."""
         self._grammar, self._words = grammar, [list(at) for at in words]
+        self._symbols = [{word.symbol for word in at} for at in self._words]
         self._known: dict[tuple[str, int], dict[int, Node]] = {}
         self._matched: dict[tuple[int, int, int], list[Way]] = {}
 
@@ -77,7 +99,8 @@ class Chart:
             return known
         found: dict[int, Node] = {}
         self._known[symbol, start] = found
-        if start < len(self._words):
+        begins = self._grammar.begins.get(symbol, {symbol})
+        if start < len(self._words) and not begins.isdisjoint(self._symbols[start]):
             for word in self._words[start]:
                 if word.symbol == symbol:
                     _keep(found, word)

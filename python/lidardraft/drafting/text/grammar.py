@@ -77,8 +77,14 @@ def _number(text: str, start: int, end: int, cost: float) -> Node:
 
 def _is_named_before(texts: list[str], index: int, noun: str) -> bool:
     """Whether a noun occurs before a token, except in "robot view"."""
-    views = {parts[0] for entries in lexicon().values() for parts, word in entries if word.category == "scene_noun"}
-    return any(text == noun and after not in views for text, after in itertools.pairwise(texts[: index + 1]))
+    return any(text == noun and after not in _views() for text, after in itertools.pairwise(texts[: index + 1]))
+
+
+@cache
+def _views() -> frozenset[str]:
+    return frozenset(
+        parts[0] for entries in lexicon().values() for parts, word in entries if word.category == "scene_noun"
+    )
 
 
 _SIGNS = (",", ".", ":", "(", ")")
@@ -422,7 +428,7 @@ def grammar() -> Grammar:
         rules.setdefault(symbol, []).extend(
             rule(parts, _build(found["how"], found["what"]), cost) for parts in found["parts"].split(" | ")
         )
-    return Grammar({name: tuple(ways) for name, ways in rules.items()}, _TOPS)
+    return Grammar.of({name: tuple(ways) for name, ways in rules.items()}, _TOPS)
 
 
 _RULE = re.compile(r"(?P<parts>.*?)(?: (?P<how>->|=>|\+>)(?P<what>.*?))??(?: @(?P<cost>-?[\d.]+))?")
