@@ -286,7 +286,7 @@ class Ground:
     def drives(self) -> np.ndarray:
         """Corners [Q, 4, 3] of the driveways, each in pieces that follow the land."""
         ends = np.array([(area.along, area.across) for area in self._driveways]).reshape(-1, 2, 2)
-        lines = np.linspace(*ends[:, 1].T, _PIECES + 1, axis=-1)
+        lines = np.linspace(ends[:, 1, 0], ends[:, 1, 1], _PIECES + 1, axis=-1)
         if self.plain is not None:  # beside a level road the land has its height from here on
             begins = np.copysign(self.road.verge + _GARDEN_BEGINS, lines[:, :1])
             lines = np.sort(np.concatenate([lines, begins], axis=1))
