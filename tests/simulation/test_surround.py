@@ -117,6 +117,8 @@ def hidden(bare: Layout, whole: Layout) -> list[str]:
     for name, parts in objects(bare).items():
         if not bare.intent.of(name).counted and parts[0].label not in THINGS:
             continue  # more of them may well stand in front
+        if any(note.startswith(f"{name} cannot be seen") for note in whole.notes):
+            continue
         seen = [np.isin(image.primitive, [index[p.id] for p in parts]).sum() for image in (before, after)]
         width = np.ptp(np.concatenate([corners(p) for p in parts]), axis=0).max()
         if seen[0] >= 20 and width < 4.5 and seen[1] < 0.9 * seen[0]:

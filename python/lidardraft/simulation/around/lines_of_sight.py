@@ -20,7 +20,7 @@ SENSOR = (1.5, 2.2)  # m over the road, lowest and highest: estimates, as are th
 _EYE = (0.0, 0.0, sum(SENSOR) / 2)
 _SEEN_WIDTH = 4.0  # of a building, a hedge and the like that stays in sight
 _UNSEEN, _LEVEL_SEEN = 0.2, 2.5  # m over the ground that may be hidden, and up to where most rays go
-_PIECE, _BEGINS, _MOST = 8.0, 2.5, 200  # m of a piece, m from the ego, objects
+_PIECE, _BEGINS, _MOST = 8.0, 1.5, 200  # m of a piece, m from the ego, objects
 _ASIDE = (0.0, -1 / 3, 1 / 3, -2 / 3, 2 / 3, -1.0, 1.0)  # points of a wide object, in shares of half its width
 _GRID = np.array([(a, b) for a in (-0.7, 0.0, 0.7) for b in (0.15, 0.5, 0.85)])  # lines, in shares of width and height
 
@@ -86,8 +86,9 @@ class LinesOfSight:
 
 
 def _views(parts: Sequence[Primitive]) -> Iterator[_View]:
-    """The views of an object: all of a thing, or pieces of a wide object, in its middle and aside."""
-    body = max(parts, key=lambda part: math.prod(part.size))
+    """The views of the largest part of an object, the nearest of equal ones: all of a thing, or pieces of a wide
+    object, in its middle and aside."""
+    body = max(parts, key=lambda part: (round(math.prod(part.size), 3), -math.hypot(*part.center[:2])))
     x, y, _ = body.center
     turn = body.yaw - math.atan2(y, x)
     half = (abs(math.sin(turn)) * body.size[0] + abs(math.cos(turn)) * body.size[1]) / 2

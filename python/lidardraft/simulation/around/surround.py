@@ -28,7 +28,7 @@ from lidardraft.scene.relief import Relief
 from lidardraft.scene.road import KERB_HEIGHT, SIDES, Road
 from lidardraft.scene.road_network import RoadNetwork
 from lidardraft.scene.road_surfaces import road_surfaces
-from lidardraft.scene.solids import Solid
+from lidardraft.scene.solids import Solid, Solids
 from lidardraft.scene.street import StreetFrame
 from lidardraft.semantics import BY_NAME
 from lidardraft.simulation.around.land import drawn_relief
@@ -220,15 +220,18 @@ class _Scene:
             yield Solid.box(x, y, yaw, (_BEYOND, 2 * self.road.verge), -_HIGH, _HIGH)
 
     def standing(self, objects: Sequence[PlacedObject]) -> list[PlacedObject]:
-        """The objects within reach of sensors, without vans longer than the cars of `scene.check`; those of a drawn
-        layout stand on its ground, which may differ between the sides of the road."""
+        """The objects within reach of sensors, without vans longer than the cars of `scene.check` and plants whose rims
+        touch what was asked for; those of a drawn layout stand on its ground, which may differ between the sides of the
+        road."""
         objects = [one for one in objects if math.dist((one.x, one.y), self.ego[:2]) < _REACH]
         longest = SIZE_RANGES["car"][1][0]
         objects = [one for one in objects if "car" not in kind_of(one.kind).labels or one.size[0] < longest]
-        if self.street.ends is None:
-            return objects
-        ground = LayoutGround(self.given)
-        return [dataclasses.replace(one, z=one.z - one.level + ground.height(one.x, one.y)) for one in objects]
+        if self.street.ends is not None:
+            ground = LayoutGround(self.given)
+            objects = [dataclasses.replace(one, z=one.z - one.level + ground.height(one.x, one.y)) for one in objects]
+        # plants reserve the cores of their crowns alone
+        asked = Solids(map(_around, itertools.chain.from_iterable(self.asked.values())))
+        return [one for one in objects if "vegetation" not in kind_of(one.kind).labels or not _meets(one, asked)]
 
     def _is_outside(self, corners: np.ndarray) -> np.ndarray:
         """The mask [...] of quadrilaterals [..., 4, 3] that the picture does not show."""
@@ -285,6 +288,17 @@ def _denied(intent: Intent, counted: set[str]) -> frozenset[str]:
         labels |= {name for name, row in BY_NAME.items() if row.is_thing}
     denied = {name for name, kind in KINDS.items() if {name, kind.word} & words or labels.intersection(kind.labels)}
     return frozenset(denied | {"grass"})  # coarse layouts have no grass
+
+
+def _meets(one: PlacedObject, solids: Solids) -> bool:
+    """Whether the boxes around the coarse shapes of a placed object meet solids."""
+    return any(True for shape in _shapes([one]) for _ in solids.touching(_around(shape)))
+
+
+def _around(part: Primitive) -> Solid:
+    """The box around a shape."""
+    (x, y, z), (length, width, height) = part.center, part.size
+    return Solid.box(x, y, part.yaw, (length, width), z - height / 2, z + height / 2)
 
 
 def _shapes(standing: Sequence[PlacedObject]) -> Iterator[Primitive]:
