@@ -45,7 +45,6 @@ def test_what_no_value_reaches_gets_the_nearest_limit():
         pytest.param(0.10 / 120.0**2, 0.03, 0.02, 0.15, id="long and noisy"),
     ],
 )
-@pytest.mark.slow
 def test_drop_and_noise_are_found(casts, threshold, drop, sigma, jitter):
     truth = with_model(detection_threshold=threshold, drop_exponent=drop, jitter=jitter)
     model, found = fit_receiver(sweeps(replace(truth, range_sigma=sigma), STREETS, seed=6), casts, TYPICAL)
