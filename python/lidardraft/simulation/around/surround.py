@@ -221,7 +221,7 @@ class _Scene:
 
     def standing(self, objects: Sequence[PlacedObject]) -> list[PlacedObject]:
         """The objects within reach of sensors, without vans longer than the cars of `scene.check` and plants whose rims
-        touch what was asked for; those of a drawn layout stand on its ground, which may differ between the sides of the
+        touch given objects; those of a drawn layout stand on its ground, which may differ between the sides of the
         road."""
         objects = [one for one in objects if math.dist((one.x, one.y), self.ego[:2]) < _REACH]
         longest = SIZE_RANGES["car"][1][0]
