@@ -23,7 +23,7 @@ ENDLESS = ("streets", "--sensor", "small.json", "--num", "1000000", "--poses", "
 
 @pytest.fixture(autouse=True)
 def few_rays(folder: Path) -> None:
-    """In small.json, for what is tested here is the same of any scan."""
+    """In small.json: these tests hold for any scan."""
     Sensor(name="few", elevations=(0.0, -0.1, -0.2, -0.3), columns=16).save(folder / "small.json")
 
 

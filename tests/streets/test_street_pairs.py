@@ -4,6 +4,8 @@ import itertools
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 from contextlib import closing
@@ -60,6 +62,26 @@ def test_processes_make_the_same_pairs():
     with closing(streets(seed=3, config=config, start=1, workers=2)) as pairs:
         for one, two in zip(itertools.islice(pairs, 5), take(3, config, 5, 1), strict=True):
             assert_equal(one, two)
+
+
+def test_pairs_do_not_depend_on_the_number_of_threads():
+    program = (
+        "import hashlib; from lidardraft import Sensor\nfrom lidardraft.streets import StreetConfig, streets\n"
+        "pair = next(streets(seed=1, config=StreetConfig(sensor=Sensor.preset('vlp16'))))\n"
+        "images = (pair.scan.depth, pair.scan.label, pair.scan.intensity, pair.condition_image.depth)\n"
+        "print(hashlib.sha256(b''.join(image.tobytes() for image in images)).hexdigest())"
+    )
+    digests = {
+        subprocess.run(
+            [sys.executable, "-c", program],
+            env={**os.environ, "RAYON_NUM_THREADS": threads},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for threads in ("1", "3")
+    }
+    assert len(digests) == 1
 
 
 def test_the_condition_image_is_the_cast_of_the_layout():

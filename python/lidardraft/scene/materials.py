@@ -29,8 +29,6 @@ Sources of `MATERIALS`, by column; a value with several sources is typical of th
 - `variation`, `grain`: the spread between objects of one material (dirt, age, colour), an estimate, and within one
   from firing to firing, in addition to the sensor's (`speckle`): such that neighbouring readings of PandaSet
   (roads, sidewalks, walls, leaves) and of ika's VLP-32C differ as recorded, see docs/explanation/sensor-model.md.
-  Of walls such that the medians of pieces of facades scatter as PandaSet's do, between houses at 12 to 25 m (quartiles
-  16 and 41 of 255; 15 and 30 of streets, 17 and 28 with 0.2).
 - `texture`: the share of `SensorModel.texture`, which is fitted to asphalt: of walls a half, such that as few of their
   readings are over 2.5 medians as recorded; of seamless surfaces, paint, glass or cloth, none.
 """
@@ -79,12 +77,12 @@ class Material:
 
 MATERIALS: tuple[Material, ...] = (
     Material("asphalt", 0.12, roughness=1.0, grain=0.03, unevenness=0.004),
-    Material("concrete", 0.32, roughness=0.5, variation=0.35, texture=0.5),
+    Material("concrete", 0.32, roughness=0.5, texture=0.5),
     Material("paving", 0.22, roughness=0.8, grain=0.04, unevenness=0.004),
     Material("gravel", 0.25, roughness=1.0, grain=0.2, rms_height=0.008, unevenness=0.012),
-    Material("plaster", 0.45, roughness=0.35, variation=0.35, texture=0.5),
-    Material("brick", 0.36, roughness=0.35, variation=0.35, texture=0.5),
-    Material("stone", 0.33, variation=0.35, texture=0.5),
+    Material("plaster", 0.45, roughness=0.35, texture=0.5),
+    Material("brick", 0.36, roughness=0.35, texture=0.5),
+    Material("stone", 0.33, texture=0.5),
     Material("roof-tile", 0.28, texture=0.5),
     Material("wood", 0.45, roughness=0.3, grain=0.12, texture=0.5),
     Material("metal", 0.25, roughness=0.3, specular=0.08, rms_slope=0.35, variation=0.35, texture=0.0),
